@@ -1,0 +1,44 @@
+"""Direction of the static resistance: a regularised sign of the velocity, one component at a time.
+
+Elastoplastic: the grains around a strip act as a bristle with one end on the strip (at p) and one end in the bed (the
+anchor). The bristle is stretched by at most the yield displacement u_y; beyond it the anchor is dragged along. Inside a
+step the anchor is fixed, so with p and v at the end of the step
+
+    sigma = clip((p - anchor + tau v) / u_y, -1, 1),          anchor <- p - clip(p - anchor, -u_y, u_y) afterwards,
+
+is the closed-form return mapping of one-dimensional perfect plasticity, with the bristle damping tau. At rest the
+anchor does not move: no creep. Smooth: sigma = tanh(v / v_eps), which creeps under any load.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+ELASTOPLASTIC = 0
+SMOOTH = 1
+
+
+@njit(cache=True)
+def direction(stretch: float, v: float, m) -> float:
+    """Regularised sign of a velocity component v (m/s), in [-1, 1]; stretch = p - anchor (m), medium record m."""
+    if m.friction == SMOOTH:
+        return math.tanh(v / m.v_eps)
+    return min(1.0, max(-1.0, (stretch + m.tau * v) / m.u_y))
+
+
+@njit(cache=True)
+def direction_slopes(stretch: float, v: float, m) -> tuple[float, float]:
+    """Derivatives of `direction` by stretch (1/m) and by v (s/m)."""
+    if m.friction == SMOOTH:
+        return 0.0, (1.0 - math.tanh(v / m.v_eps) ** 2) / m.v_eps
+    if abs(stretch + m.tau * v) >= m.u_y:
+        return 0.0, 0.0
+    return 1.0 / m.u_y, m.tau / m.u_y
+
+
+@njit(cache=True)
+def drag_anchor(p: float, anchor: float, m) -> float:
+    """Anchor after an accepted step that ended at p: within u_y of p (m)."""
+    return p - min(m.u_y, max(-m.u_y, p - anchor))

@@ -1,0 +1,149 @@
+"""How the coordinates of a body move its stations, and how forces at the stations become generalised forces.
+
+Rigid body in the plane: coordinates (x, y, phi), stations r (n, 2) in the body frame, p = x + R(phi) r. Run of n_e
+planar ANCF cable elements: 4 coordinates (r_x, r_y, r'_x, r'_y) for each of its n_e + 1 nodes; a station lies in one
+element, p = N_1 r_0 + N_2 r'_0 + N_3 r_1 + N_4 r'_1 with the Hermite polynomials N_k of its place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from granular_contact.kernels.strips import provide
+
+RIGID_STATION = np.dtype([("x", "f8"), ("y", "f8")])
+CABLE_STATION = np.dtype([("first", "i8"), ("shape", "f8", (4,))])
+
+
+def stations(q, v, geometry, P, V):
+    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; by the type of geometry (n,)."""
+    raise NotImplementedError
+
+
+def scatter(q, geometry, P, F, out):
+    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,)."""
+    raise NotImplementedError
+
+
+def scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
+    """Add fq d(J^T F)/dq + fv d(J^T F)/dv to out (m, m), given the strip tangents KP, KV (n - 1, 4, 4)."""
+    raise NotImplementedError
+
+
+def rigid_stations(start: NDArray[np.float64], end: NDArray[np.float64], strips: int) -> NDArray[np.void]:
+    """Stations of `strips` equal strips from start to end, (2,) each, in the body frame (m)."""
+    points = np.linspace(start, end, strips + 1)
+    stations = np.zeros(strips + 1, RIGID_STATION)
+    stations["x"], stations["y"] = points[:, 0], points[:, 1]
+    return stations
+
+
+def hermite(xi: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+    """Shape functions N_1 .. N_4 of an element of `length` (m) at xi in [0, 1], shape (n, 4)."""
+    return np.stack(
+        [
+            1.0 - 3.0 * xi**2 + 2.0 * xi**3,
+            length * (xi - 2.0 * xi**2 + xi**3),
+            3.0 * xi**2 - 2.0 * xi**3,
+            length * (xi**3 - xi**2),
+        ],
+        axis=-1,
+    )
+
+
+def cable_stations(lengths: NDArray[np.float64], strips: int) -> NDArray[np.void]:
+    """Stations of a run of elements with the given lengths (m), `strips` equal strips in each."""
+    stations = np.zeros(len(lengths) * strips + 1, CABLE_STATION)
+    for e, length in enumerate(lengths):
+        place = slice(e * strips, (e + 1) * strips + 1)
+        stations["first"][place] = 4 * e
+        stations["shape"][place] = hermite(np.linspace(0.0, 1.0, strips + 1), length)
+    return stations
+
+
+@provide(stations, "geometry", RIGID_STATION)
+@njit(cache=True)
+def _rigid_stations(q, v, geometry, P, V):
+    c, s = np.cos(q[2]), np.sin(q[2])
+    for i in range(geometry.shape[0]):
+        rx = c * geometry[i].x - s * geometry[i].y
+        ry = s * geometry[i].x + c * geometry[i].y
+        P[i, 0] = q[0] + rx
+        P[i, 1] = q[1] + ry
+        V[i, 0] = v[0] - v[2] * ry
+        V[i, 1] = v[1] + v[2] * rx
+
+
+@provide(scatter, "geometry", RIGID_STATION)
+@njit(cache=True)
+def _rigid_scatter(q, geometry, P, F, out):
+    for i in range(P.shape[0]):
+        out[0] += F[i, 0]
+        out[1] += F[i, 1]
+        out[2] += (P[i, 0] - q[0]) * F[i, 1] - (P[i, 1] - q[1]) * F[i, 0]
+
+
+@provide(scatter_tangent, "geometry", RIGID_STATION)
+@njit(cache=True)
+def _rigid_scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
+    J = np.zeros((4, 3))  # end positions of a strip by (x, y, phi)
+    J[0, 0] = J[1, 1] = J[2, 0] = J[3, 1] = 1.0
+    for i in range(P.shape[0] - 1):
+        J[0, 2], J[1, 2] = q[1] - P[i, 1], P[i, 0] - q[0]
+        J[2, 2], J[3, 2] = q[1] - P[i + 1, 1], P[i + 1, 0] - q[0]
+        for a in range(4):
+            for b in range(4):
+                k = fq * KP[i, a, b] + fv * KV[i, a, b]
+                # v = v_0 + omega x r also changes with phi: dv/dphi = -omega r, and r = (J_y, -J_x)
+                v_phi = -v[2] * J[b + 1, 2] if b % 2 == 0 else v[2] * J[b - 1, 2]
+                for row in range(3):
+                    for col in range(3):
+                        out[row, col] += J[a, row] * k * J[b, col]
+                    out[row, 2] += J[a, row] * fq * KV[i, a, b] * v_phi
+    for i in range(P.shape[0]):
+        out[2, 2] -= fq * ((P[i, 0] - q[0]) * F[i, 0] + (P[i, 1] - q[1]) * F[i, 1])
+
+
+@provide(stations, "geometry", CABLE_STATION)
+@njit(cache=True)
+def _cable_stations(q, v, geometry, P, V):
+    for i in range(geometry.shape[0]):
+        first, shape = geometry[i].first, geometry[i].shape
+        for xy in range(2):
+            p, w = 0.0, 0.0
+            for k in range(4):
+                p += shape[k] * q[first + 2 * k + xy]
+                w += shape[k] * v[first + 2 * k + xy]
+            P[i, xy] = p
+            V[i, xy] = w
+
+
+@provide(scatter, "geometry", CABLE_STATION)
+@njit(cache=True)
+def _cable_scatter(q, geometry, P, F, out):
+    for i in range(P.shape[0]):
+        if F[i, 0] == 0.0 and F[i, 1] == 0.0:
+            continue
+        first, shape = geometry[i].first, geometry[i].shape
+        for k in range(4):
+            out[first + 2 * k] += shape[k] * F[i, 0]
+            out[first + 2 * k + 1] += shape[k] * F[i, 1]
+
+
+@provide(scatter_tangent, "geometry", CABLE_STATION)
+@njit(cache=True)
+def _cable_scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
+    for i in range(P.shape[0] - 1):
+        for a in range(4):
+            at_a = geometry[i + a // 2]
+            for b in range(4):
+                k = fq * KP[i, a, b] + fv * KV[i, a, b]
+                if k == 0.0:
+                    continue
+                at_b = geometry[i + b // 2]
+                for row in range(4):
+                    kr = at_a.shape[row] * k
+                    for col in range(4):
+                        out[at_a.first + 2 * row + a % 2, at_b.first + 2 * col + b % 2] += kr * at_b.shape[col]

@@ -1,0 +1,210 @@
+"""Trajectory -> time series: what a run is asked for, computed from the coordinates of all accepted steps at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
+from granular_contact.media.lee_marghitu import TERMS
+from granular_contact.multibody.build import RigidHandle, System
+from granular_contact.multibody.solve import Trajectory
+from granular_contact.results import Column, Outline
+from granular_contact.scene.types import Connection, Vector
+
+Series = dict[str, tuple[str, Vector]]
+
+
+class Observer:
+    """Reads positions, angles and energies out of a trajectory; (n,) and (n, 2) arrays over its instants."""
+
+    def __init__(self, system: System, trajectory: Trajectory) -> None:
+        self.system = system
+        self.scene = system.scene
+        self.trajectory = trajectory
+        data = system.mbs.systemData
+        self._rigid = {name: data.GetNodeLTGODE2(h.node) for name, h in system.rigid.items()}
+        self._links = {name: [data.GetNodeLTGODE2(n) for n in h.nodes] for name, h in system.links.items()}
+
+    def columns(self) -> tuple[tuple[Column, ...], Vector]:
+        """All columns, with the table (instants, columns)."""
+        series: Series = {"time_s": ("time since the start", self.trajectory.time)}
+        for connection in self.scene.connections:
+            if connection.kind == "hinge":
+                series |= self._joint(connection)
+        series |= self._shape() | self._load() | self._energies()
+        columns = tuple(Column(name, description) for name, (description, _) in series.items())
+        return columns, np.column_stack([values for _, values in series.values()])
+
+    # ---- motion ----
+
+    def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
+        """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""
+        q, v = self.trajectory.q, self.trajectory.v
+        if name in self._links:
+            node = self._links[name][-1 if point[0] > 0.5 * self.system.links[name].link.length else 0]
+            return q[:, node[:2]], v[:, node[:2]]
+        x, y, phi = self._rigid[name]
+        c, s = np.cos(q[:, phi]), np.sin(q[:, phi])
+        arm = np.column_stack([c * point[0] - s * point[1], s * point[0] + c * point[1]])
+        swing = v[:, [phi]] * np.column_stack([-arm[:, 1], arm[:, 0]])
+        return q[:, [x, y]] + arm, v[:, [x, y]] + swing
+
+    def angle(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
+        """Angle (rad) and rate (rad/s) of a body at a joint's point, counter-clockwise; zeros for the ground."""
+        if name is None:
+            return np.zeros_like(self.trajectory.time), np.zeros_like(self.trajectory.time)
+        q, v = self.trajectory.q, self.trajectory.v
+        if name in self._rigid:
+            phi = self._rigid[name][2]
+            return q[:, phi], v[:, phi]
+        node = self._links[name][-1 if point[0] > 0.5 * self.system.links[name].link.length else 0]
+        tx, ty = q[:, node[2]], q[:, node[3]]
+        start = self.scene.body(name).motion.angle
+        turned = np.unwrap(np.arctan2(ty, tx))
+        turned += start - turned[0]
+        return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
+
+    def _joint(self, joint: Connection) -> Series:
+        child, child_rate = self.angle(joint.child, joint.child_point)
+        parent, parent_rate = self.angle(joint.parent, joint.parent_point)
+        what = "below the horizontal" if joint.parent is None else f"relative to {joint.parent}"
+        return {
+            f"{joint.name}_angle_deg": (
+                f"angle of {joint.child} at {joint.name}, {what}, clockwise positive",
+                np.degrees(parent - child),
+            ),
+            f"{joint.name}_rate_rad_s": (f"rate of {joint.name}_angle", parent_rate - child_rate),
+        }
+
+    def mean_rate(self) -> tuple[Vector, Vector]:
+        """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
+
+        Free vibration of a hinged mechanism has no angular momentum about its hinge, so this is the rate of the motion
+        as a whole, without the trembling of any one part.
+        """
+        turn = self._turning()
+        momentum = np.einsum("ti,ij,tj->t", turn, self.trajectory.mass, self.trajectory.v, optimize=True)
+        inertia = np.einsum("ti,ij,tj->t", turn, self.trajectory.mass, turn, optimize=True)
+        return -momentum / inertia, inertia
+
+    def weight_moment(self) -> Vector:
+        """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
+        moment: Vector = -self.scene.gravity * np.einsum("ti,ij,j->t", self._turning(), self.trajectory.mass, self._up())
+        return moment
+
+    def _up(self) -> Vector:
+        """Rates (m,) of all coordinates while everything moves upward at 1 m/s."""
+        up = np.zeros(self.trajectory.q.shape[1])
+        up[[node[1] for node in self._rigid.values()]] = 1.0
+        up[[node[1] for nodes in self._links.values() for node in nodes]] = 1.0
+        return up
+
+    def _turning(self) -> Vector:
+        """Rates (n, m) of all coordinates while everything turns about the pivot at 1 rad/s, counter-clockwise."""
+        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
+        q = self.trajectory.q
+        turn = np.zeros_like(q)
+        for x, y, phi in self._rigid.values():
+            turn[:, x], turn[:, y], turn[:, phi] = pivot[1] - q[:, y], q[:, x] - pivot[0], 1.0
+        for nodes in self._links.values():
+            for x, y, dx, dy in nodes:
+                turn[:, x], turn[:, y] = pivot[1] - q[:, y], q[:, x] - pivot[0]
+                turn[:, dx], turn[:, dy] = -q[:, dy], q[:, dx]
+        return turn
+
+    def _shape(self) -> Series:
+        tip, _ = self.position(*self.scene.tip)
+        series: Series = {
+            "mean_rate_rad_s": (
+                "angular momentum over moment of inertia about the pivot, clockwise positive",
+                self.mean_rate()[0],
+            ),
+            "tip_x_m": ("horizontal position of the tip", tip[:, 0]),
+            "tip_y_m": ("height of the tip", tip[:, 1]),
+        }
+        if self.scene.links:
+            series["deflection_m"] = ("tip deflection across the axis of the link's root, clockwise positive", self.deflection())
+        if self.scene.surface is not None:
+            series["depth_m"] = ("depth of the deepest end or node below the surface", self.depth())
+        return series
+
+    def deflection(self) -> Vector:
+        """Deflection (n,) m of the last flexible link's tip from the tangent at its root, in the clockwise direction."""
+        nodes = list(self._links.values())[-1]
+        q = self.trajectory.q
+        axis = q[:, nodes[0][2:]] / np.linalg.norm(q[:, nodes[0][2:]], axis=1, keepdims=True)
+        chord = q[:, nodes[-1][:2]] - q[:, nodes[0][:2]]
+        return chord[:, 0] * axis[:, 1] - chord[:, 1] * axis[:, 0]
+
+    def depth(self) -> Vector:
+        """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
+        heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
+        heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
+        assert self.scene.surface is not None
+        return self.scene.surface - np.min(heights, axis=0)
+
+    # ---- forces and energies ----
+
+    def _load(self) -> Series:
+        if self.scene.medium is None:
+            return {}
+        load = self.trajectory.load
+        terms = np.zeros((len(self.trajectory.time), 3, 3)) if load is None else load.terms
+        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
+        series: Series = {}
+        for i, term in enumerate(TERMS):
+            fx, fy, moment = terms[:, i].T
+            what = f"{term.replace('_', ' ')} force of the medium"
+            series[f"{term}_force_x_N"] = (f"{what}, horizontal", fx)
+            series[f"{term}_force_y_N"] = (f"{what}, upward", fy)
+            series[f"{term}_moment_Nm"] = (
+                f"moment of the {what} about the pivot, counter-clockwise",
+                moment - (pivot[0] * fy - pivot[1] * fx),
+            )
+        return series
+
+    def _energies(self) -> Series:
+        t = self.trajectory
+        kinetic = 0.5 * np.einsum("ti,ij,tj->t", t.v, t.mass, t.v, optimize=True)
+        gravity = self.scene.gravity * (t.q @ (t.mass @ self._up()))
+        gravity -= gravity[0]
+        total = kinetic + gravity
+        series: Series = {
+            "kinetic_J": ("kinetic energy", kinetic),
+            "gravity_J": ("potential energy of gravity, from the start", gravity),
+        }
+        damping = np.zeros_like(kinetic)
+        if self._links:
+            elastic = np.zeros_like(kinetic)
+            for name, nodes in self._links.items():
+                link = self.system.links[name].link
+                s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
+                elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
+                damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
+            series["elastic_J"] = ("strain energy of the flexible links", elastic)
+            total += elastic
+        work = np.zeros_like(kinetic) if t.load is None else t.load.work
+        series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
+        series["damping_work_J"] = ("work of the links' internal damping so far", damping)
+        series["energy_imbalance_J"] = ("energy less what was done by medium and damping, from the start", total - work - damping - total[0])
+        return series
+
+    # ---- pictures ----
+
+    def outlines(self, instant: int) -> tuple[Outline, ...]:
+        """The mechanism as drawn at an instant (index)."""
+        outlines = []
+        for name, handle in self.system.rigid.items():
+            for disc in handle.body.discs:
+                outlines.append(Outline(disc.part, self.position(name, disc.center)[0][[instant]], disc.diameter))
+            for c in handle.body.cylinders:
+                ends = np.stack([self.position(name, p)[0][instant] for p in (c.start, c.end)])
+                outlines.append(Outline(c.part, ends, c.diameter))
+        for name, nodes in self._links.items():
+            line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
+            outlines.append(Outline(name, line, self.system.links[name].link.diameter))
+        return tuple(outlines)
+
+
+def _ends(handle: RigidHandle) -> list[Vector]:
+    return [p for c in handle.body.cylinders for p in (c.start, c.end)]

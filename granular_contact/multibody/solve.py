@@ -1,0 +1,195 @@
+"""Integrate an assembled system in time and keep every accepted step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+
+from granular_contact.multibody.build import System
+from granular_contact.multibody.history import LoadHistory
+from granular_contact.results import Status
+from granular_contact.scene.types import Scene, Vector
+
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a solve took."""
+
+    solve_s: float
+    steps: int
+    newton_iterations: int
+    jacobians: int
+    load_calls: int
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Accepted steps of a solve, the start included.
+
+    time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
+    did, None without one; mass (m, m), constant for the bodies used here.
+    """
+
+    status: Status
+    cost: Cost
+    time: Vector
+    q: Vector
+    v: Vector
+    load: LoadHistory | None
+    mass: Vector
+
+
+def force_scale(scene: Scene) -> float:
+    """Force (N) against which residuals are measured: weight, at least at 1 g, and the momentum of the impact.
+
+    A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
+    """
+    length = float(np.linalg.norm(scene.tip_position))
+    speed = scene.impact_speed * length
+    return scene.mass * (max(abs(scene.gravity), 9.81) + speed**2 / max(length, 1e-3))
+
+
+def settings(scene: Scene) -> Any:
+    """Exudyn's settings for a scene.
+
+    Exudyn measures a residual against the first one of its step or against an absolute force. Stiff beams cannot get
+    below their own round-off, about the axial stiffness times machine precision, so neither may be asked for less.
+    """
+    s = exu.SimulationSettings()
+    t = s.timeIntegration
+    t.endTime = scene.solver.end_time
+    t.numberOfSteps = max(1, int(np.ceil(scene.solver.end_time / scene.solver.step - 1e-9)))
+    t.minimumStepSize = 1e-4 * scene.solver.step
+    t.generalizedAlpha.spectralRadius = scene.solver.spectral_radius
+    t.verboseMode = 0
+    round_off = 100.0 * np.finfo(float).eps * max((link.axial_stiffness for link in scene.links), default=0.0)
+    t.newton.absoluteTolerance = max(scene.solver.tolerance * force_scale(scene), round_off)
+    t.newton.relativeTolerance = 1e-8
+    t.newton.useModifiedNewton = True
+    s.solution.file.write = False
+    s.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    return s
+
+
+class _Recorder:
+    """Post-step function: keeps the accepted states, tells when to stop."""
+
+    def __init__(self, system: System, progress: Progress | None) -> None:
+        self.system = system
+        self.solver = system.scene.solver
+        self.progress = progress
+        data = system.mbs.systemData
+        self.size = data.ODE2Size()
+        self.rows = 0
+        self.states = np.empty((512, 1 + 2 * self.size))
+        self.lever = _levers(system)
+        self.resting_since: float | None = None
+        self.at_rest = False
+
+    def __call__(self, mbs: Any, t: float) -> bool:
+        data = mbs.systemData
+        v = data.GetODE2Coordinates_t(copy=False)
+        if self.rows == len(self.states):
+            self.states = np.concatenate([self.states, np.empty_like(self.states)])
+        row = self.states[self.rows]
+        row[0] = t
+        row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
+        row[1 + self.size :] = v
+        self.rows += 1
+        if self.system.bed is not None:
+            self.system.bed.accept()
+        if self.progress is not None and self.rows % 64 == 0:
+            self.progress(t, self.solver.end_time)
+        return not self._rests(t, v)
+
+    def _rests(self, t: float, v: Vector) -> bool:
+        if self.solver.rest_time is None:
+            return False
+        if np.abs(self.lever * v).max() > self.solver.rest_speed:
+            self.resting_since = None
+            return False
+        if self.resting_since is None:
+            self.resting_since = t
+        self.at_rest = t - self.resting_since >= self.solver.rest_time
+        return self.at_rest
+
+
+def _levers(system: System) -> Vector:
+    """What turns each coordinate's rate into the speed of a point (m/s): 1 for positions, a body's radius for its angle."""
+    data = system.mbs.systemData
+    lever = np.zeros(data.ODE2Size())
+    for rigid in system.rigid.values():
+        points = [p for c in rigid.body.cylinders for p in (c.start, c.end)] + [d.center for d in rigid.body.discs]
+        radius = max(float(np.linalg.norm(p)) for p in points)
+        lever[data.GetNodeLTGODE2(rigid.node)] = 1.0, 1.0, radius
+    for link in system.links.values():
+        for node in link.nodes:
+            lever[data.GetNodeLTGODE2(node)] = 1.0, 1.0, 0.0, 0.0
+    return lever
+
+
+def solve(system: System, progress: Progress | None = None) -> Trajectory:
+    """Run the scene to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept."""
+    mbs, scene = system.mbs, system.scene
+    simulation = settings(scene)
+    mass = mbs.ComputeLinearizedSystem(simulation)[0]
+    recorder = _Recorder(system, progress)
+    mbs.SetPostStepUserFunction(recorder)
+    solver = exu.MainSolverImplicitSecondOrder()
+    console = exu.config.printToConsole
+    exu.config.printToConsole = False
+    interrupted, problem, success = False, "", False
+    began = time.perf_counter()
+    try:
+        success = solver.SolveSystem(mbs, simulation)
+    except KeyboardInterrupt:
+        interrupted = True
+    except (exu.ExudynError, RuntimeError) as error:
+        problem = str(error).strip().splitlines()[0]
+    finally:
+        seconds = time.perf_counter() - began
+        exu.config.printToConsole = console
+    states = recorder.states[: recorder.rows]
+    size = recorder.size
+    iterations = solver.it
+    return Trajectory(
+        status=_status(scene, recorder, success, interrupted, problem, solver),
+        cost=Cost(
+            solve_s=seconds,
+            steps=recorder.rows - 1,
+            newton_iterations=iterations.newtonStepsCount,
+            jacobians=iterations.newtonJacobiCount,
+            load_calls=0 if system.bed is None else system.bed.load_calls,
+        ),
+        time=states[:, 0],
+        q=states[:, 1 : 1 + size] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
+        v=states[:, 1 + size :],
+        load=None if system.bed is None else system.bed.history,
+        mass=mass,
+    )
+
+
+def _status(
+    scene: Scene, recorder: _Recorder, success: bool, interrupted: bool, problem: str, solver: Any
+) -> Status:
+    t = recorder.states[recorder.rows - 1, 0] if recorder.rows else 0.0
+    if interrupted:
+        return Status("interrupted", f"interrupted at {t:.6g} s; the results up to there were kept")
+    if not success:
+        reason = problem or "Newton's method did not converge"
+        step = solver.it.currentStepSize
+        return Status(
+            "failed",
+            f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; take a smaller solver.step_s "
+            f"(now {scene.solver.step:g}) or, for a very soft or very stiff link, more elements",
+        )
+    if recorder.at_rest:
+        return Status("rest", f"at rest: slower than {scene.solver.rest_speed:g} m/s everywhere for {scene.solver.rest_time:g} s")
+    return Status("end_time", f"end time {scene.solver.end_time:g} s reached")

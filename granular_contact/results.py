@@ -1,0 +1,76 @@
+"""What a run leaves behind: how it ended, its time series, key numbers and snapshots. Plain data, no engine in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+StatusCode = Literal["rest", "end_time", "failed", "interrupted"]
+
+
+@dataclass(frozen=True)
+class Status:
+    """How a run ended, with a sentence for people; for a failure it says what to change."""
+
+    code: StatusCode
+    message: str
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the time series: `name` ends in its unit (`tip_y_m`)."""
+
+    name: str
+    description: str
+
+
+@dataclass(frozen=True)
+class Outline:
+    """One part of the mechanism as it is drawn: a bar along a centre line, or a disc around its only point.
+
+    points: (n, 2) m, world frame (x horizontal, y up); diameter: m.
+    """
+
+    part: str
+    points: NDArray[np.float64]
+    diameter: float
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The mechanism at one instant (s); `label` is `touch`, `deepest` or `end`."""
+
+    label: str
+    time: float
+    outlines: tuple[Outline, ...]
+
+
+@dataclass(frozen=True)
+class Results:
+    """A finished run.
+
+    table: (rows, len(columns)), one row per accepted step (or per `output.interval_s`), the first at t = 0.
+    summary: what summary.json holds (JSON types only, SI units in the keys).
+    scenario: the scenario with every default resolved, as plain YAML types.
+    surface: height of the free surface (m), None in vacuum.
+    """
+
+    name: str
+    status: Status
+    columns: tuple[Column, ...]
+    table: NDArray[np.float64]
+    summary: dict[str, Any]
+    scenario: dict[str, Any]
+    snapshots: tuple[Snapshot, ...]
+    surface: float | None
+    warnings: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """Column `name` as an array (rows,); KeyError lists the columns there are."""
+        for i, column in enumerate(self.columns):
+            if column.name == name:
+                return self.table[:, i]
+        raise KeyError(f"no column {name!r}; there are: {', '.join(c.name for c in self.columns)}")

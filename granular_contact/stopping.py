@@ -1,0 +1,75 @@
+"""When a mechanism stops: the first zero of its rate, found inside a step from the side before the stop.
+
+At the stop the static resistance turns round, so values after it tell nothing about when it came. The last step before
+it has the rate and its derivative, from the moments that act; with the derivative one step earlier the zero of a
+parabola is the stop, to second order in the step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Time (s) from the start, angle (rad) there, and the first zero of the angle's own rate (s), None if it has none."""
+
+    time: float
+    angle: float
+    hub_time: float | None
+
+
+def find_stop(time: Vector, rate: Vector, acceleration: Vector, angle: Vector, angle_rate: Vector) -> Stop | None:
+    """First zero of `rate`, None if it has none.
+
+    All (n,) over the accepted steps: rate (rad/s) with its derivative acceleration (rad/s2) before each instant, and an
+    angle (rad) with its rate, which need not be the same motion (a hub trembles about the mean).
+    """
+    k = first_reversal(rate)
+    if k is None:
+        return None
+    step = time[k + 1] - time[k]
+    jerk = (acceleration[k] - acceleration[k - 1]) / (time[k] - time[k - 1]) if k > 0 else 0.0
+    tau = _parabola_root(rate[k], acceleration[k], 0.5 * jerk, step)
+    hub = first_reversal(angle_rate)
+    hub_time = None
+    if hub is not None:
+        a, b = angle_rate[hub], angle_rate[hub + 1]
+        hub_time = float(time[hub] + (time[hub + 1] - time[hub]) * a / (a - b))
+    return Stop(
+        time=float(time[k] + tau),
+        angle=_hermite(tau / step, step, angle[k], angle[k + 1], angle_rate[k], angle_rate[k + 1]),
+        hub_time=hub_time,
+    )
+
+
+def first_reversal(rate: Vector) -> int | None:
+    """Last index before the rate (n,) first reaches zero from the sign it first has."""
+    moving = np.flatnonzero(rate)
+    if len(moving) == 0:
+        return None
+    start = int(moving[0])
+    over = np.flatnonzero(rate[start:] * np.sign(rate[start]) <= 0.0)
+    return None if len(over) == 0 else start + int(over[0]) - 1
+
+
+def _parabola_root(value: float, slope: float, curvature: float, step: float) -> float:
+    """Smallest positive zero of value + slope tau + curvature tau^2, kept within (0, step]."""
+    roots = np.roots([curvature, slope, value]) if curvature != 0.0 else np.array([-value / slope if slope else step])
+    real = [float(r.real) for r in np.atleast_1d(roots) if abs(r.imag) <= 1e-12 * abs(r) and r.real > 0.0]
+    return min([*real, step])
+
+
+def _hermite(xi: float, step: float, a: float, b: float, a_rate: float, b_rate: float) -> float:
+    """Cubic through two values and rates at the ends of a step, at fraction xi of it."""
+    return float(
+        (1 + 2 * xi) * (1 - xi) ** 2 * a
+        + xi * (1 - xi) ** 2 * step * a_rate
+        + xi**2 * (3 - 2 * xi) * b
+        + xi**2 * (xi - 1) * step * b_rate
+    )
