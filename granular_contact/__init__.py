@@ -1,1 +1,50 @@
-"""x"""
+"""Links striking and moving in sand: a plugin for the multibody engine Exudyn.
+
+Two doors. For runs from YAML: `load`, `build`, `run`, or the command line. For an Exudyn model of your own:
+`GranularBed` with a medium, for example `preset("play_sand")`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from granular_contact.config import load
+    from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+    from granular_contact.media.static_friction import Elastoplastic, Smooth
+    from granular_contact.multibody.bed import GranularBed
+    from granular_contact.run import run
+    from granular_contact.scene.build import build, preset
+
+# Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
+_HOMES = {
+    "Elastoplastic": "granular_contact.media.static_friction",
+    "GranularBed": "granular_contact.multibody.bed",
+    "LeeMarghitu": "granular_contact.media.lee_marghitu",
+    "Smooth": "granular_contact.media.static_friction",
+    "VerticalResistance": "granular_contact.media.lee_marghitu",
+    "build": "granular_contact.scene.build",
+    "load": "granular_contact.config",
+    "preset": "granular_contact.scene.build",
+    "run": "granular_contact.run",
+}
+
+__all__ = [
+    "Elastoplastic",
+    "GranularBed",
+    "LeeMarghitu",
+    "Smooth",
+    "VerticalResistance",
+    "build",
+    "load",
+    "preset",
+    "run",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(_HOMES[name]), name)

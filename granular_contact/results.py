@@ -20,6 +20,17 @@ class Status:
 
 
 @dataclass(frozen=True)
+class Cost:
+    """What a solve took; solve_s is wall time (s)."""
+
+    solve_s: float
+    steps: int
+    newton_iterations: int
+    jacobians: int
+    load_calls: int
+
+
+@dataclass(frozen=True)
 class Column:
     """One column of the time series: `name` ends in its unit (`tip_y_m`)."""
 

@@ -17,7 +17,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stop:
-    """Time (s) from the start, angle (rad) there, and the first zero of the angle's own rate (s), None if it has none."""
+    """Time (s) since the start and angle (rad) there; time of the first zero of the angle's own rate, if it has one."""
 
     time: float
     angle: float

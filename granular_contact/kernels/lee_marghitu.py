@@ -10,7 +10,8 @@ Over a straight link that pierces the surface these integrate to the resultants 
 README]. (eta_v, lam) have one value for plunging (v_y < 0) and one for withdrawing. The sign is regularised in
 `kernels.friction`.
 
-A strip has end positions p_0, p_1 with c = p_1 - p_0, so that ds = |c| dxi, |t x v| ds = |c x v| dxi, |t_y| ds = |c_y| dxi.
+A strip has end positions p_0, p_1 with c = p_1 - p_0, so that ds = |c| dxi, |t x v| ds = |c x v| dxi and
+|t_y| ds = |c_y| dxi.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import math
 import numpy as np
 from numba import njit
 
+from granular_contact.kernels import strips
 from granular_contact.kernels.friction import direction, direction_slopes
 from granular_contact.kernels.immersion import (
     GAUSS_HIGH,
@@ -28,7 +30,6 @@ from granular_contact.kernels.immersion import (
     depth_integrals,
     immersed_interval,
 )
-from granular_contact.kernels import strips
 
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2
 TERMS = ("drag", "horizontal_static", "vertical_static")

@@ -1,10 +1,12 @@
 """The three calls that the engine makes for a run of strips on a body: force, tangent, accept.
 
 Arguments that they share:
-    system_q, system_v   coordinates (without reference values) and rates of the whole system, views of the engine's memory
+    system_q, system_v   coordinates (without reference values) and rates of the whole system, views of the engine's
+                         memory
     where, reference     (m,) places of the body's coordinates in them, and their reference values
     geometry             (n,) station records of `kinematics`
-    run                  (1,) record: surface height and diameter (m), whether the last end is a free face, form of the law
+    run                  (1,) record: surface height and diameter (m), whether the last end is a free face, form of the
+                         law
     medium               (1,) record of the law
     anchors              (n - 1, 2) anchors of the static law (m), see `friction`
     totals               (3, 3), see `strips`
@@ -19,8 +21,8 @@ from granular_contact.kernels.friction import drag_anchor
 from granular_contact.kernels.kinematics import scatter, scatter_tangent, stations
 from granular_contact.kernels.strips import distributed_forces, distributed_tangents, resultant_forces
 
-# Columns of a history row: time (s), work done on the bodies so far (J), power (W), depth of the deepest station (m), then
-# resultant x, y (N) and moment about the origin (N m) of each of the three terms.
+# Columns of a history row: time (s), work done on the bodies so far (J), power (W), depth of the deepest station (m),
+# then resultant x, y (N) and moment about the origin (N m) of each of the three terms.
 TIME, WORK, POWER, DEPTH, TOTALS = 0, 1, 2, 3, 4
 ROW = TOTALS + 9
 

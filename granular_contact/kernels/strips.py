@@ -31,7 +31,7 @@ def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, f):
 
 
 def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, kp, kv):
-    """Add to kp, kv (4, 4) the derivatives of the end forces (f_0x, f_0y, f_1x, f_1y) by end positions and velocities."""
+    """Add to kp, kv (4, 4) the derivatives of end forces (f_0x, f_0y, f_1x, f_1y) by end positions and velocities."""
     raise NotImplementedError
 
 
@@ -60,7 +60,7 @@ def provide(stub, argument: str, dtype: np.dtype):
             given = arguments[names.index(argument)]
             return implementation.py_func if getattr(given, "dtype", given) == wanted else None
 
-        choose.__signature__ = inspect.signature(stub)
+        choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
         overload(stub)(choose)
         return implementation
 
@@ -125,7 +125,7 @@ def distributed_tangents(P, V, anchors, run, m, KP, KV):
 
 @njit(cache=True)
 def immersed_segment(P, surface):
-    """First and last immersed point of a run as positions i + xi along the stations; (0, 0) when nothing is immersed."""
+    """First and last immersed point of a run as positions i + xi along its stations; (0, 0) when none is immersed."""
     first, last = 0.0, 0.0
     found = False
     for i in range(P.shape[0] - 1):

@@ -27,7 +27,7 @@ class VerticalResistance:
 class LeeMarghitu:
     """Coefficients of the law, all >= 0.
 
-    density: rho_g of the medium (kg/m3); eta_d drag; eta_h horizontal static; plunging and withdrawing: vertical static.
+    density: rho_g of the medium (kg/m3); eta_d: drag; eta_h: horizontal static; plunging, withdrawing: vertical static.
     """
 
     density: float

@@ -210,7 +210,7 @@ class GranularBed:
         if t == self._accepted:
             return
         if self._accepted is None or t < self._accepted:
-            self._restart(q)
+            self._restart(q, v)
         row = self._new_row()
         for run in self.runs:
             run.accept(q, v, self.medium, row)
@@ -220,11 +220,11 @@ class GranularBed:
             row[WORK] = last[WORK] + 0.5 * (row[POWER] + last[POWER]) * (t - last[TIME])
         self._accepted = t
 
-    def _restart(self, q: Vector) -> None:
+    def _restart(self, q: Vector, v: Vector) -> None:
         """A new solve begins: forget the history, rest the bristles."""
         self._rows = 0
         for run in self.runs:
-            run.start(self.mbs, q)
+            run.start(self.mbs, q, v, self.medium)
 
     def _new_row(self) -> Vector:
         if self._rows == len(self._history):
@@ -239,9 +239,14 @@ class GranularBed:
 
     @property
     def history(self) -> LoadHistory:
-        """All accepted steps so far."""
+        """All steps of the solve, which is taken to be over: its last step has none after it that would accept it."""
         if self._accepted is not None and self.mbs.systemData.GetTime() > self._accepted:
-            self.accept()  # the last step of a solve has no step after it that would accept it
+            self.accept()
+        return self.accepted
+
+    @property
+    def accepted(self) -> LoadHistory:
+        """The steps accepted so far; safe to read while a solve is under way."""
         rows = self._history[: self._rows]
         terms = rows[:, TOTALS:].reshape(-1, len(TERMS), 3)
         return LoadHistory(rows[:, TIME], rows[:, WORK], rows[:, POWER], rows[:, DEPTH], terms)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import exudyn as exu
@@ -95,7 +96,7 @@ def _add_link(mbs: Any, link: FlexibleLink, gravity: float) -> LinkHandle:
             )
         )
     elements = []
-    for first, second in zip(nodes[:-1], nodes[1:], strict=True):
+    for first, second in pairwise(nodes):
         elements.append(
             mbs.AddObject(
                 items.ObjectANCFCable2D(
@@ -135,7 +136,10 @@ def _add_joint(system: System, ground: Any, connection: Connection) -> None:
         turn[:2, :2] = rotation(_angle(system, connection.child) - _angle(system, connection.parent))
         mbs.AddObject(
             items.ObjectJointGeneric(
-                markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1], rotationMarker0=turn, rotationMarker1=np.eye(3)
+                markerNumbers=markers,
+                constrainedAxes=[1, 1, 0, 0, 0, 1],
+                rotationMarker0=turn,
+                rotationMarker1=np.eye(3),
             )
         )
 
@@ -161,7 +165,9 @@ def _add_bed(system: System) -> Any:
     scene = system.scene
     if scene.medium is None or scene.surface is None:
         return None
-    cylinders = [(h, c) for h in system.rigid.values() for c in h.body.cylinders if _reaches(scene, h.body, c.start, c.end)]
+    cylinders = [
+        (h, c) for h in system.rigid.values() for c in h.body.cylinders if _reaches(scene, h.body, c.start, c.end)
+    ]
     runs = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
     if not cylinders and not any(elements for _, elements in runs):
         return None
@@ -199,11 +205,7 @@ def _reaches(scene: Scene, body: RigidBody | FlexibleLink, *points: Vector) -> b
 def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
     """Elements of a link from the first to the last that can reach the surface."""
     places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
-    near = [
-        _reaches(scene, handle.link, np.array([a, 0.0]), np.array([b, 0.0]))
-        for a, b in zip(places[:-1], places[1:], strict=True)
-    ]
+    near = [_reaches(scene, handle.link, np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
     if not any(near):
         return ()
     return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]
-

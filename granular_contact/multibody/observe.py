@@ -89,7 +89,9 @@ class Observer:
 
     def weight_moment(self) -> Vector:
         """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
-        moment: Vector = -self.scene.gravity * np.einsum("ti,ij,j->t", self._turning(), self.trajectory.mass, self._up())
+        moment: Vector = -self.scene.gravity * np.einsum(
+            "ti,ij,j->t", self._turning(), self.trajectory.mass, self._up()
+        )
         return moment
 
     def _up(self) -> Vector:
@@ -123,25 +125,30 @@ class Observer:
             "tip_y_m": ("height of the tip", tip[:, 1]),
         }
         if self.scene.links:
-            series["deflection_m"] = ("tip deflection across the axis of the link's root, clockwise positive", self.deflection())
+            series["deflection_m"] = (
+                "tip deflection across the axis of the link's root, clockwise positive",
+                self.deflection(),
+            )
         if self.scene.surface is not None:
             series["depth_m"] = ("depth of the deepest end or node below the surface", self.depth())
         return series
 
     def deflection(self) -> Vector:
-        """Deflection (n,) m of the last flexible link's tip from the tangent at its root, in the clockwise direction."""
+        """Deflection (n,) m of the last flexible link's tip from the tangent at its root, clockwise positive."""
         nodes = list(self._links.values())[-1]
         q = self.trajectory.q
         axis = q[:, nodes[0][2:]] / np.linalg.norm(q[:, nodes[0][2:]], axis=1, keepdims=True)
         chord = q[:, nodes[-1][:2]] - q[:, nodes[0][:2]]
-        return chord[:, 0] * axis[:, 1] - chord[:, 1] * axis[:, 0]
+        deflection: Vector = chord[:, 0] * axis[:, 1] - chord[:, 1] * axis[:, 0]
+        return deflection
 
     def depth(self) -> Vector:
         """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
         heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
         heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
         assert self.scene.surface is not None
-        return self.scene.surface - np.min(heights, axis=0)
+        depth: Vector = self.scene.surface - np.min(heights, axis=0)
+        return depth
 
     # ---- forces and energies ----
 
@@ -186,7 +193,10 @@ class Observer:
         work = np.zeros_like(kinetic) if t.load is None else t.load.work
         series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
         series["damping_work_J"] = ("work of the links' internal damping so far", damping)
-        series["energy_imbalance_J"] = ("energy less what was done by medium and damping, from the start", total - work - damping - total[0])
+        series["energy_imbalance_J"] = (
+            "energy less what was done by medium and damping, from the start",
+            total - work - damping - total[0],
+        )
         return series
 
     # ---- pictures ----
@@ -195,8 +205,9 @@ class Observer:
         """The mechanism as drawn at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            for disc in handle.body.discs:
-                outlines.append(Outline(disc.part, self.position(name, disc.center)[0][[instant]], disc.diameter))
+            outlines += [
+                Outline(d.part, self.position(name, d.center)[0][[instant]], d.diameter) for d in handle.body.discs
+            ]
             for c in handle.body.cylinders:
                 ends = np.stack([self.position(name, p)[0][instant] for p in (c.start, c.end)])
                 outlines.append(Outline(c.part, ends, c.diameter))

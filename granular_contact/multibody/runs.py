@@ -1,4 +1,4 @@
-"""A run: consecutive strips on one body, with the arrays that its kernels read. See `kernels.runs` for their meaning."""
+"""A run: consecutive strips on one body, with the arrays that its kernels read; `kernels.runs` says what they are."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from granular_contact.kernels import runs as kernels
 
 Vector = NDArray[np.float64]
 
-# Most elements under one overlay. The engine copies all coordinates of an overlay into lists at every call, so a long beam
-# is cheaper in pieces of which only those near the surface are evaluated; each piece costs a call of its own.
+# Most elements under one overlay. The engine copies all coordinates of an overlay into lists at every call, so a long
+# beam is cheaper in pieces of which only those near the surface are evaluated; each piece costs a call of its own.
 ELEMENTS_PER_RUN = 12
 
 
@@ -49,12 +49,15 @@ class Run:
         rows, columns = np.indices((size, size)).reshape(2, -1)
         self._triplets = np.column_stack([rows, columns, np.zeros(size * size)]).astype(float)
 
-    def start(self, mbs: Any, system_q: Vector) -> None:
+    def start(self, mbs: Any, q: Vector, v: Vector, medium: NDArray[np.void]) -> None:
         """Find the run's coordinates in the assembled system; rest the bristles where the strips are."""
         data = mbs.systemData
         self._where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=np.int64)
         self._reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)[self._where]
-        kernels.release(system_q, self._where, self._reference, self.geometry, self.anchors)
+        kernels.release(q, self._where, self._reference, self.geometry, self.anchors)
+        # Compiling, the first time on a machine, belongs to the start and not to the first step.
+        self.force(q, v, medium)
+        self.jacobian(q, v, medium, 1.0, 1.0)
 
     def force(self, q: Vector, v: Vector, medium: NDArray[np.void]) -> list[float]:
         """Generalised forces on the run's coordinates."""
@@ -82,7 +85,7 @@ class Run:
         )
 
     def wake(self, step: float) -> None:
-        """Sleep through the next step (s) if the run is too far above the surface to touch it, at four times its speed."""
+        """Sleep through the next step (s) if at four times its speed the run could not touch the surface in it."""
         self.awake = self.depth + 4.0 * step * (self.speed + 10.0 * step) > -1e-3
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from types import FrameType
 from typing import Any
 
 import exudyn as exu
@@ -12,21 +16,10 @@ import numpy as np
 
 from granular_contact.multibody.build import System
 from granular_contact.multibody.history import LoadHistory
-from granular_contact.results import Status
+from granular_contact.results import Cost, Status
 from granular_contact.scene.types import Scene, Vector
 
 Progress = Callable[[float, float], None]
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What a solve took."""
-
-    solve_s: float
-    steps: int
-    newton_iterations: int
-    jacobians: int
-    load_calls: int
 
 
 @dataclass(frozen=True)
@@ -92,6 +85,7 @@ class _Recorder:
         self.lever = _levers(system)
         self.resting_since: float | None = None
         self.at_rest = False
+        self.interrupted = False
 
     def __call__(self, mbs: Any, t: float) -> bool:
         data = mbs.systemData
@@ -107,7 +101,13 @@ class _Recorder:
             self.system.bed.accept()
         if self.progress is not None and self.rows % 64 == 0:
             self.progress(t, self.solver.end_time)
-        return not self._rests(t, v)
+        return not self._rests(t, v) and not self.interrupted
+
+    def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
+        """Signal handler: stop after the step under way; asked again, at once."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        self.interrupted = True
 
     def _rests(self, t: float, v: Vector) -> bool:
         if self.solver.rest_time is None:
@@ -122,7 +122,7 @@ class _Recorder:
 
 
 def _levers(system: System) -> Vector:
-    """What turns each coordinate's rate into the speed of a point (m/s): 1 for positions, a body's radius for its angle."""
+    """Factors (m,) from coordinate rates to speeds of points (m/s): 1 for positions, a body's radius for its angle."""
     data = system.mbs.systemData
     lever = np.zeros(data.ODE2Size())
     for rigid in system.rigid.values():
@@ -135,52 +135,68 @@ def _levers(system: System) -> Vector:
     return lever
 
 
+@contextmanager
+def _on_interrupt(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Let a handler take Ctrl-C; only the main thread may."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep the engine from printing; how a run ended is told by its status."""
+    before = exu.config.printToConsole
+    exu.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exu.config.printToConsole = before
+
+
 def solve(system: System, progress: Progress | None = None) -> Trajectory:
     """Run the scene to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept."""
     mbs, scene = system.mbs, system.scene
     simulation = settings(scene)
-    mass = mbs.ComputeLinearizedSystem(simulation)[0]
     recorder = _Recorder(system, progress)
     mbs.SetPostStepUserFunction(recorder)
     solver = exu.MainSolverImplicitSecondOrder()
-    console = exu.config.printToConsole
-    exu.config.printToConsole = False
-    interrupted, problem, success = False, "", False
-    began = time.perf_counter()
-    try:
-        success = solver.SolveSystem(mbs, simulation)
-    except KeyboardInterrupt:
-        interrupted = True
-    except (exu.ExudynError, RuntimeError) as error:
-        problem = str(error).strip().splitlines()[0]
-    finally:
+    problem, success = "", False
+    with _on_interrupt(recorder.interrupt), _silent():
+        mass = mbs.ComputeLinearizedSystem(simulation)[0]
+        began = time.perf_counter()
+        try:
+            success = solver.SolveSystem(mbs, simulation)
+        except (exu.ExudynError, RuntimeError) as error:
+            problem = str(error).strip().splitlines()[0]
         seconds = time.perf_counter() - began
-        exu.config.printToConsole = console
     states = recorder.states[: recorder.rows]
     size = recorder.size
-    iterations = solver.it
     return Trajectory(
-        status=_status(scene, recorder, success, interrupted, problem, solver),
+        status=_status(scene, recorder, success, problem, solver),
         cost=Cost(
             solve_s=seconds,
             steps=recorder.rows - 1,
-            newton_iterations=iterations.newtonStepsCount,
-            jacobians=iterations.newtonJacobiCount,
+            newton_iterations=solver.it.newtonStepsCount,
+            jacobians=solver.it.newtonJacobiCount,
             load_calls=0 if system.bed is None else system.bed.load_calls,
         ),
         time=states[:, 0],
         q=states[:, 1 : 1 + size] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
         v=states[:, 1 + size :],
-        load=None if system.bed is None else system.bed.history,
+        load=None if system.bed is None else system.bed.accepted,
         mass=mass,
     )
 
 
-def _status(
-    scene: Scene, recorder: _Recorder, success: bool, interrupted: bool, problem: str, solver: Any
-) -> Status:
-    t = recorder.states[recorder.rows - 1, 0] if recorder.rows else 0.0
-    if interrupted:
+def _status(scene: Scene, recorder: _Recorder, success: bool, problem: str, solver: Any) -> Status:
+    t = recorder.states[recorder.rows - 1, 0]
+    if recorder.interrupted:
         return Status("interrupted", f"interrupted at {t:.6g} s; the results up to there were kept")
     if not success:
         reason = problem or "Newton's method did not converge"
@@ -191,5 +207,7 @@ def _status(
             f"(now {scene.solver.step:g}) or, for a very soft or very stiff link, more elements",
         )
     if recorder.at_rest:
-        return Status("rest", f"at rest: slower than {scene.solver.rest_speed:g} m/s everywhere for {scene.solver.rest_time:g} s")
+        return Status(
+            "rest", f"at rest: slower than {scene.solver.rest_speed:g} m/s everywhere for {scene.solver.rest_time:g} s"
+        )
     return Status("end_time", f"end time {scene.solver.end_time:g} s reached")

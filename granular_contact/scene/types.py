@@ -64,7 +64,7 @@ class Tether:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """Parts that are welded together; its frame has its origin in the centre of mass. Mass kg, inertia about it kg m2."""
+    """Parts that are welded together. Mass kg; inertia kg m2 about the centre of mass, the origin of its frame."""
 
     name: str
     mass: float
@@ -135,7 +135,7 @@ class Solver:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that the engine needs. gravity m/s2 downward, surface m (None in vacuum), impact angle rad and speed rad/s."""
+    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum; impact angle rad and speed rad/s."""
 
     name: str
     rigid: tuple[RigidBody, ...]
@@ -152,13 +152,18 @@ class Scene:
     output_interval: float | None
 
     @property
+    def bodies(self) -> list[RigidBody | FlexibleLink]:
+        """All bodies, the rigid ones first."""
+        return [*self.rigid, *self.links]
+
+    @property
     def mass(self) -> float:
         """Moving mass (kg)."""
-        return sum(body.mass for body in (*self.rigid, *self.links))
+        return sum(body.mass for body in self.bodies)
 
     def body(self, name: str) -> RigidBody | FlexibleLink:
         """Body of this name."""
-        return next(body for body in (*self.rigid, *self.links) if body.name == name)
+        return next(body for body in self.bodies if body.name == name)
 
     @property
     def tip_position(self) -> Vector:

@@ -1,0 +1,23 @@
+"""First stage: YAML -> `Scenario`, strict and frozen, with every fault at its line. Imports nothing heavy.
+
+reading   yaml_source, compose, scalars, tree      text -> tree with positions
+resolving references, overrides                    names, `from` and --set -> one tree
+checking  schema, allowed, messages                one tree -> Scenario, or faults in sentences
+"""
+
+from granular_contact.config import schema
+from granular_contact.config.export import json_schema, scenario_to_dict
+from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario
+from granular_contact.config.schema import Scenario
+
+__all__ = [
+    "Loaded",
+    "Scenario",
+    "SourceMap",
+    "json_schema",
+    "load",
+    "load_medium",
+    "load_scenario",
+    "scenario_to_dict",
+    "schema",
+]

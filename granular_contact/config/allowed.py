@@ -1,0 +1,96 @@
+"""What the schema allows at a place, in words; read from the JSON Schema, so it can't differ from the checks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.tree import Path
+
+Schema = dict[str, Any]
+
+
+@cache
+def root() -> Schema:
+    """JSON Schema of a scenario whose model and medium are resolved."""
+    return Scenario.model_json_schema(by_alias=True)
+
+
+def walk(location: Sequence[str | int]) -> tuple[Path, Schema]:
+    """Path in the file, and schema, of what pydantic calls `location`: it puts the tag of a union between two keys."""
+    schema, path = _resolved(root()), list[str | int]()
+    for step in location:
+        if "discriminator" in schema:
+            schema = _deref(schema["discriminator"]["mapping"].get(step, {}))
+            continue
+        path.append(step)
+        schema = _below(schema, step)
+    return tuple(path), schema
+
+
+def _below(schema: Schema, step: str | int) -> Schema:
+    if isinstance(step, int):
+        items = schema.get("prefixItems", [])
+        below = items[step] if step < len(items) else schema.get("items", {})
+    else:
+        below = schema.get("properties", {}).get(step, schema.get("additionalProperties"))
+    return _resolved(below) if isinstance(below, dict) else {}
+
+
+def _deref(schema: Schema | str) -> Schema:
+    if not isinstance(schema, str):
+        return _deref(schema["$ref"]) if "$ref" in schema else schema
+    found: Schema = root()["$defs"][schema.rsplit("/", 1)[1]]
+    return found
+
+
+def _resolved(schema: Schema) -> Schema:
+    """`schema` without reference, and without its null alternative, which becomes the key `nullable`."""
+    schema = _deref(schema)
+    others = [_deref(option) for option in schema.get("anyOf", []) if option.get("type") != "null"]
+    return {**others[0], "nullable": True} if len(others) == 1 else schema
+
+
+def tags(schema: Schema) -> tuple[str, list[str]] | None:
+    """Key and allowed values of the tag of a union; None if `schema` is none."""
+    if "discriminator" not in schema:
+        return None
+    return schema["discriminator"]["propertyName"], list(schema["discriminator"]["mapping"])
+
+
+def keys(schema: Schema) -> list[str]:
+    """Names of the keys that a mapping may have; empty if it takes any."""
+    return list(schema.get("properties", {}))
+
+
+def describe(schema: Schema) -> str:
+    """The allowed values in words, as `a number above 0, or null`."""
+    return _kind(schema) + (", or null" if schema.get("nullable") else "")
+
+
+def _kind(schema: Schema) -> str:
+    if "enum" in schema or "const" in schema:
+        return f"one of {', '.join(schema.get('enum', [schema.get('const')]))}"
+    if tag := tags(schema):
+        return f"a mapping whose {tag[0]} is one of {', '.join(tag[1])}"
+    kind = schema.get("type")
+    if kind in ("number", "integer"):
+        return " ".join(filter(None, ("a whole number" if kind == "integer" else "a finite number", _range(schema))))
+    if kind == "array":
+        size = len(schema.get("prefixItems", ()))
+        return f"a list of {size} numbers" if size else "a list of one item or more"
+    if kind == "object":
+        return f"a mapping with the keys {', '.join(keys(schema))}" if keys(schema) else "a mapping of one name or more"
+    return {"boolean": "true or false", "string": "text"}.get(str(kind), "another value")
+
+
+def _range(schema: Schema) -> str:
+    if "minimum" in schema and "maximum" in schema:
+        return f"from {schema['minimum']:g} to {schema['maximum']:g}"
+    if "exclusiveMinimum" in schema and "exclusiveMaximum" in schema:
+        return f"above {schema['exclusiveMinimum']:g} and below {schema['exclusiveMaximum']:g}"
+    if "minimum" in schema:
+        return f"of at least {schema['minimum']:g}"
+    return f"above {schema['exclusiveMinimum']:g}" if "exclusiveMinimum" in schema else ""

@@ -1,0 +1,29 @@
+"""A scenario as plain data, and the schema of a config file for editors."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+from granular_contact.config import allowed
+from granular_contact.config.references import FROM
+from granular_contact.config.schema.scenario import Scenario
+
+
+def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
+    """Every value of the scenario, defaults too, in plain YAML types.
+
+    Written with `yaml.safe_dump(..., sort_keys=False)` and loaded again, it gives an equal scenario.
+    """
+    return scenario.model_dump(mode="json", by_alias=True)
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`."""
+    schema = copy.deepcopy(allowed.root())
+    for key, noun in (("model", "model"), ("medium", "medium preset")):
+        whole = schema["properties"][key]
+        name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}
+        patch = {"type": "object", "required": [FROM], "properties": {FROM: name}}
+        schema["properties"][key] = {"anyOf": [name, patch, whole]}
+    return schema

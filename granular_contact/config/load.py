@@ -1,0 +1,151 @@
+"""A config file, with overrides -> a checked scenario, and where each of its keys was written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import TypeAdapter, ValidationError
+
+from granular_contact.config import allowed, tree
+from granular_contact.config import overrides as setting
+from granular_contact.config.messages import faults_of, got
+from granular_contact.config.references import MEDIA, MODELS, Resolver
+from granular_contact.config.scalars import resolve
+from granular_contact.config.schema import Medium, Scenario
+from granular_contact.config.schema.base import FAULTS, refusal
+from granular_contact.config.schema.structure import structure_faults
+from granular_contact.config.yaml_source import read_file
+from granular_contact.errors import ConfigError, Fault
+
+
+class SourceMap:
+    """Where the keys of a scenario were written, across its config, its model, its medium and the overrides."""
+
+    def __init__(self, root: tree.Node) -> None:
+        self._root = root
+
+    def locate(self, key: str) -> tuple[str, int | None]:
+        """File and line (from 1; None for an override) of a dotted key, or of the nearest one around it."""
+        return tree.find(self._root, key.split("."))[0].position
+
+    def place(self, faults: Iterable[Fault]) -> list[Fault]:
+        """The faults with file and line filled in where the file is missing, sorted."""
+        placed = [fault if fault.file else self._placed(fault) for fault in faults]
+        return sorted(placed, key=_order)
+
+    def _placed(self, fault: Fault) -> Fault:
+        file, line = self.locate(fault.key)
+        return replace(fault, file=file, line=line)
+
+
+class Loaded(NamedTuple):
+    """A scenario, and the map from its keys to the files it came from."""
+
+    scenario: Scenario
+    sources: SourceMap
+
+
+def load(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Loaded:
+    """Read, resolve and check one config.
+
+    Parameters
+    ----------
+    path
+        YAML file.
+    overrides
+        `dotted.key=value` each, applied once model and medium are in place; those that name the model or medium before.
+
+    Raises
+    ------
+    ConfigError
+        With every fault found, sorted by file and line.
+    """
+    path = Path(path)
+    faults: list[Fault] = []
+    parsed = setting.parse(overrides, faults)
+    root = read_file(path, faults)
+    if not isinstance(root, tree.Mapping | tree.Broken):
+        known = ", ".join(allowed.keys(allowed.root()))
+        faults.append(root.position.fault((), f"got {got(root)}; allowed is a mapping with the keys {known}"))
+    if not isinstance(root, tree.Mapping):
+        raise ConfigError(sorted(faults, key=_order))
+    root = _resolved(root, parsed, path, faults)
+    root = _named(root, path)
+    try:
+        scenario = Scenario.model_validate(tree.plain(root))
+    except ValidationError as error:
+        errors = error.errors(include_url=False, include_input=False)
+        faults += faults_of([*errors, *_structure_errors(root, errors)], root)
+    if faults:
+        raise ConfigError(sorted(faults, key=_order))
+    return Loaded(scenario, SourceMap(root))
+
+
+def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
+    """The scenario of `load`, for those who need no lines; raises the same ConfigError."""
+    return load(path, overrides).scenario
+
+
+def load_medium(name: str) -> Medium:
+    """Medium preset called `name`, or the medium in a YAML file of that path (relative to the working folder).
+
+    Raises
+    ------
+    ConfigError
+        There is no such medium, or its file is at fault.
+    """
+    faults: list[Fault] = []
+    at = tree.Position("medium", None)
+    node = Resolver(Path("medium"), faults).resolve(tree.Scalar(at, name, name), MEDIA)
+    if not faults:
+        try:
+            return TypeAdapter[Medium](Medium).validate_python(tree.plain(node))
+        except ValidationError as error:
+            faults += faults_of(error.errors(include_url=False, include_input=False), node)
+    raise ConfigError(sorted(faults, key=_order))
+
+
+def _order(fault: Fault) -> tuple[str, int]:
+    return fault.file, fault.line or 0
+
+
+def _resolved(root: tree.Mapping, parsed: Sequence[setting.Override], path: Path, faults: list[Fault]) -> tree.Node:
+    """`root` with model and medium read in, and all overrides applied."""
+    node = setting.apply(root, [one for one in parsed if one.is_reference], faults)
+    resolver = Resolver(path, faults)
+    for library in (MODELS, MEDIA):
+        held = tree.child(node, library.key)
+        if held is not None and isinstance(node, tree.Mapping):
+            at = node.keys[library.key]
+            node = tree.set_key(node, library.key, resolver.resolve(held, library), at)
+    return setting.apply(node, [one for one in parsed if not one.is_reference], faults)
+
+
+def _named(root: tree.Node, path: Path) -> tree.Node:
+    """`root` with the stem of its file for a name, if it has none; the whole name where the stem is a number."""
+    held = tree.child(root, "name")
+    if not isinstance(root, tree.Mapping) or (held is not None and tree.plain(held) is not None):
+        return root
+    at = tree.Position(str(path), None)
+    name = path.stem if isinstance(resolve(path.stem), str) else path.name
+    return tree.set_key(root, "name", tree.Scalar(at, name, name), at)
+
+
+def _structure_errors(root: tree.Node, errors: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """What is wrong with the tree of bodies, for a model in which pydantic did not get as far as to ask."""
+    asked = all(error["loc"][0] != "model" or error["type"] == FAULTS for error in errors if error["loc"])
+    model = tree.plain(tree.find(root, ["model"])[0])
+    bodies, joints = (model.get(key) if isinstance(model, dict) else None for key in ("bodies", "joints"))
+    if asked or not isinstance(bodies, dict) or not isinstance(joints, dict):
+        return []
+    ends = {
+        name: (joint["parent"], joint["child"])
+        for name, joint in joints.items()
+        if isinstance(joint, dict) and isinstance(joint.get("parent"), str) and isinstance(joint.get("child"), str)
+    }
+    faults = structure_faults(bodies, ends, complete=len(ends) == len(joints))
+    return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []

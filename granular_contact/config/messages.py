@@ -1,0 +1,106 @@
+"""pydantic's errors -> faults at a line, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from granular_contact.config import allowed
+from granular_contact.config.schema.base import FAULTS
+from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position
+from granular_contact.config.tree import Mapping as MappingNode
+from granular_contact.errors import Fault
+
+_LONGEST_VALUE = 60
+
+
+def faults_of(errors: Iterable[Mapping[str, Any]], tree: Node) -> list[Fault]:
+    """Faults for the `errors()` of a pydantic ValidationError about `tree`.
+
+    Nothing is said about what is `Broken`, since the fault that broke it is known.
+    """
+    faults = [fault for error in errors for fault in _faults(error, tree)]
+    return [fault for fault in faults if fault is not None]
+
+
+def got(node: Node) -> str:
+    """The value of `node` with its YAML type, cut to a readable length."""
+    if isinstance(node, Scalar):
+        text = node.text if len(node.text) <= _LONGEST_VALUE else node.text[: _LONGEST_VALUE - 3] + "..."
+        if isinstance(node.value, str):
+            return f"the text {text!r}"
+        return "null" if node.value is None else f"the {_scalar_kind(node.value)} {text}"
+    if isinstance(node, Items):
+        return f"a list of {len(node.nodes)} item{'s' * (len(node.nodes) != 1)}"
+    return "a mapping" if isinstance(node, MappingNode) and node.nodes else "an empty mapping"
+
+
+def _scalar_kind(value: bool | int | float) -> str:
+    return "boolean" if isinstance(value, bool) else "number"
+
+
+def unknown(word: str, known: Sequence[str]) -> str:
+    """Which of `known` the unknown `word` may have meant, or all of them."""
+    near = get_close_matches(word, known, 1)
+    if near:
+        return f"did you mean {near[0]}?"
+    return f"allowed are {', '.join(known)}" if known else "none is allowed here"
+
+
+def _faults(error: Mapping[str, Any], tree: Node) -> list[Fault | None]:
+    path, schema = allowed.walk(error["loc"])
+    if error["type"] == FAULTS:
+        return [_at(tree, (*path, *below), message) for below, message in error["ctx"][FAULTS]]
+    if error["type"] == "extra_forbidden":
+        _, holder = allowed.walk(error["loc"][:-1])
+        return [_at_key(tree, path, f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
+    if error["type"] == "missing":
+        return [_missing(tree, path, schema)]
+    node, _ = find(tree, path)
+    tag = allowed.tags(schema)
+    if tag and isinstance(node, MappingNode):
+        return [_tag_fault(tree, path, *tag)]
+    return [_at(tree, path, f"got {got(node)}; allowed is {allowed.describe(schema)}{_hint(node, schema)}")]
+
+
+def _missing(tree: Node, path: Path, schema: allowed.Schema) -> Fault | None:
+    holder, _ = find(tree, path[:-1])
+    if isinstance(holder, Items):
+        size = len(allowed.walk(path[:-1])[1].get("prefixItems", ())) or 2
+        return _at(tree, path[:-1], f"got {got(holder)}; allowed is a list of {size} numbers")
+    return _at_key(tree, path, f"is missing; allowed is {allowed.describe(schema)}")
+
+
+def _tag_fault(tree: Node, path: Path, key: str, choices: list[str]) -> Fault | None:
+    node = child(find(tree, path)[0], key)
+    path = (*path, key)
+    if node is None:
+        return _at_key(tree, path, f"is missing; allowed are {', '.join(choices)}")
+    hint = unknown(node.text if isinstance(node, Scalar) else "", choices)
+    listed = "" if hint.startswith("allowed") else f" (of {', '.join(choices)})"
+    return _at(tree, path, f"got {got(node)}; {hint}{listed}")
+
+
+def _hint(node: Node, schema: allowed.Schema) -> str:
+    """How numbers are spelled, for a text that looks like one; what null takes, for the word none."""
+    if schema.get("type") in ("number", "integer") and isinstance(node, Scalar) and isinstance(node.value, str):
+        looks_like_one = node.text[:1].isdigit() or node.text[:1] in ("+", "-", ".")
+        return "; write numbers as 12, 0.5 or 1e-3, without quotes" if looks_like_one and node.text.strip() else ""
+    return ""
+
+
+def _at(tree: Node, path: Path, message: str) -> Fault | None:
+    """A fault of the value at `path`."""
+    node, missing = find(tree, path)
+    return (
+        None
+        if isinstance(node, Broken)
+        else (node.position if not missing else key_position(tree, path)).fault(path, message)
+    )
+
+
+def _at_key(tree: Node, path: Path, message: str) -> Fault | None:
+    """A fault of the last key of `path`: that it stands there, or that it does not."""
+    node, _ = find(tree, path)
+    return None if isinstance(node, Broken) else key_position(tree, path).fault(path, message)

@@ -1,0 +1,97 @@
+"""`--set dotted.key=value`: values laid over the tree of a config before it is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from granular_contact.config.compose import MAX_DEPTH
+from granular_contact.config.messages import got
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, index_of, set_key
+from granular_contact.config.yaml_source import read_text
+from granular_contact.errors import Fault
+
+# What these hold is itself a reference, so they must be set before references are resolved.
+_REFERENCES = (("model",), ("medium",), ("model", "from"), ("medium", "from"))
+
+
+@dataclass(frozen=True)
+class Override:
+    """One `--set`: the value that goes under the key `path`."""
+
+    path: tuple[str, ...]
+    value: Node
+    position: Position
+
+    @property
+    def is_reference(self) -> bool:
+        """Whether it must be applied before the model and the medium are read."""
+        return self.path in _REFERENCES
+
+
+def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:
+    """Overrides in the order given, less those that a later one replaces with all around them."""
+    parsed = [one for text in texts if (one := _parse(text, faults)) is not None]
+    return [
+        one
+        for i, one in enumerate(parsed)
+        if not any(one.path[: len(later.path)] == later.path for later in parsed[i + 1 :])
+    ]
+
+
+def _parse(text: str, faults: list[Fault]) -> Override | None:
+    position = Position(f"--set {text}", None)
+    key, equals, value = text.partition("=")
+    path = tuple(key.strip().split("."))
+    if not equals or not all(path):
+        faults.append(position.fault((), "is no dotted.key=value"))
+        return None
+    if len(path) > MAX_DEPTH:
+        faults.append(position.fault((), f"leads more than {MAX_DEPTH} levels deep"))
+        return None
+    if not value.strip():
+        faults.append(position.fault(path, "has no value; write null for none"))
+        return None
+    return Override(path, read_text(value, position.file, faults, path, numbered=False), position)
+
+
+def apply(root: Node, overrides: Sequence[Override], faults: list[Fault]) -> Node:
+    """`root` with the overrides in it; one that finds no place is a fault."""
+    for override in overrides:
+        root = _placed(root, override, 0, faults)
+    return root
+
+
+def _placed(node: Node | None, override: Override, depth: int, faults: list[Fault]) -> Node:
+    """A copy of `node`, which stands under the first `depth` keys of the override, with the value in its place."""
+    if depth == len(override.path):
+        return override.value
+    key = override.path[depth]
+    if isinstance(node, Mapping) or _is_nothing(node):
+        holder = node if isinstance(node, Mapping) else Mapping(override.position)
+        value = _placed(holder.nodes.get(key), override, depth + 1, faults)
+        at = override.position if depth + 1 == len(override.path) else holder.keys.get(key, override.position)
+        return set_key(holder, key, value, at)
+    if isinstance(node, Items):
+        return _placed_in_list(node, override, depth, faults)
+    if isinstance(node, Scalar):
+        held = override.path[:depth]
+        faults.append(override.position.fault(override.path, f"{'.'.join(held)} is {got(node)}, which has no keys"))
+    return node if node is not None else Broken(override.position)
+
+
+def _is_nothing(node: Node | None) -> bool:
+    return node is None or (isinstance(node, Scalar) and node.value is None)
+
+
+def _placed_in_list(node: Items, override: Override, depth: int, faults: list[Fault]) -> Items:
+    key = override.path[depth]
+    index = index_of(key, node)
+    if index is None:
+        allowed = f"0 to {len(node.nodes) - 1}" if node.nodes else "none"
+        message = f"got {key!r} as the number of a list item; allowed is {allowed}"
+        faults.append(override.position.fault(override.path, message))
+        return node
+    items = list(node.nodes)
+    items[index] = _placed(items[index], override, depth + 1, faults)
+    return Items(node.position, tuple(items))

@@ -1,0 +1,127 @@
+"""Names and paths of models and media -> their trees, with what is written over them merged in."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+from granular_contact.config.messages import got
+from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, drop_key, merge
+from granular_contact.config.yaml_source import read_file
+from granular_contact.errors import Fault
+
+FROM = "from"
+_NAME = re.compile(r"[A-Za-z0-9_-]+")
+_PACKAGE = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class Library:
+    """Where files of one kind (`key` of a scenario) are found by name, given the folder of the file that names one."""
+
+    key: str
+    noun: str
+    folders: Callable[[Path], list[Path]]
+
+
+def _model_folders(folder: Path) -> list[Path]:
+    # The last one serves an editable install, in which the models stand beside the package.
+    return [folder / ".." / "models", folder / "models", folder, _PACKAGE / "models", _PACKAGE.parent / "models"]
+
+
+MODELS = Library("model", "model", _model_folders)
+MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "media" / "presets"])
+
+
+class Resolver:
+    """Replaces references by what they refer to; faults are appended to `faults`."""
+
+    def __init__(self, config: Path, faults: list[Fault]) -> None:
+        self._config, self._faults = config, faults
+
+    def resolve(self, node: Node, library: Library) -> Node:
+        """Tree of a model or medium given as name, path, or mapping that may have `from`; null is left alone."""
+        if isinstance(node, Scalar) and node.value is None:
+            return node
+        if isinstance(node, Mapping | Scalar) and not (isinstance(node, Scalar) and not isinstance(node.value, str)):
+            return self._expand(node, library, self._config, ())
+        if isinstance(node, Broken):
+            return node
+        return self._refuse(node.position, (library.key,), f"got {got(node)}; allowed is {_forms(library)}")
+
+    def _refuse(self, position: Position, path: tuple[str, ...], message: str) -> Broken:
+        self._faults.append(position.fault(path, message))
+        return Broken(position)
+
+    def _expand(self, node: Node, library: Library, file: Path, chain: tuple[Path, ...]) -> Node:
+        """`node`, written in `file`, on top of what it refers to; `chain` holds the files that led here."""
+        if isinstance(node, Scalar):
+            return self._load(node, library, (library.key,), file, chain)
+        if not isinstance(node, Mapping) or FROM not in node.nodes:
+            return node
+        base = self._load(node.nodes[FROM], library, (library.key, FROM), file, chain)
+        return base if isinstance(base, Broken) else merge(base, drop_key(node, FROM))
+
+    def _load(self, node: Node, library: Library, path: tuple[str, ...], file: Path, chain: tuple[Path, ...]) -> Node:
+        if isinstance(node, Broken):
+            return node
+        if not isinstance(node, Scalar) or not isinstance(node.value, str):
+            return self._refuse(node.position, path, f"got {got(node)}; allowed is {_forms(library)}")
+        found = _find(node.value, library, file)
+        if isinstance(found, str):
+            return self._refuse(node.position, path, found)
+        real = found.resolve()
+        if real in chain:
+            names = " -> ".join(link.name for link in (*chain[chain.index(real) :], real))
+            return self._refuse(node.position, path, f"got {node.value!r}, which leads back to itself: {names}")
+        root = read_file(_shown(found), self._faults)
+        if isinstance(root, Mapping):
+            return self._expand(root, library, found, (*chain, real))
+        if isinstance(root, Broken):
+            return root
+        return self._refuse(root.position, (library.key,), f"got {got(root)}; a {library.noun} is a mapping")
+
+
+def _forms(library: Library) -> str:
+    return f"the name of a {library.noun}, a path ending in .yaml, or a mapping"
+
+
+def _find(name: str, library: Library, file: Path) -> Path | str:
+    """File of the model or medium called `name` in `file`, or a sentence that says why there is none."""
+    shown = repr(name if len(name) <= 60 else name[:57] + "...")
+    if name.endswith((".yaml", ".yml")):
+        path = file.parent / name
+        return path if _is_file(path) else f"got {shown}, but there is no file {_shown(path)}"
+    folders = library.folders(file.parent)
+    if _NAME.fullmatch(name):
+        for folder in folders:
+            path = folder / f"{name}.yaml"
+            if _is_file(path) and path.resolve() != file.resolve():
+                return path
+    # The folder of the config itself holds configs mostly; to list them as models would mislead.
+    listed = [folder for folder in folders if folder != file.parent]
+    known = sorted({path.stem for folder in listed if folder.is_dir() for path in folder.glob("*.yaml")})
+    near = get_close_matches(name, known, 1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    return f"got {shown}, but there is no such {library.noun}; {hint}there are {', '.join(known) or 'none'}"
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        # A name too long for the file system, or one it can't express, is that of no file.
+        return False
+
+
+def _shown(path: Path) -> Path:
+    """`path` without `..`, and relative if it lies below the current folder."""
+    full = Path(os.path.normpath(path))
+    if not full.is_absolute():
+        return full
+    here = Path.cwd()
+    return full.relative_to(here) if full.is_relative_to(here) else full

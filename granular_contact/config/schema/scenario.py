@@ -1,0 +1,97 @@
+"""Schema of a run: what moves, in what, from which start, and how it is computed and saved."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
+from granular_contact.config.schema.mechanism import Model
+from granular_contact.config.schema.medium import Medium
+
+
+class Impact(Strict):
+    """The start: the undeformed mechanism, turning about the ground joint."""
+
+    impact_angle_deg: Annotated[float, Field(ge=-90, le=90)]
+    """Angle of the undeformed mechanism below the horizontal."""
+    impact_speed_rad_s: float = 0.0
+    """Positive turns the link into the medium."""
+
+
+class Elastoplastic(Strict):
+    """Static resistance that holds still: each point is tied to an anchor, which yields."""
+
+    type: Literal["elastoplastic"]
+    yield_displacement_m: Positive = 1e-5
+    damping_time_s: NotNegative = 1e-3
+
+
+class Smooth(Strict):
+    """Static resistance that follows the velocity, and creeps under a constant load."""
+
+    type: Literal["smooth"]
+    reference_speed_m_s: Positive = 1e-3
+
+
+FRICTIONS: dict[str, type[Strict]] = {"elastoplastic": Elastoplastic, "smooth": Smooth}
+Friction = Annotated[Elastoplastic | Smooth, Tagged("type", FRICTIONS)]
+
+
+class Load(Strict):
+    """How the resistance of the medium is applied to the mechanism."""
+
+    form: Literal["distributed", "resultant"] = "distributed"
+    """Along the immersed length, or one force in the middle of it."""
+    end_cap: bool = False
+    """Count the area of the free end in the drag."""
+    strips_per_element: Annotated[int, Field(ge=1, le=64)] = 4
+    strips_per_rigid_part: Annotated[int, Field(ge=1, le=1024)] = 16
+    friction: Friction = Elastoplastic(type="elastoplastic")
+
+
+class Solver(Strict):
+    """Time integration, and when it ends."""
+
+    end_time_s: Positive = 0.5
+    step_s: Positive = 2e-4
+    rest_time_s: Positive | None = 0.02
+    """Stop once all has been slower than rest_speed_m_s for this long; null: never."""
+    rest_speed_m_s: Positive = 1e-3
+    spectral_radius: Annotated[float, Field(ge=0, le=1)] = 0.9
+    """Of the integrator at high frequency: 1 keeps all, 0 damps most."""
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
+    """Largest residual of a step, relative to the forces of the scene."""
+
+    @model_validator(mode="after")
+    def _at_least_one_step(self) -> Solver:
+        if self.step_s > self.end_time_s:
+            raise refusal([(("step_s",), f"got {self.step_s:g}, which exceeds end_time_s, {self.end_time_s:g}")])
+        return self
+
+
+class Output(Strict):
+    """What is saved."""
+
+    interval_s: Positive | None = None
+    """Time between rows of the table; null: every accepted step."""
+    figures: bool = True
+
+
+class Scenario(Strict):
+    """A run, complete: every name resolved and every default in place."""
+
+    name: Text | None = None
+    """null: the name of the file, without its ending."""
+    model: Model
+    medium: Medium | None = None
+    """null: vacuum."""
+    gravity_m_s2: float = 9.81
+    """Positive is downward."""
+    surface_height_m: float | None = None
+    """Height of the free surface above the ground joint; null: the surface that the mechanism touches at the start."""
+    initial: Impact
+    load: Load = Load()
+    solver: Solver = Solver()
+    output: Output = Output()

@@ -1,0 +1,136 @@
+"""A YAML document as a tree that knows where each part was written.
+
+Trees are never changed in place: an alias shares its node with the anchor, and both would change. Nodes compare by
+identity, so that shared ones can be told from equal ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from granular_contact.config.scalars import ScalarValue
+from granular_contact.errors import Fault
+
+Path = tuple[str | int, ...]
+
+
+class Position(NamedTuple):
+    """Where something was written; line from 1, None for the command line."""
+
+    file: str
+    line: int | None
+
+    def fault(self, path: Path, message: str) -> Fault:
+        """A fault at this place, under the dotted `path`."""
+        return Fault(self.file, self.line, dotted(path), message)
+
+
+@dataclass(frozen=True, eq=False)
+class Scalar:
+    """A number, text, boolean or null, with its spelling in the file."""
+
+    position: Position
+    value: ScalarValue
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Items:
+    """A YAML sequence; its position is that of the key it belongs to."""
+
+    position: Position
+    nodes: tuple[Node, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Mapping:
+    """A YAML mapping; its position is that of the key it belongs to. `keys` holds the position of each key."""
+
+    position: Position
+    nodes: dict[str, Node] = field(default_factory=dict)
+    keys: dict[str, Position] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Broken:
+    """Stands where a fault was found already, so that nothing more is said about it."""
+
+    position: Position
+
+
+Node = Scalar | Items | Mapping | Broken
+BROKEN = object()
+
+
+def dotted(path: Iterable[str | int]) -> str:
+    """`('a', 0, 'b')` as `a.0.b`."""
+    return ".".join(map(str, path))
+
+
+def plain(node: Node) -> Any:
+    """The tree without positions; a broken part becomes `BROKEN`, which no schema accepts."""
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, Items):
+        return [plain(item) for item in node.nodes]
+    if isinstance(node, Mapping):
+        return {key: plain(value) for key, value in node.nodes.items()}
+    return BROKEN
+
+
+def index_of(key: str | int, items: Items) -> int | None:
+    """`key` as the index of one of `items`, or None."""
+    text = str(key)
+    # int() raises for thousands of digits.
+    if text.isascii() and text.isdecimal() and len(text) < 10 and int(text) < len(items.nodes):
+        return int(text)
+    return None
+
+
+def child(node: Node, key: str | int) -> Node | None:
+    """The value under `key` (a list takes its index as int or digits), or None."""
+    if isinstance(node, Mapping):
+        return node.nodes.get(str(key))
+    if isinstance(node, Items) and (index := index_of(key, node)) is not None:
+        return node.nodes[index]
+    return None
+
+
+def find(node: Node, path: Sequence[str | int]) -> tuple[Node, Sequence[str | int]]:
+    """The deepest node on `path`, and the part of the path that is missing below it."""
+    for depth, key in enumerate(path):
+        below = child(node, key)
+        if below is None:
+            return node, path[depth:]
+        node = below
+    return node, ()
+
+
+def key_position(node: Node, path: Path) -> Position:
+    """Where the last key of `path` was written, or the mapping that should hold it."""
+    holder, missing = find(node, path[:-1])
+    if missing or not path or not isinstance(holder, Mapping):
+        return find(node, path)[0].position
+    return holder.keys.get(str(path[-1]), holder.position)
+
+
+def set_key(node: Mapping, key: str, value: Node, position: Position) -> Mapping:
+    """A copy of `node` in which `key`, written at `position`, holds `value`."""
+    return Mapping(node.position, {**node.nodes, key: value}, {**node.keys, key: position})
+
+
+def drop_key(node: Mapping, key: str) -> Mapping:
+    """A copy of `node` without `key`."""
+    return Mapping(node.position, {k: n for k, n in node.nodes.items() if k != key}, node.keys)
+
+
+def merge(base: Node, top: Node) -> Node:
+    """`top` laid over `base`: mappings merge key by key, anything else (null too) replaces what is below."""
+    if not isinstance(base, Mapping) or not isinstance(top, Mapping):
+        return top
+    nodes = {**base.nodes}
+    for key, value in top.nodes.items():
+        nodes[key] = merge(nodes[key], value) if key in nodes else value
+    return Mapping(top.position, nodes, {**base.keys, **top.keys})

@@ -1,0 +1,170 @@
+"""Results -> a folder: summary.json, timeseries.csv, scenario.yaml and figures/*.png, there whole or not at all."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import math
+import os
+import secrets
+import shutil
+import sys
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from granular_contact.results import Results
+
+PROGRAM = "granular-contact"
+SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
+CHUNK = 4096  # rows of the table that are Python floats at one time
+
+
+def check_target(directory: Path) -> None:
+    """Raise unless `directory` may become a results folder; to be called before a long run, and called by `write`.
+
+    It may if it is absent, empty, or holds nothing but an earlier run's results (files named `animation.*` count as
+    such, so do hidden files): nothing that a user put there is ever replaced.
+
+    Raises
+    ------
+    NotADirectoryError
+        A file of that name is in the way.
+    FileExistsError
+        The folder holds something else; the message names it.
+    """
+    if not directory.exists():
+        return
+    if not directory.is_dir():
+        raise NotADirectoryError(f"{directory} is a file; results need a folder: give another name")
+    ours = {SUMMARY, SERIES, SCENARIO, FIGURES}
+    entries = sorted(path.name for path in directory.iterdir())
+    foreign = [name for name in entries if name not in ours and not name.startswith((".", "animation."))]
+    if foreign:
+        raise FileExistsError(f"{directory} holds {foreign[0]!r}, which no run wrote: give another folder or move it")
+
+
+def write(results: Results, directory: Path, figures: bool = True) -> None:
+    """Write `results` to `directory`, in place of an earlier run's results there.
+
+    The folder is made beside its place under a hidden name and then exchanged for the old one, so that a full disk or
+    Ctrl-C leaves the old folder as it was.
+
+    Raises
+    ------
+    OSError
+        The disk refuses, or `check_target` does.
+    """
+    target = directory.resolve()  # of a symbolic link, what it points to is replaced
+    check_target(target)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    making = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        making.mkdir()
+        (making / SUMMARY).write_text(_summary(results), encoding="utf-8")
+        (making / SCENARIO).write_text(_scenario(results), encoding="utf-8")
+        _write_series(results, making / SERIES)
+        if figures:
+            from granular_contact import plots
+
+            (making / FIGURES).mkdir()
+            plots.draw(results, making / FIGURES)
+        _swap(making, target)
+    finally:  # either the unfinished new folder or, after an exchange, the old one
+        shutil.rmtree(making, ignore_errors=True)
+
+
+def _summary(results: Results) -> str:
+    """Text of summary.json: the summary as it is, then what every column of the time series means."""
+    content = {"warnings": list(results.warnings), **results.summary}
+    if "warnings" in results.summary:  # its place in the order is the summary's
+        content = dict(results.summary)
+    content["columns"] = {column.name: column.description for column in results.columns}
+    return json.dumps(_plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    """`value` in JSON types, with None for NaN and infinities, which JSON has no word for."""
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+class _Dumper(yaml.SafeDumper):
+    """Block style with plain lists of scalars on one line, and no anchors: written to be read."""
+
+    def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002
+        return True
+
+
+def _represent_list(dumper: yaml.SafeDumper, data: list[Any]) -> yaml.Node:
+    """A list of scalars as `[a, b]`, any other one entry per line."""
+    flat = not any(isinstance(entry, dict | list) for entry in data)
+    return dumper.represent_sequence("tag:yaml.org,2002:seq", data, flow_style=flat)
+
+
+_Dumper.add_representer(list, _represent_list)
+
+
+def _scenario(results: Results) -> str:
+    """Text of scenario.yaml: the resolved scenario under a line that says where it is from."""
+    header = f"# Written by {PROGRAM} {_version(results)}; to run it again: {PROGRAM} run {SCENARIO}\n"
+    return header + yaml.dump(results.scenario, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+
+
+def _version(results: Results) -> str:
+    """The version that made the run if the summary tells, else the installed one."""
+    versions: dict[str, str] = results.summary.get("versions") or {}
+    for name in (PROGRAM, PROGRAM.replace("-", "_")):
+        if name in versions:
+            return versions[name]
+    try:
+        return metadata.version(PROGRAM)
+    except metadata.PackageNotFoundError:
+        return "(not installed)"
+
+
+def _write_series(results: Results, path: Path) -> None:
+    """timeseries.csv; `repr` is the shortest text that reads back as the same float (0.5 us each)."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(",".join(column.name for column in results.columns) + "\n")
+        for start in range(0, len(results.table), CHUNK):
+            rows = results.table[start : start + CHUNK].tolist()
+            file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+def _swap(making: Path, target: Path) -> None:
+    """Put the finished folder `making` in the place of `target`; afterwards `making` is absent or the old folder."""
+    if not target.exists():
+        making.rename(target)
+    elif not _exchange(making, target):
+        _replace(making, target)
+
+
+def _exchange(one: Path, other: Path) -> bool:
+    """Exchange two folders in one system call, with no instant between; False where the system can't."""
+    if not sys.platform.startswith("linux"):
+        return False
+    rename = getattr(ctypes.CDLL(None), "renameat2", None)  # glibc 2.28
+    here, exchange = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
+    return rename is not None and rename(here, os.fsencode(one), here, os.fsencode(other), exchange) == 0
+
+
+def _replace(making: Path, target: Path) -> None:
+    """The same in two renames: between them the old folder is whole under a hidden name, and put back on failure."""
+    old = making.with_name(f"{making.name}.old")
+    try:
+        target.rename(old)
+        making.rename(target)
+    except BaseException:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        raise
+    shutil.rmtree(old, ignore_errors=True)

@@ -1,0 +1,100 @@
+"""Time series -> key numbers, as summary.json holds them. The same for every way of solving a scene."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.results import Cost, Status
+from granular_contact.stopping import Stop
+
+Vector = NDArray[np.float64]
+
+STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
+IMBALANCE_LIMIT = 1e-2  # of the largest energy; a run beyond it carries a warning
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First contact with the surface: time (s), and the last accepted step at or before it (index)."""
+
+    time: float
+    index: int
+
+
+def find_touch(time: Vector, depth: Vector) -> Touch | None:
+    """First crossing of the surface from depths (n,) m, positive below; None when nothing gets below it."""
+    below = np.flatnonzero(depth > 0.0)
+    if len(below) == 0:
+        return None
+    k = int(below[0])
+    if k == 0:
+        return Touch(float(time[0]), 0)
+    fraction = -depth[k - 1] / (depth[k] - depth[k - 1])
+    return Touch(float(time[k - 1] + fraction * (time[k] - time[k - 1])), k - 1)
+
+
+def summarise(
+    name: str, status: Status, cost: Cost, series: dict[str, Vector], touch: Touch | None, stop: Stop | None
+) -> dict[str, Any]:
+    """Key numbers of a run from all its accepted steps; series by column name, (n,) each."""
+    imbalance = _relative_imbalance(series)
+    return {
+        "name": name,
+        "status": status.code,
+        "message": status.message,
+        "touch_time_s": None if touch is None else touch.time,
+        "stopping_time_s": None if stop is None or touch is None else stop.time - touch.time,
+        "stopping_time_measure": STOP_MEASURE,
+        "hub_stopping_time_s": (
+            None if stop is None or touch is None or stop.hub_time is None else stop.hub_time - touch.time
+        ),
+        "angle_at_stop_deg": None if stop is None else float(np.degrees(stop.angle)),
+        "max_depth_m": float(np.max(series["depth_m"])) if "depth_m" in series else None,
+        "max_deflection_m": float(np.max(np.abs(series["deflection_m"]))) if "deflection_m" in series else None,
+        "energy": _energy(series) | {"imbalance_relative": imbalance},
+        "cost": asdict(cost),
+        "versions": versions(),
+        "warnings": _warnings(imbalance),
+    }
+
+
+def _energy(series: dict[str, Vector]) -> dict[str, float]:
+    stored = np.sum([series[name] for name in ("kinetic_J", "gravity_J", "elastic_J") if name in series], axis=0)
+    return {
+        "initial_J": float(stored[0]),
+        "final_J": float(stored[-1]),
+        "granular_work_J": float(series["granular_work_J"][-1]),
+        "damping_work_J": float(series["damping_work_J"][-1]),
+    }
+
+
+def _relative_imbalance(series: dict[str, Vector]) -> float:
+    """Largest imbalance over the largest single energy."""
+    terms = ("kinetic_J", "gravity_J", "elastic_J", "granular_work_J", "damping_work_J")
+    scale = max(float(np.max(np.abs(series[name]))) for name in terms if name in series)
+    return float(np.max(np.abs(series["energy_imbalance_J"]))) / scale if scale > 0.0 else 0.0
+
+
+def _warnings(imbalance: float) -> list[str]:
+    if imbalance <= IMBALANCE_LIMIT:
+        return []
+    return [f"the energy balance is off by {imbalance:.1%}: take a smaller solver.step_s"]
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    packages = ("granular-contact", "exudyn", "numpy", "numba")
+    return {"python": platform.python_version()} | {package: _version(package) for package in packages}
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "(not installed)"

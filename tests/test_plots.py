@@ -1,0 +1,281 @@
+"""Figures: which there are, that they show the data, and that their words neither overlap nor leave the page."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.patches import Polygon
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+from support_results import REACH, make
+
+from granular_contact import plots
+from granular_contact.results import Column, Outline, Results, Snapshot
+
+CASES: dict[str, dict[str, Any]] = {
+    "rigid": {},
+    "flexible": {"angle_deg": 61.5, "rate": 9.17, "flexible": True},
+    "shallow": {"angle_deg": 22, "rate": 1.75, "flexible": True, "before": 0.008},
+    "vacuum": {"medium": False, "stopped": False},
+    "failed_1_row": {"rows": 1, "stopped": False},
+    "failed_2_rows": {"rows": 2, "stopped": False},
+    "seconds": {"speed": 0.01, "before": 0.02},
+    "early_stop": {"after": 0.06},
+}
+MEDIUM = {"motion", "forces", "energy", "mechanism"}
+
+
+def two_hinges() -> Results:
+    """A second hinge that does as the first one does, mirrored in x so that the link points left."""
+    one = make(flexible=True)
+    extra = np.column_stack([2 * one["pivot_angle_deg"] + 100, -one["pivot_rate_rad_s"]])
+    columns = (*one.columns, Column("knee_angle_deg", ""), Column("knee_rate_rad_s", ""))
+    mirrored = tuple(
+        dataclasses.replace(
+            shot, outlines=tuple(dataclasses.replace(o, points=o.points * [-1, 1]) for o in shot.outlines)
+        )
+        for shot in one.snapshots
+    )
+    return dataclasses.replace(one, columns=columns, table=np.hstack([one.table, extra]), snapshots=mirrored)
+
+
+def free_disc() -> Results:
+    """A dropped disc: no hinge, no mean rate."""
+    one = make()
+    keep = [i for i, column in enumerate(one.columns) if "_deg" not in column.name and "rad_s" not in column.name]
+    depth = one.summary["max_depth_m"]
+    shots = tuple(
+        Snapshot(label, at, (Outline("ball", np.array([[0.3, one.surface + 0.01 - sunk]]), 0.02),))
+        for label, at, sunk in (("touch", 0.0, 0.0), ("deepest", 0.03, depth), ("end", 0.03, depth))
+    )
+    columns = tuple(one.columns[i] for i in keep)
+    summary = {**one.summary, "angle_at_stop_deg": None}
+    return dataclasses.replace(one, columns=columns, table=one.table[:, keep], snapshots=shots, summary=summary)
+
+
+def plunger() -> Results:
+    """A thin upright bar pushed straight down under a wide cart."""
+    one = make()
+    sunk = one.summary["max_depth_m"]
+    shots = tuple(
+        Snapshot(
+            label,
+            at,
+            (
+                Outline("cart", np.array([[-0.4, one.surface + 0.1 - low], [0.4, one.surface + 0.1 - low]]), 0.02),
+                Outline("bar", np.array([[0.0, one.surface + 0.1 - low], [0.0, one.surface - low]]), 0.001),
+            ),
+        )
+        for label, at, low in (("touch", 0.0, 0.0), ("deepest", 0.03, sunk), ("end", 0.03, sunk))
+    )
+    return dataclasses.replace(one, snapshots=shots)
+
+
+def build(case: str) -> Results:
+    return {"two_hinges": two_hinges, "free_disc": free_disc, "plunger": plunger}.get(
+        case, lambda: make(**CASES[case])
+    )()
+
+
+ALL = [*CASES, "two_hinges", "free_disc", "plunger"]
+
+
+@pytest.fixture(scope="module", params=ALL)
+def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
+    with plots.style():
+        made = plots.figures(build(request.param))
+        for figure in made.values():
+            figure.canvas.draw()  # type: ignore[attr-defined]
+    return made
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("case", "expected"),
+    [
+        ("rigid", MEDIUM),
+        ("flexible", MEDIUM | {"deflection"}),
+        ("vacuum", {"motion", "energy", "mechanism"}),
+        ("failed_1_row", MEDIUM),
+        ("failed_2_rows", MEDIUM),
+        ("two_hinges", MEDIUM | {"deflection"}),
+        ("free_disc", MEDIUM),
+    ],
+)
+def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expected: set[str], tmp_path: Path) -> None:
+    plots.draw(build(case), tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {f"{name}.png" for name in expected}
+    for path in tmp_path.iterdir():
+        assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+        pixels = imread(path)
+        wide = path.stem == "mechanism" and case not in ("vacuum", "failed_1_row")
+        assert pixels.shape[1] == int((180 if wide else 88) / 25.4 * 200)  # mm at 200 dpi
+        assert 50 / 25.4 * 200 < pixels.shape[0] < 125 / 25.4 * 200
+        assert np.ptp(pixels[..., 0]) > 0.5  # something is drawn
+
+
+def test_nothing_recorded_draws_nothing(tmp_path: Path) -> None:
+    one = make()
+    plots.draw(dataclasses.replace(one, table=one.table[:0], snapshots=()), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_gaps_in_the_data_are_survived(tmp_path: Path) -> None:
+    one = make(flexible=True)
+    table = one.table.copy()
+    table[-1, 1:] = np.nan
+    plots.draw(dataclasses.replace(one, table=table), tmp_path)
+    assert len(list(tmp_path.iterdir())) == 5
+
+
+def tick_labels(axis: Axis) -> list[Text]:
+    low, high = sorted(axis.get_view_interval())
+    ticks = axis.get_major_ticks()
+    return [tick.label1 for tick in ticks if low <= tick.get_loc() <= high and tick.label1.get_visible()]
+
+
+def words_of(figure: Figure) -> list[Text]:
+    found: list[Text] = [text for legend in figure.legends for text in legend.get_texts()]
+    for axes in figure.axes:
+        found += tick_labels(axes.xaxis) if axes.xaxis.get_tick_params()["labelbottom"] else []
+        found += tick_labels(axes.yaxis)
+        found += [axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts]  # type: ignore[attr-defined]
+        found += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
+        legend = axes.get_legend()
+        found += legend.get_texts() if legend else []
+    return [text for text in found if text.get_text() and text.get_visible()]
+
+
+def test_words_do_not_overlap_nor_leave_the_page(drawn: dict[str, Figure]) -> None:
+    for name, figure in drawn.items():
+        page = Bbox.from_bounds(0, 0, *figure.canvas.get_width_height())
+        words = [(text.get_text(), text.get_window_extent()) for text in words_of(figure)]
+        assert len(words) > 8
+        for text, box in words:
+            inside = box.x0 >= page.x0 and box.y0 >= page.y0 and box.x1 <= page.x1 and box.y1 <= page.y1
+            assert inside, f"{name}: {text!r} leaves the page"
+        for (one, box), (other, box2) in itertools.combinations(words, 2):
+            assert not box.overlaps(box2), f"{name}: {one!r} lies over {other!r}"
+
+
+def test_the_overlap_test_can_fail() -> None:
+    with plots.style():
+        figure = plots.figures(make())["motion"]
+        figure.axes[0].text(0, 47, "stray")
+        figure.axes[0].text(0, 47, "stray too")
+        figure.canvas.draw()  # type: ignore[attr-defined]
+        with pytest.raises(AssertionError, match="lies over"):
+            test_words_do_not_overlap_nor_leave_the_page({"motion": figure})
+
+
+def test_the_depth_stands_within_its_panel(drawn: dict[str, Figure]) -> None:
+    for axes in drawn["mechanism"].axes[1:]:
+        box, frame = axes.texts[-1].get_window_extent(), axes.get_window_extent()
+        assert axes.texts[-1].get_text().startswith("depth")
+        assert frame.x0 < box.x0
+        assert box.x1 < frame.x1
+        assert box.y1 < frame.y1
+
+
+def curve_points(axes: Axes) -> np.ndarray[Any, Any]:
+    shown = [line.get_path().vertices for line in axes.lines if line.get_transform() == axes.transData]
+    return axes.transData.transform(np.concatenate(shown))
+
+
+def test_legends_hide_no_data(drawn: dict[str, Figure]) -> None:
+    for name in drawn.keys() - {"mechanism"}:
+        for axes in drawn[name].axes:
+            legend = axes.get_legend()
+            if legend is not None:
+                box = legend.get_window_extent()
+                assert not box.count_contains(curve_points(axes)), f"{name}: legend over a curve"
+
+
+def test_axes_are_named_with_units_and_have_no_offsets(drawn: dict[str, Figure]) -> None:
+    for figure in drawn.values():
+        assert figure.axes[-1].get_xlabel().endswith(")")
+        for axes in figure.axes:
+            assert "(" in axes.get_ylabel()
+            assert axes.get_ylabel().endswith(")")
+            assert all("e" not in text.get_text() for text in tick_labels(axes.yaxis))
+            assert not axes.yaxis.get_offset_text().get_text()
+
+
+@pytest.mark.parametrize(("speed", "words"), [(1.0, "time (ms)"), (0.01, "time (s)")])
+def test_time_unit_follows_the_span(speed: float, words: str) -> None:
+    with plots.style():
+        assert plots.figures(make(speed=speed))["motion"].axes[-1].get_xlabel() == words
+
+
+def test_stop_is_drawn_at_its_instant_and_written() -> None:
+    results = make(before=0.008)
+    with plots.style():
+        upper = plots.figures(results)["motion"].axes[0]
+    touch = next(shot.time for shot in results.snapshots if shot.label == "touch")
+    instant = (touch + results.summary["stopping_time_s"]) * 1e3
+    assert any(np.allclose(line.get_xdata(), instant) for line in upper.lines)
+    stop_ms, angle = results.summary["stopping_time_s"] * 1e3, results.summary["angle_at_stop_deg"]
+    assert [text.get_text() for text in upper.texts] == ["touch", f"stops after {stop_ms:.4g} ms at {angle:.2f}°"]
+
+
+def test_mechanism_is_to_scale_and_dimensions_the_largest_depth() -> None:
+    results = make()
+    with plots.style():
+        whole, tip = plots.figures(results)["mechanism"].axes
+    depth = results.summary["max_depth_m"] * 1e3
+    assert f"depth\n{depth:.2f} mm" in [text.get_text() for text in tip.texts]
+    for axes in (whole, tip):
+        inch = axes.figure.get_size_inches() * axes.get_position().size  # type: ignore[union-attr]
+        scales = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())]) / inch
+        assert scales[0] == pytest.approx(scales[1], rel=1e-9)
+    deepest = [patch for patch in tip.patches if patch.get_zorder() == 5 and isinstance(patch, Polygon)]
+    low = min(patch.get_path().vertices[:, 1].min() for patch in deepest)
+    assert low == pytest.approx(results.surface * 1e3 - depth, abs=6.35 / 2)  # its rim, by the radius at the most
+
+
+def test_edge_of_a_bar_has_its_diameter_and_length() -> None:
+    slope = np.array([np.cos(0.7), -np.sin(0.7)])
+    ring = plots.edge(Outline("bar", np.array([0.0, 0.3, 1.0])[:, None] * slope * REACH, 0.02))
+    x, y = np.append(ring, ring[:1], axis=0).T
+    area = 0.5 * abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+    assert area == pytest.approx(0.02 * REACH, rel=1e-12)
+
+
+@pytest.mark.parametrize("rows", [10, 2800, 2801, 300_000])
+def test_thin_keeps_ends_and_extremes_and_is_small(rows: int) -> None:
+    times = np.sort(np.random.default_rng(1).random(rows) ** 6)  # steps of very uneven length
+    values = np.random.default_rng(2).normal(size=rows)
+    kept = plots.thin(times, values)
+    assert len(kept) <= 2800
+    assert np.all(np.diff(kept) > 0)
+    assert {0, rows - 1, int(values.argmin()), int(values.argmax())} <= set(kept.tolist())
+    late = times > 0.5 * times[-1]  # half of the axis, a tenth of the rows: 350 spans keep three or four rows each
+    assert late[kept].sum() >= min(350 * 3, 0.9 * late.sum())
+
+
+@pytest.mark.parametrize(
+    ("largest", "name", "factor"),
+    [(0.2, "mm", 1e3), (4.5e-5, "µm", 1e6), (1.0, "m", 1.0), (999.0, "m", 1.0), (1e3, "km", 1e-3), (0.0, "m", 1.0)],
+)
+def test_unit_brings_the_largest_into_one_to_a_thousand(largest: float, name: str, factor: float) -> None:
+    unit = plots.unit_for(np.array([0.0, -largest, np.nan]), "m")
+    assert unit.name == name
+    assert unit.factor == pytest.approx(factor, rel=1e-12)
+
+
+def test_all_figures_of_a_long_run_are_drawn_quickly(tmp_path: Path) -> None:
+    results = make(flexible=True, rows=300_000)
+    plots.draw(make(), tmp_path)  # fonts are found
+    begin = time.process_time()
+    plots.draw(results, tmp_path)
+    assert time.process_time() - begin < 1.5

@@ -1,0 +1,89 @@
+"""The benchmark case that the peers solve: a compound pendulum strikes play sand at 31 degrees and 6.24 rad/s.
+
+Angles q are measured downwards from the horizontal, so a link of angle q points along (cos q, -sin q) and plunging is a
+growing q. The pivot is the origin, the tip touches the surface at t = 0, y is up. SI units.
+
+The law is the engine's own (`granular_contact.kernels.lee_marghitu`), called strip by strip: every tool meets the same
+force, integrated exactly up to the surface. Peers differ in how they model the link and in how they step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from granular_contact.kernels.friction import ELASTOPLASTIC, drag_anchor
+from granular_contact.kernels.lee_marghitu import RECORD, strip_force
+
+GRAVITY = 9.81  # m/s^2
+DENSITY = 7700.0  # kg/m^3
+DIAMETER = 0.00635  # of the flexible link, m
+LENGTH = 0.23876  # of the flexible link, m
+BENDING_STIFFNESS = 15.1642  # EI, N m^2
+DISC_LENGTH, DISC_DIAMETER = 0.019812, 0.01905  # RB1, about the pivot axis, m
+CLAMP_LENGTH, CLAMP_DIAMETER = 0.01524, 0.01524  # RB2, along the link, m
+ROOT = 0.5 * DISC_DIAMETER + CLAMP_LENGTH  # pivot to the start of the flexible link, m
+
+ANGLE = math.radians(31.0)  # at touch
+RATE = 6.24  # rad/s
+SURFACE = -(ROOT + LENGTH) * math.sin(ANGLE)  # height of the free surface, m
+NO_SURFACE = -1e3  # a surface out of reach: motion without sand, m
+
+AREA = 0.25 * math.pi * DIAMETER**2  # m^2
+SECOND_MOMENT = math.pi * DIAMETER**4 / 64.0  # m^4
+YOUNGS_MODULUS = BENDING_STIFFNESS / SECOND_MOMENT  # Pa
+
+DISC_MASS = DENSITY * 0.25 * math.pi * DISC_DIAMETER**2 * DISC_LENGTH  # kg
+CLAMP_MASS = DENSITY * 0.25 * math.pi * CLAMP_DIAMETER**2 * CLAMP_LENGTH  # kg
+CLAMP_CENTRE = 0.5 * (DISC_DIAMETER + CLAMP_LENGTH)  # m
+ROOT_INERTIA = (  # RB1 and RB2 about the pivot, kg m^2
+    DISC_MASS * DISC_DIAMETER**2 / 8.0
+    + CLAMP_MASS * (CLAMP_CENTRE**2 + CLAMP_LENGTH**2 / 12.0 + CLAMP_DIAMETER**2 / 16.0)
+)
+
+SAND = np.array(
+    [(GRAVITY, 2500.0, 6.5, 8.0, 22.0, 1.1, 22.0, 1.1, ELASTOPLASTIC, 1e-5, 1e-3, 1.0)],
+    dtype=RECORD,
+)[0]
+
+
+class Path(NamedTuple):
+    """What a peer returns: the tip path, and the wall time of the stepping loop alone."""
+
+    time: NDArray[np.float64]
+    """(n,) sample times, s."""
+    tip: NDArray[np.float64]
+    """(n, 2) tip position, pivot at the origin, y up, m."""
+    seconds: float
+    """Wall time of the steps; building and warming up stand outside."""
+
+
+def segment_inertia(length: float, rotary: bool = True) -> float:
+    """Transverse inertia (kg m^2) of a piece of the link about its centre; `rotary` counts the section's own part."""
+    return DENSITY * AREA * length * (length**2 / 12.0 + (DIAMETER**2 / 16.0 if rotary else 0.0))
+
+
+@njit
+def sand_on_strip(p0, p1, v0, v1, anchor, follow, surface, d, m, f):
+    """Overwrite f (3, 2, 2) with the sand's force terms at the two ends of one strip (N); True if it is immersed.
+
+    p0, p1 end positions (2,) (m); v0, v1 end velocities (2,) (m/s); anchor (2,) of the bristle at mid-strip (m). It
+    moves only when `follow` holds, at the start of a step, which closes the previous step; a strip that is wholly above
+    the surface takes it along. d diameter (m); m medium record. Not cached: the cache would miss a change of the law.
+    """
+    f[:] = 0.0
+    z0, z1 = surface - p0[1], surface - p1[1]
+    x, y = 0.5 * (p0[0] + p1[0]), 0.5 * (p0[1] + p1[1])
+    if z0 <= 0.0 and z1 <= 0.0:
+        if follow:
+            anchor[0], anchor[1] = x, y
+        return False
+    if follow:
+        anchor[0], anchor[1] = drag_anchor(x, anchor[0], m), drag_anchor(y, anchor[1], m)
+    cx, cy = p1[0] - p0[0], p1[1] - p0[1]
+    strip_force(z0, z1, cx, cy, v0[0], v0[1], v1[0], v1[1], x - anchor[0], y - anchor[1], d, m, f)
+    return True
