@@ -163,7 +163,7 @@ class GranularBed:
                 self._begin(t)
             if not run.awake:
                 return run.zeros
-            return run.force(self._q, self._v, self.medium)
+            return run.force(self._q, self._v)
 
         return force
 
@@ -180,7 +180,7 @@ class GranularBed:
             if t != self._time:
                 self._begin(t)
             # The engine keeps these on the left-hand side, opposite in sign to the force.
-            return run.jacobian(self._q, self._v, self.medium, -factor_q, -factor_v)
+            return run.jacobian(self._q, self._v, -factor_q, -factor_v)
 
         return jacobian
 
@@ -213,7 +213,7 @@ class GranularBed:
             self._restart(q, v)
         row = self._new_row()
         for run in self.runs:
-            run.accept(q, v, self.medium, row)
+            run.accept(q, v, row)
         row[TIME] = t
         if self._rows > 1:
             last = self._history[self._rows - 2]

@@ -52,37 +52,32 @@ class Run:
     def start(self, mbs: Any, q: Vector, v: Vector, medium: NDArray[np.void]) -> None:
         """Find the run's coordinates in the assembled system; rest the bristles where the strips are."""
         data = mbs.systemData
-        self._where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=np.int64)
-        self._reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)[self._where]
-        kernels.release(q, self._where, self._reference, self.geometry, self.anchors)
+        where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=np.int64)
+        reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)[where]
+        self._body = (where, reference, self.geometry)
+        self._sand = (self.run, medium, self.anchors)
+        kernels.release(q, *self._body, self.anchors)
         # Compiling, the first time on a machine, belongs to the start and not to the first step.
-        self.force(q, v, medium)
-        self.jacobian(q, v, medium, 1.0, 1.0)
+        self.force(q, v)
+        self.jacobian(q, v, 1.0, 1.0)
 
-    def force(self, q: Vector, v: Vector, medium: NDArray[np.void]) -> list[float]:
+    def force(self, q: Vector, v: Vector) -> list[float]:
         """Generalised forces on the run's coordinates."""
-        kernels.force(
-            q, v, self._where, self._reference, self.geometry, self.run, medium, self.anchors, self._scratch, self._out
-        )
+        kernels.force(q, v, *self._body, *self._sand, self._scratch, self._out)
         forces: list[float] = self._out.tolist()
         return forces
 
-    def jacobian(self, q: Vector, v: Vector, medium: NDArray[np.void], factor_q: float, factor_v: float) -> Any:
+    def jacobian(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Any:
         """factor_q df/dq + factor_v df/dv as the engine's sparse matrix."""
         if not self.awake:
             return self._no_matrix
-        kernels.tangent(
-            q, v, self._where, self._reference, self.geometry, self.run, medium, self.anchors, factor_q, factor_v,
-            self._matrix,
-        )  # fmt: skip
+        kernels.tangent(q, v, *self._body, *self._sand, factor_q, factor_v, self._matrix)
         self._triplets[:, 2] = self._matrix.ravel()
         return _sparse(self._triplets, len(self.zeros))
 
-    def accept(self, q: Vector, v: Vector, medium: NDArray[np.void], row: Vector) -> None:
+    def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        self.depth, self.speed = kernels.accept(
-            q, v, self._where, self._reference, self.geometry, self.run, medium, self.anchors, self.totals, row
-        )
+        self.depth, self.speed = kernels.accept(q, v, *self._body, *self._sand, self.totals, row)
 
     def wake(self, step: float) -> None:
         """Sleep through the next step (s) if at four times its speed the run could not touch the surface in it."""

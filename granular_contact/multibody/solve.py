@@ -159,10 +159,14 @@ def _silent() -> Iterator[None]:
         exu.config.printToConsole = before
 
 
-def solve(system: System, progress: Progress | None = None) -> Trajectory:
-    """Run the scene to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept."""
+def solve(system: System, progress: Progress | None = None, simulation: Any = None) -> Trajectory:
+    """Run the scene to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept.
+
+    simulation: Exudyn's settings, those of `settings` unless given.
+    """
     mbs, scene = system.mbs, system.scene
-    simulation = settings(scene)
+    if simulation is None:
+        simulation = settings(scene)
     recorder = _Recorder(system, progress)
     mbs.SetPostStepUserFunction(recorder)
     solver = exu.MainSolverImplicitSecondOrder()

@@ -1,0 +1,99 @@
+"""Convergence of the default case with the step, the elements and the strips, and what the energy balance says.
+
+    python validation/convergence.py
+
+configs/pendulum.yaml to 40 ms. Errors are against the finest of each family, computed with a step of 10 us: the largest
+of the tip, and the differences in stopping time and angle at stop. Orders are slopes of least squares in the logarithms.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from granular_contact.config import load_scenario
+from granular_contact.results import Results
+from granular_contact.run import run
+from granular_contact.scene import build
+from validation.tables import machine, markdown
+
+CONFIG = HERE.parent / "configs" / "pendulum.yaml"
+REFERENCE = {"step": 1e-5, "elements": 32, "strips": 4}
+DEFAULT = {"step": 2e-4, "elements": 4, "strips": 4}
+# What is varied, its values, the other numbers, and the converged case of the family. Steps divide one another, so that
+# the instants to compare are there.
+FAMILIES: list[tuple[str, list[Any], dict[str, Any], dict[str, Any]]] = [
+    ("step", [1e-3, 5e-4, 2e-4, 1e-4], {"elements": 4, "strips": 4}, {"step": 1e-5, "elements": 4, "strips": 4}),
+    ("elements", [1, 2, 4, 8, 16], {"step": 2e-5, "strips": 4}, REFERENCE),
+    ("strips", [1, 2, 4, 8], {"step": 2e-5, "elements": 4}, {"step": 1e-5, "elements": 4, "strips": 32}),
+]
+
+
+def simulate(step: float, elements: int, strips: int) -> Results:
+    """Results of the case with these numbers, fixed to 40 ms and a tolerance that does not matter."""
+    scenario = load_scenario(
+        CONFIG,
+        [
+            "solver.end_time_s=0.04",
+            "solver.rest_time_s=null",
+            "solver.tolerance=1e-7",
+            f"solver.step_s={step}",
+            f"model.bodies.link.flexible.elements={elements}",
+            f"load.strips_per_element={strips}",
+        ],
+    )
+    return run(build(scenario), scenario)
+
+
+def tip(results: Results) -> NDArray[np.float64]:
+    """Tip path (n, 2) m."""
+    return np.column_stack([results["tip_x_m"], results["tip_y_m"]])
+
+
+def tip_error(results: Results, truth: Results) -> float:
+    """Largest distance (m) of the tip from the reference at the instants that both have."""
+    every = np.searchsorted(truth["time_s"], results["time_s"] - 1e-9)
+    return float(np.max(np.linalg.norm(tip(results) - tip(truth)[every], axis=1)))
+
+
+def family(name: str, values: list[Any], others: dict[str, Any], reference: dict[str, Any]) -> list[list[str]]:
+    """Rows of one table, the last with the fitted order."""
+    truth = simulate(**reference)
+    rows, errors = [], []
+    for value in values:
+        results = simulate(**others, **{name: value})
+        errors.append(tip_error(results, truth))
+        stop = results.summary["stopping_time_s"] - truth.summary["stopping_time_s"]
+        angle = results.summary["angle_at_stop_deg"] - truth.summary["angle_at_stop_deg"]
+        energy = results.summary["energy"]["imbalance_relative"]
+        cells = f"{1e6 * errors[-1]:.3f}", f"{1e6 * stop:+.2f}", f"{1e3 * angle:+.3f}", f"{energy:.1e}"
+        rows.append([name, f"{value:g}", *cells])
+    order = abs(np.polyfit(np.log(values), np.log(errors), 1)[0])
+    return [*rows, [f"order in {name}", "", f"{order:.2f}", "", "", ""]]
+
+
+def main() -> int:
+    """Print the table."""
+    truth = simulate(**REFERENCE)
+    print(f"{machine('exudyn', 'numba')}\n")
+    head = ["varied", "value", "tip path um", "stopping time us", "angle at stop mdeg", "energy imbalance"]
+    print(markdown(head, [row for one in FAMILIES for row in family(*one)]))
+    default = simulate(**DEFAULT)
+    summary, exact = default.summary, truth.summary
+    print(
+        f"\nDefaults: tip path {1e6 * tip_error(default, truth):.2f} um, stopping time "
+        f"{100 * (summary['stopping_time_s'] / exact['stopping_time_s'] - 1):+.3f} %, angle at stop "
+        f"{summary['angle_at_stop_deg'] - exact['angle_at_stop_deg']:+.5f} deg."
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

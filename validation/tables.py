@@ -1,0 +1,22 @@
+"""What the studies share: tables in Markdown, the machine they were measured on."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Sequence
+from importlib import metadata
+from typing import Any
+
+
+def markdown(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """Table with one line per row; every cell as its `str`."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def machine(*packages: str) -> str:
+    """One line on the machine and on the versions of packages."""
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in packages)
+    system = f"{os.cpu_count()} cores, {platform.machine()} {platform.system()}"
+    return f"{system}, Python {platform.python_version()}, {versions}"
