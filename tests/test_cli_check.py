@@ -149,7 +149,7 @@ def test_run_tells_how_it_ended_and_saves(fake_run, capsys, status, code):
     assert main(["run", CONFIG, "--no-plots"]) == code
     said = capsys.readouterr().out.splitlines()
     assert said[0] == f"strike: it was {status}"
-    assert "  stopping time   0.0254 s (mean rate)" in said
+    assert "  stopping time   25.40 ms, mean rate" in said
     assert said[-2:] == ["  saved in        results/pendulum", "warning: too fast"]
     assert Path("results/pendulum/summary.json").is_file()
     assert main(["run", CONFIG, "--no-plots", "--quiet"]) == code

@@ -239,17 +239,24 @@ class GranularBed:
 
     @property
     def history(self) -> LoadHistory:
-        """All steps of the solve, which is taken to be over: its last step has none after it that would accept it."""
-        if self._accepted is not None and self.mbs.systemData.GetTime() > self._accepted:
-            self.accept()
-        return self.accepted
+        """All steps up to the system's current state, which counts as accepted; reading it changes nothing."""
+        if self._accepted is None or not self.mbs.systemData.GetTime() > self._accepted:
+            return self.accepted
+        rows, accepted = self._rows, self._accepted
+        kept = [run.remember() for run in self.runs]
+        self.accept()
+        history = self.accepted
+        self._rows, self._accepted = rows, accepted
+        for run, memory in zip(self.runs, kept, strict=True):
+            run.recall(memory)
+        return history
 
     @property
     def accepted(self) -> LoadHistory:
         """The steps accepted so far; safe to read while a solve is under way."""
         rows = self._history[: self._rows]
-        terms = rows[:, TOTALS:].reshape(-1, len(TERMS), 3)
-        return LoadHistory(rows[:, TIME], rows[:, WORK], rows[:, POWER], rows[:, DEPTH], terms)
+        time, work, power, depth = rows[:, (TIME, WORK, POWER, DEPTH)].T
+        return LoadHistory(time, work, power, depth, rows[:, TOTALS:].reshape(-1, len(TERMS), 3).copy())
 
     @property
     def work(self) -> float:

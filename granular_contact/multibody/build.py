@@ -130,18 +130,16 @@ def _add_joint(system: System, ground: Any, connection: Connection) -> None:
         markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
         mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
     else:
-        markers = [mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=n, localPosition=p)) for n, p in ends]
         # Both bodies must see the weld along the same direction: the joint keeps the angle that they start with.
-        turn = np.eye(3)
-        turn[:2, :2] = rotation(_angle(system, connection.child) - _angle(system, connection.parent))
-        mbs.AddObject(
-            items.ObjectJointGeneric(
-                markerNumbers=markers,
-                constrainedAxes=[1, 1, 0, 0, 0, 1],
-                rotationMarker0=turn,
-                rotationMarker1=np.eye(3),
-            )
-        )
+        angles = (_angle(system, connection.child) - _angle(system, connection.parent), 0.0)
+        markers = [_rigid_marker(mbs, *end, angle) for end, angle in zip(ends, angles, strict=True)]
+        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1]))
+
+
+def _rigid_marker(mbs: Any, body: Any, point: list[float], angle: float) -> Any:
+    turn = np.eye(3)
+    turn[:2, :2] = rotation(angle)
+    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=turn, translation=point)))
 
 
 def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:

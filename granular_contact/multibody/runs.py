@@ -79,6 +79,14 @@ class Run:
         """End of a step at this state, added to a history row."""
         self.depth, self.speed = kernels.accept(q, v, *self._body, *self._sand, self.totals, row)
 
+    def remember(self) -> tuple[Vector, Vector, float, float]:
+        """Copy of all that `accept` changes, for `recall`."""
+        return self.anchors.copy(), self.totals.copy(), self.depth, self.speed
+
+    def recall(self, memory: tuple[Vector, Vector, float, float]) -> None:
+        """Undo what `accept` did since `remember`."""
+        self.anchors[:], self.totals[:], self.depth, self.speed = memory
+
     def wake(self, step: float) -> None:
         """Sleep through the next step (s) if at four times its speed the run could not touch the surface in it."""
         self.awake = self.depth + 4.0 * step * (self.speed + 10.0 * step) > -1e-3
