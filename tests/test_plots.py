@@ -20,6 +20,9 @@ from matplotlib.transforms import Bbox
 from support_results import REACH, make
 
 from granular_contact import plots
+from granular_contact.plots.outlines import edge
+from granular_contact.plots.panels import thin
+from granular_contact.plots.units import unit_for
 from granular_contact.results import Column, Outline, Results, Snapshot
 
 CASES: dict[str, dict[str, Any]] = {
@@ -39,7 +42,8 @@ def two_hinges() -> Results:
     """A second hinge that does as the first one does, mirrored in x so that the link points left."""
     one = make(flexible=True)
     extra = np.column_stack([2 * one["pivot_angle_deg"] + 100, -one["pivot_rate_rad_s"]])
-    columns = (*one.columns, Column("knee_angle_deg", ""), Column("knee_rate_rad_s", ""))
+    knee = Column("knee_angle_deg", "angle of shin at knee, relative to thigh, clockwise positive")
+    columns = (*one.columns, knee, Column("knee_rate_rad_s", ""))
     mirrored = tuple(
         dataclasses.replace(
             shot, outlines=tuple(dataclasses.replace(o, points=o.points * [-1, 1]) for o in shot.outlines)
@@ -228,6 +232,61 @@ def test_stop_is_drawn_at_its_instant_and_written() -> None:
     assert [text.get_text() for text in upper.texts] == ["touch", f"stops after {stop_ms:.4g} ms at {angle:.2f}°"]
 
 
+def legend_words(axes: Axes) -> list[str]:
+    legend = axes.get_legend()
+    return [] if legend is None else [text.get_text() for text in legend.get_texts()]
+
+
+def test_hinges_say_what_their_angles_are_relative_to() -> None:
+    with plots.style():
+        upper, lower = plots.figures(two_hinges())["motion"].axes
+    assert upper.get_ylabel() == "angle (deg)"
+    assert legend_words(upper) == ["pivot, below horizontal", "knee, relative to thigh"]
+    assert legend_words(lower) == ["at pivot", "at knee, relative to thigh", "mean (angular momentum / inertia)"]
+
+
+def test_hinges_that_are_all_on_the_ground_share_one_label() -> None:
+    results = two_hinges()
+    grounded = tuple(dataclasses.replace(c, description="") if "knee" in c.name else c for c in results.columns)
+    with plots.style():
+        upper, lower = plots.figures(dataclasses.replace(results, columns=grounded))["motion"].axes
+    assert upper.get_ylabel() == "angle below horizontal (deg)"
+    assert legend_words(upper) == ["pivot", "knee"]
+    assert legend_words(lower)[:2] == ["at pivot", "at knee"]
+
+
+def test_captions_tell_the_angle_of_the_pivot_wherever_its_column_is() -> None:
+    one = two_hinges()
+    order = sorted(range(len(one.columns)), key=lambda i: "pivot" in one.columns[i].name)
+    moved = dataclasses.replace(one, columns=tuple(one.columns[i] for i in order), table=one.table[:, order])
+    with plots.style():
+        words = [
+            [text.get_text() for text in plots.figures(results)["mechanism"].legends[0].get_texts()]
+            for results in (one, moved)
+        ]
+    assert words[0][0] == "touch: 0 ms, 45.00°"
+    assert words[1] == words[0]
+
+
+@pytest.mark.parametrize("flexible", [False, True])
+def test_damping_is_drawn_for_a_flexible_link_only(flexible: bool) -> None:
+    with plots.style():
+        words = legend_words(plots.figures(make(flexible=flexible))["energy"].axes[0])
+    assert "kinetic" in words
+    assert ("dissipated by damping" in words) == flexible
+
+
+def test_long_names_of_hinges_stay_within_the_panel() -> None:
+    one = two_hinges()
+    name = "a_hinge_with_a_rather_long_name"
+    columns = tuple(dataclasses.replace(c, name=c.name.replace("knee", name)) for c in one.columns)
+    with plots.style():
+        figure = plots.figures(dataclasses.replace(one, columns=columns))["motion"]
+        figure.canvas.draw()  # type: ignore[attr-defined]
+        test_words_do_not_overlap_nor_leave_the_page({"motion": figure})
+        test_legends_hide_no_data({"motion": figure})
+
+
 def test_mechanism_is_to_scale_and_dimensions_the_largest_depth() -> None:
     results = make()
     with plots.style():
@@ -245,7 +304,7 @@ def test_mechanism_is_to_scale_and_dimensions_the_largest_depth() -> None:
 
 def test_edge_of_a_bar_has_its_diameter_and_length() -> None:
     slope = np.array([np.cos(0.7), -np.sin(0.7)])
-    ring = plots.edge(Outline("bar", np.array([0.0, 0.3, 1.0])[:, None] * slope * REACH, 0.02))
+    ring = edge(Outline("bar", np.array([0.0, 0.3, 1.0])[:, None] * slope * REACH, 0.02))
     x, y = np.append(ring, ring[:1], axis=0).T
     area = 0.5 * abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
     assert area == pytest.approx(0.02 * REACH, rel=1e-12)
@@ -255,7 +314,7 @@ def test_edge_of_a_bar_has_its_diameter_and_length() -> None:
 def test_thin_keeps_ends_and_extremes_and_is_small(rows: int) -> None:
     times = np.sort(np.random.default_rng(1).random(rows) ** 6)  # steps of very uneven length
     values = np.random.default_rng(2).normal(size=rows)
-    kept = plots.thin(times, values)
+    kept = thin(times, values)
     assert len(kept) <= 2800
     assert np.all(np.diff(kept) > 0)
     assert {0, rows - 1, int(values.argmin()), int(values.argmax())} <= set(kept.tolist())
@@ -268,7 +327,7 @@ def test_thin_keeps_ends_and_extremes_and_is_small(rows: int) -> None:
     [(0.2, "mm", 1e3), (4.5e-5, "µm", 1e6), (1.0, "m", 1.0), (999.0, "m", 1.0), (1e3, "km", 1e-3), (0.0, "m", 1.0)],
 )
 def test_unit_brings_the_largest_into_one_to_a_thousand(largest: float, name: str, factor: float) -> None:
-    unit = plots.unit_for(np.array([0.0, -largest, np.nan]), "m")
+    unit = unit_for(np.array([0.0, -largest, np.nan]), "m")
     assert unit.name == name
     assert unit.factor == pytest.approx(factor, rel=1e-12)
 

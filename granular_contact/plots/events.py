@@ -1,0 +1,68 @@
+"""What is marked in panels over time: the touch, the stop, and how a run without a stop ended."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from granular_contact.plots.style import FAINT
+from granular_contact.plots.units import instant, minus, time_unit
+from granular_contact.results import Results
+
+
+def mark_events(results: Results, panels: list[Axes]) -> None:
+    """A thin line at touch, unless the run starts with it, and at the stop, whose time and angle stand above it."""
+    if len(results.table) < 2:
+        _above(panels[0], 1.0, _ending(results))
+        return
+    first, last = results["time_s"][[0, -1]]
+    factor, touch, stopping = time_unit(results).factor, _touch(results), results.summary.get("stopping_time_s")
+    begin = (touch - first) / (last - first)
+    end = 1.0 if stopping is None else (touch + stopping - first) / (last - first)
+    if 0.01 < begin < 1:
+        _vertical(panels, touch * factor, (0, (1, 1.5)))
+        if end - begin > 0.55:  # as far as the words at the stop may reach
+            _above(panels[0], begin, "touch")
+    if stopping is None:
+        _above(panels[0], 1.0, _ending(results))
+    else:
+        _vertical(panels, (touch + stopping) * factor, (0, (5, 2)))
+        angle = results.summary.get("angle_at_stop_deg")
+        at = "" if angle is None else f" at {minus(f'{angle:.2f}')}°"
+        _above(panels[0], end, f"stops after {instant(results, stopping)}{at}")
+
+
+def _vertical(panels: list[Axes], time: float, kind: Any) -> None:
+    """A thin line across all panels, behind the curves."""
+    for axes in panels:
+        axes.axvline(time, color=FAINT, linewidth=0.6, linestyle=kind, zorder=1.5)
+
+
+def _above(axes: Axes, share: float, words: str) -> None:
+    """Words above the panel at this share of its width, leaning inwards near its ends."""
+    side = "left" if share < 0.3 else "right" if share > 0.7 else "center"
+    axes.annotate(
+        words,
+        (min(share, 1.0), 1.0),
+        (0, 2.5),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha=side,
+        fontsize=7.5,
+    )
+
+
+def _ending(results: Results) -> str:
+    """How a run without a stop ended, in two words."""
+    last = instant(results, results["time_s"][-1])
+    words = {"failed": f"run failed at {last}", "interrupted": f"interrupted at {last}"}
+    return words.get(results.status.code, "no stop")
+
+
+def _touch(results: Results) -> float:
+    """Instant (s) of the snapshot at touch, else of the first row."""
+    for shot in results.snapshots:
+        if shot.label == "touch":
+            return shot.time
+    return float(results["time_s"][0])

@@ -1,0 +1,138 @@
+"""The mechanism at touch, at its deepest and at the end, to scale, in the sand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Polygon, Rectangle
+
+from granular_contact.plots.hinges import hinges_of
+from granular_contact.plots.outlines import deepest_point, edge, fixed_points
+from granular_contact.plots.style import GRAINS, INK, SAND, SAND_EDGE, VERMILION
+from granular_contact.plots.units import Unit, instant, minus, unit_for
+from granular_contact.plots.views import View, side_by_side, tip_view, whole_view
+from granular_contact.results import Results, Snapshot
+
+_POSES: dict[str, dict[str, Any]] = {
+    "touch": {"facecolor": "#D4D4D4", "edgecolor": "#7A7A7A", "zorder": 3},
+    "end": {"facecolor": "#6FA8CC", "edgecolor": "#00486F", "zorder": 4},
+    "deepest": {"facecolor": "none", "edgecolor": VERMILION, "zorder": 5},
+}
+_PIVOT: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 4.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": INK,
+    "markeredgewidth": 0.9,
+    "linestyle": "none",
+}
+
+
+def mechanism(results: Results) -> Figure:
+    """The mechanism at touch, at its deepest and at the end, one over the other; beside it the immersed part enlarged.
+
+    Overlaid and not side by side, as a link turns by a few degrees only: three pictures would look the same.
+    """
+    whole = whole_view(results)
+    tip = tip_view(results)
+    figure, panels = side_by_side(
+        [whole] if tip is None else [whole, tip], legend_rows=1 if tip else len(results.snapshots) + 1
+    )
+    if tip is not None:
+        tip = panels[1].view
+        panels[0] = panels[0].showing(tip)
+    unit = unit_for(np.array([whole.width, whole.height]), "m")
+    for panel in panels:
+        _scene(panel.axes, results, unit, panel.view)
+    pivots = fixed_points(results)
+    for x, y in pivots:
+        panels[0].axes.plot(x * unit.factor, y * unit.factor, zorder=6, **_PIVOT)
+    if tip is not None:
+        _outline_view(panels[0].axes, tip, unit)
+        _dimension_depth(panels[1].axes, results, unit)
+    handles: list[Artist] = [Patch(**_pose(shot), label=_caption(results, shot)) for shot in results.snapshots]
+    if len(pivots):
+        handles.append(Line2D([], [], label="pivot", **_PIVOT))
+    figure.legend(handles=handles, loc="lower center", ncols=4 if tip is not None else 1, borderaxespad=0.4)
+    return figure
+
+
+def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
+    """Sand and all snapshots within `view`, to scale."""
+    axes.set(xlabel=f"x ({unit.name})", ylabel=f"y ({unit.name})")
+    axes.grid(False)
+    axes.locator_params(nbins=6)
+    for side in axes.spines.values():
+        side.set_visible(True)
+    if results.surface is not None and results.surface > view.bottom:
+        _sand(axes, results.surface * unit.factor, view, unit)
+    for shot in results.snapshots:
+        for outline in shot.outlines:
+            look = {**_pose(shot), "linewidth": 0.7}
+            if len(outline.points) == 1:
+                axes.add_patch(
+                    Circle(tuple(outline.points[0] * unit.factor), outline.diameter / 2 * unit.factor, **look)
+                )
+            else:
+                axes.add_patch(Polygon(edge(outline) * unit.factor, **look))
+    axes.set_xlim(view.left * unit.factor, (view.left + view.width) * unit.factor)
+    axes.set_ylim(view.bottom * unit.factor, (view.bottom + view.height) * unit.factor)
+    axes.set_aspect("equal")
+
+
+def _sand(axes: Axes, surface: float, view: View, unit: Unit) -> None:
+    """The medium below the surface line (drawing units), strewn with grains that only look like sand."""
+    left, bottom = view.left * unit.factor, view.bottom * unit.factor
+    width, depth = view.width * unit.factor, surface - bottom
+    axes.add_patch(Rectangle((left, bottom), width, depth, facecolor=SAND, edgecolor="none", zorder=0))
+    place = np.random.default_rng(7)
+    count = int(2500 * min(depth / (view.height * unit.factor), 1.0))
+    for colour in GRAINS:
+        x, y = left + width * place.random(count // 2), bottom + depth * place.random(count // 2)
+        axes.scatter(x, y, s=place.uniform(0.05, 0.9, count // 2), color=colour, linewidths=0, zorder=1)
+    axes.axhline(surface, color=SAND_EDGE, linewidth=0.9, zorder=2)
+
+
+def _pose(shot: Snapshot) -> dict[str, Any]:
+    """How the mechanism looks in this snapshot."""
+    return _POSES.get(shot.label, _POSES["touch"])
+
+
+def _caption(results: Results, shot: Snapshot) -> str:
+    """Which snapshot, when, and the angle of the pivot then."""
+    words = f"{shot.label}: {instant(results, shot.time)}"
+    pivot = next((hinge for hinge in hinges_of(results) if hinge.reference is None), None)
+    if pivot is None or not len(results.table):
+        return words
+    angle = np.interp(shot.time, results["time_s"], results[pivot.angle])
+    return f"{words}, {minus(f'{angle:.2f}')}°"
+
+
+def _outline_view(axes: Axes, view: View, unit: Unit) -> None:
+    """A thin frame where the enlarged view lies."""
+    corner, size = np.array([view.left, view.bottom]), np.array([view.width, view.height])
+    corner, size = corner * unit.factor, size * unit.factor
+    axes.add_patch(Rectangle(tuple(corner), *size, fill=False, edgecolor=INK, linewidth=0.5, zorder=7))
+
+
+def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
+    """The largest depth as a drawing dimensions it: extension line, double arrow and number beside the body."""
+    deepest, surface = deepest_point(results), results.surface
+    if deepest is None or surface is None:
+        return
+    own = unit_for(np.array([deepest.depth]), "m")
+    side, margin = deepest.side, 0.06 * float(np.ptp(axes.get_xlim()))
+    x, at = deepest.x * unit.factor, deepest.clear * unit.factor + side * margin
+    top, low = surface * unit.factor, (surface - deepest.depth) * unit.factor
+    axes.plot([x, at + 0.3 * side * margin], [low, low], color=INK, linewidth=0.5, zorder=8)
+    head = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.3", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (at, top), (at, low), arrowprops={**head, "linewidth": 0.6, "color": INK}, zorder=8)
+    words = f"depth\n{deepest.depth * own.factor:.2f} {own.name}"
+    align: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center"}
+    middle = (at, (top + low) / 2)
+    axes.annotate(words, middle, (4 * side, 0), textcoords="offset points", zorder=9, **align)

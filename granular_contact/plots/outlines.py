@@ -1,0 +1,79 @@
+"""Outlines of the mechanism: edges, points that stay fixed, what is below the surface and how deep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from granular_contact.plots.hinges import hinges_of
+from granular_contact.plots.units import Array
+from granular_contact.results import Outline, Results, Snapshot
+
+
+def edge(outline: Outline) -> Array:
+    """Closed edge (m, 2) m of a bar: its centre line moved to either side by half the diameter; a disc's is a ring."""
+    points, radius = outline.points, outline.diameter / 2
+    if len(points) == 1:
+        turn = np.linspace(0, 2 * np.pi, 65)[:-1]
+        return np.asarray(points + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+    tangent = np.gradient(points, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
+    normal = radius * np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    return np.concatenate([points + normal, (points - normal)[::-1]])
+
+
+def _dense(ring: Array) -> Array:
+    """Points along a closed edge, fifty to a side."""
+    share = np.linspace(0, 1, 50)[None, :, None]
+    return np.asarray((ring[:, None] * (1 - share) + np.roll(ring, -1, axis=0)[:, None] * share).reshape(-1, 2))
+
+
+def submerged(shot: Snapshot, surface: float) -> Array:
+    """Points (k, 2) m of the edges that lie below the surface."""
+    points = np.concatenate([_dense(edge(outline)) for outline in shot.outlines])
+    return np.asarray(points[points[:, 1] < surface])
+
+
+def fixed_points(results: Results) -> Array:
+    """Points (k, 2) m that no snapshot moves: ground hinges; with nothing moved, the first point of a hinged model."""
+    shots = [np.concatenate([outline.points for outline in shot.outlines]) for shot in results.snapshots]
+    first = shots[0]
+    moved = np.max([np.linalg.norm(shot - first, axis=1) for shot in shots], axis=0)
+    if not moved.max() > 0:
+        return first[:1] if hinges_of(results) else first[:0]
+    still = first[moved < 0.01 * moved.max()]
+    size = float(np.max(np.ptp(first, axis=0)))
+    kept: list[Array] = []
+    for point in still:
+        if all(np.linalg.norm(point - other) > 0.02 * size for other in kept):
+            kept.append(point)
+    return np.array(kept).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class Deepest:
+    """The deepest point: x (m), depth (m), the side (+1 or -1 along x) with room, and where the body ends there (m)."""
+
+    x: float
+    depth: float
+    side: float
+    clear: float
+
+
+def deepest_point(results: Results) -> Deepest | None:
+    """Of all snapshots, the point at the largest depth on record (on a bar's centre line or a disc's rim)."""
+    depth, surface = results.summary.get("max_depth_m"), results.surface
+    if surface is None or depth is None or not depth > 0 or not results.snapshots:
+        return None
+    found = []
+    for shot in results.snapshots:
+        low = [o.points if len(o.points) > 1 else o.points - (0, o.diameter / 2) for o in shot.outlines]
+        points = np.concatenate(low)
+        miss = np.abs(points[:, 1] - (surface - depth))
+        found.append((float(miss.min()), float(points[miss.argmin(), 0]), shot))
+    _, x, shot = min(found, key=lambda entry: entry[0])
+    side = 1.0 if x >= np.median(np.concatenate([o.points for o in shot.outlines])[:, 0]) else -1.0
+    under = submerged(shot, surface)
+    clear = side * float(np.max(side * under[:, 0], initial=side * x))
+    return Deepest(x, float(depth), side, clear)

@@ -1,0 +1,94 @@
+"""Deflection, forces and energy over time."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from granular_contact.plots.events import mark_events
+from granular_contact.plots.panels import curve, finish, stacked
+from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION
+from granular_contact.plots.units import Array, instant, minus, unit_for
+from granular_contact.results import Results
+
+_TERMS = {  # of the granular force: words, colour, kind of line
+    "drag": ("drag", BLUE, "-"),
+    "horizontal_static": ("horizontal static", VERMILION, (0, (4, 1.2))),
+    "vertical_static": ("vertical static", GREEN, (0, (4, 1.2, 1, 1.2))),
+}
+
+
+def deflection(results: Results) -> Figure:
+    """Deflection of the flexible link's tip over time, its greatest value marked."""
+    figure, (axes,), time = stacked(results, 55.0, (1,))
+    values = results["deflection_m"]
+    unit = unit_for(values, "m")
+    axes.axhline(0, color=FAINT, linewidth=0.5)
+    curve(axes, time, values * unit.factor, BLUE)
+    if np.isfinite(values).any():
+        peak = int(np.nanargmax(np.abs(values)))
+        words = f"largest: {values[peak] * unit.factor:.3g} {unit.name} at {instant(results, results['time_s'][peak])}"
+        axes.plot(time[peak], values[peak] * unit.factor, "o", color=VERMILION, label=minus(words), linestyle="none")
+    finish(axes, f"tip deflection ({unit.name})", columns=1)
+    mark_events(results, [axes])
+    return figure
+
+
+def forces(results: Results) -> Figure:
+    """The terms of the granular force and their sum over time: horizontal, vertical, moment about the pivot."""
+    figure, panels, time = stacked(results, 118.0, (1, 1, 1))
+    both = [results[f"{term}_force_{axis}_N"] for term in _TERMS for axis in "xy"]
+    newton = unit_for(np.concatenate(both), "N")
+    moment = unit_for(np.concatenate([results[f"{term}_moment_Nm"] for term in _TERMS]), "N·m")
+    rows = (
+        ("force_x_N", newton, "horizontal force"),
+        ("force_y_N", newton, "vertical force"),
+        ("moment_Nm", moment, "moment about pivot"),
+    )
+    for axes, (column, unit, words) in zip(panels, rows, strict=True):
+        axes.axhline(0, color=FAINT, linewidth=0.5)
+        parts = [results[f"{term}_{column}"] * unit.factor for term in _TERMS]
+        curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
+        for part, (label, colour, kind) in zip(parts, _TERMS.values(), strict=True):
+            curve(axes, time, part, colour, label, linestyle=kind)
+        finish(axes, f"{words} ({unit.name})", columns=4 if axes is panels[0] else 0)
+    mark_events(results, panels)
+    return figure
+
+
+def energy(results: Results) -> Figure:
+    """Where the energy is and went over time, the total that should be constant, and by how much it is not."""
+    figure, (upper, lower), time = stacked(results, 98.0, (3, 1))
+    recorded = {column.name for column in results.columns}
+    parts = [  # gravity counted from the start, work turned into what is dissipated
+        ("kinetic", "kinetic_J", 1.0, BLUE, "-"),
+        ("gravity, from start", "gravity_J", 1.0, GREEN, (0, (4, 1.2))),
+        ("elastic", "elastic_J", 1.0, PURPLE, (0, (1, 1))),
+        ("dissipated in medium", "granular_work_J", -1.0, VERMILION, (0, (4, 1.2, 1, 1.2))),
+    ]
+    if "elastic_J" in recorded:  # a flexible link, which alone can lose energy by damping
+        parts.append(("dissipated by damping", "damping_work_J", -1.0, ORANGE, (0, (2, 1))))
+    curves = []
+    for label, name, sign, colour, kind in parts:
+        if name in recorded:
+            values = sign * results[name]
+            curves.append((label, values - values[0] if name == "gravity_J" else values, colour, kind))
+    total = np.sum([values for _, values, _, _ in curves], axis=0)
+    unit = unit_for(np.concatenate([total, *(values for _, values, _, _ in curves)]), "J")
+    curve(upper, time, total * unit.factor, INK, "total", linewidth=0.8)
+    for label, values, colour, kind in curves:
+        curve(upper, time, values * unit.factor, colour, label, linestyle=kind)
+    finish(upper, f"energy ({unit.name})", columns=2)
+    _imbalance(lower, results, time)
+    mark_events(results, [upper, lower])
+    return figure
+
+
+def _imbalance(axes: Axes, results: Results, time: Array) -> None:
+    """What the total changes by, on its own scale."""
+    values = results["energy_imbalance_J"]
+    unit = unit_for(values, "J")
+    axes.axhline(0, color=FAINT, linewidth=0.5)
+    curve(axes, time, values * unit.factor, INK, linewidth=0.8)
+    finish(axes, f"imbalance ({unit.name})")
