@@ -18,9 +18,10 @@ from numba import njit
 GAUSS_LOW = 0.5 - 0.5 / math.sqrt(3.0)
 GAUSS_HIGH = 0.5 + 0.5 / math.sqrt(3.0)
 
-# Below this relative difference of the end depths the closed form cancels (to about 1e-12) and a two-point Gauss rule
-# is as accurate (error (dz/z)^4 / 4320).
+# Below this relative difference of the end depths the closed forms cancel (to 1e-12, their gradients to 1e-10), and three
+# Gauss points are as accurate.
 LEVEL = 0.01
+FAR = 0.5 * math.sqrt(0.6)  # of the outer two from the middle; weights 5/18, 8/18, 5/18
 
 
 @njit(cache=True)
@@ -54,9 +55,10 @@ def depth_integrals_rising(z0: float, z1: float, lam: float) -> tuple[float, flo
         return total - j1, j1
     dz = z1 - z0
     if dz <= LEVEL * (z0 + z1):
-        low = 0.5 * (z0 + GAUSS_LOW * dz) ** lam
-        high = 0.5 * (z0 + GAUSS_HIGH * dz) ** lam
-        return low * GAUSS_HIGH + high * GAUSS_LOW, low * GAUSS_LOW + high * GAUSS_HIGH
+        middle = 0.5 * (z0 + z1)
+        low, high = 5.0 / 18.0 * (middle - FAR * dz) ** lam, 5.0 / 18.0 * (middle + FAR * dz) ** lam
+        half = 0.5 * (low + 8.0 / 18.0 * middle**lam + high)
+        return half - FAR * (high - low), half + FAR * (high - low)
     p0 = z0 ** (lam + 1.0)
     p1 = z1 ** (lam + 1.0)
     total = (p1 - p0) / ((lam + 1.0) * dz)
@@ -93,11 +95,13 @@ def depth_integral_gradients_rising(z0: float, z1: float, lam: float) -> tuple[f
         g11 = j1_beta * beta_z1 + j1_p * p_z1
         return total_beta * beta_z0 - g10, total_beta * beta_z1 + total_p * p_z1 - g11, g10, g11
     if dz <= LEVEL * (z0 + z1):
-        low = 0.5 * lam * (z0 + GAUSS_LOW * dz) ** (lam - 1.0)
-        high = 0.5 * lam * (z0 + GAUSS_HIGH * dz) ** (lam - 1.0)
-        g01 = (low + high) * GAUSS_LOW * GAUSS_HIGH
-        g00 = low * GAUSS_HIGH**2 + high * GAUSS_LOW**2
-        g11 = low * GAUSS_LOW**2 + high * GAUSS_HIGH**2
+        middle = 0.5 * (z0 + z1)
+        k = 5.0 / 18.0 * lam
+        low, high = k * (middle - FAR * dz) ** (lam - 1.0), k * (middle + FAR * dz) ** (lam - 1.0)
+        quarter = 0.25 * 8.0 / 18.0 * lam * middle ** (lam - 1.0)
+        g01 = (low + high) * (0.25 - FAR * FAR) + quarter
+        g00 = low * (0.5 + FAR) ** 2 + high * (0.5 - FAR) ** 2 + quarter
+        g11 = low * (0.5 - FAR) ** 2 + high * (0.5 + FAR) ** 2 + quarter
         return g00, g01, g01, g11
     j0, j1 = depth_integrals_rising(z0, z1, lam)
     total = j0 + j1

@@ -193,7 +193,9 @@ class GranularBed:
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             self._accept(t, self._q, self._v)
-        elif start_time != self._accepted:
+        elif start_time != self._accepted or self._rows == 1:
+            if start_time == self._accepted:  # the first step: bodies may have been moved since forces were first asked
+                self._accepted = None
             start = exu.ConfigurationType.StartOfStep
             self._accept(
                 start_time, data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)

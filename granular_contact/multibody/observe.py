@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.media.lee_marghitu import TERMS
 from granular_contact.multibody.build import RigidHandle, System
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
-
-Series = dict[str, tuple[str, Vector]]
 
 
 class Observer:
@@ -27,13 +25,11 @@ class Observer:
 
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
-        series: Series = {"time_s": ("time since the start", self.trajectory.time)}
+        everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
         for connection in self.scene.connections:
             if connection.kind == "hinge":
-                series |= self._joint(connection)
-        series |= self._shape() | self._load() | self._energies()
-        columns = tuple(Column(name, description) for name, (description, _) in series.items())
-        return columns, np.column_stack([values for _, values in series.values()])
+                everything |= self._joint(connection)
+        return series.tabulate(everything | self._shape() | self._load() | self._energies())
 
     # ---- motion ----
 
@@ -64,17 +60,10 @@ class Observer:
         turned += start - turned[0]
         return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
-    def _joint(self, joint: Connection) -> Series:
+    def _joint(self, joint: Connection) -> series.Series:
         child, child_rate = self.angle(joint.child, joint.child_point)
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
-        what = "below the horizontal" if joint.parent is None else f"relative to {joint.parent}"
-        return {
-            f"{joint.name}_angle_deg": (
-                f"angle of {joint.child} at {joint.name}, {what}, clockwise positive",
-                np.degrees(parent - child),
-            ),
-            f"{joint.name}_rate_rad_s": (f"rate of {joint.name}_angle", parent_rate - child_rate),
-        }
+        return series.joint(joint.name, joint.child, joint.parent, parent - child, parent_rate - child_rate)
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
@@ -114,24 +103,11 @@ class Observer:
                 turn[:, dx], turn[:, dy] = -q[:, dy], q[:, dx]
         return turn
 
-    def _shape(self) -> Series:
+    def _shape(self) -> series.Series:
         tip, _ = self.position(*self.scene.tip)
-        series: Series = {
-            "mean_rate_rad_s": (
-                "angular momentum over moment of inertia about the pivot, clockwise positive",
-                self.mean_rate()[0],
-            ),
-            "tip_x_m": ("horizontal position of the tip", tip[:, 0]),
-            "tip_y_m": ("height of the tip", tip[:, 1]),
-        }
-        if self.scene.links:
-            series["deflection_m"] = (
-                "tip deflection across the axis of the link's root, clockwise positive",
-                self.deflection(),
-            )
-        if self.scene.surface is not None:
-            series["depth_m"] = ("depth of the deepest end or node below the surface", self.depth())
-        return series
+        deflection = self.deflection() if self.scene.links else None
+        depth = None if self.scene.surface is None else self.depth()
+        return series.shape(self.mean_rate()[0], tip, deflection, depth)
 
     def deflection(self) -> Vector:
         """Deflection (n,) m of the last flexible link's tip from the tangent at its root, clockwise positive."""
@@ -152,52 +128,25 @@ class Observer:
 
     # ---- forces and energies ----
 
-    def _load(self) -> Series:
+    def _load(self) -> series.Series:
         if self.scene.medium is None:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), 3, 3)) if load is None else load.terms
-        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
-        series: Series = {}
-        for i, term in enumerate(TERMS):
-            fx, fy, moment = terms[:, i].T
-            what = f"{term.replace('_', ' ')} force of the medium"
-            series[f"{term}_force_x_N"] = (f"{what}, horizontal", fx)
-            series[f"{term}_force_y_N"] = (f"{what}, upward", fy)
-            series[f"{term}_moment_Nm"] = (
-                f"moment of the {what} about the pivot, counter-clockwise",
-                moment - (pivot[0] * fy - pivot[1] * fx),
-            )
-        return series
+        return series.forces(terms, np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point)
 
-    def _energies(self) -> Series:
+    def _energies(self) -> series.Series:
         t = self.trajectory
         kinetic = 0.5 * np.einsum("ti,ij,tj->t", t.v, t.mass, t.v, optimize=True)
         gravity = self.scene.gravity * (t.q @ (t.mass @ self._up()))
-        gravity -= gravity[0]
-        total = kinetic + gravity
-        series: Series = {
-            "kinetic_J": ("kinetic energy", kinetic),
-            "gravity_J": ("potential energy of gravity, from the start", gravity),
-        }
-        damping = np.zeros_like(kinetic)
-        if self._links:
-            elastic = np.zeros_like(kinetic)
-            for name, nodes in self._links.items():
-                link = self.system.links[name].link
-                s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
-                elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
-                damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
-            series["elastic_J"] = ("strain energy of the flexible links", elastic)
-            total += elastic
+        elastic, damping = np.zeros_like(kinetic), np.zeros_like(kinetic)
+        for name, nodes in self._links.items():
+            link = self.system.links[name].link
+            s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
+            elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
+            damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
         work = np.zeros_like(kinetic) if t.load is None else t.load.work
-        series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
-        series["damping_work_J"] = ("work of the links' internal damping so far", damping)
-        series["energy_imbalance_J"] = (
-            "energy less what was done by medium and damping, from the start",
-            total - work - damping - total[0],
-        )
-        return series
+        return series.energies(kinetic, gravity - gravity[0], elastic if self._links else None, work, damping)
 
     # ---- pictures ----
 

@@ -14,7 +14,18 @@ from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.layout import GROUND, ZERO, Frame, Layout, lay_out, point
-from granular_contact.scene.types import Connection, FlexibleLink, Load, RigidBody, Scene, Solver, Vector, place
+from granular_contact.scene.reducible import check_reducible
+from granular_contact.scene.types import (
+    Connection,
+    FlexibleLink,
+    Load,
+    Reduced,
+    RigidBody,
+    Scene,
+    Solver,
+    Vector,
+    place,
+)
 
 
 def build(scenario: schema.Scenario) -> Scene:
@@ -30,12 +41,14 @@ def build(scenario: schema.Scenario) -> Scene:
     rigid = tuple(rigid_body(layout, group) for group in layout.groups if GROUND not in group)
     links = tuple(flexible_links(layout))
     ends = list(_ends(rigid, links))
-    faults = [*_motion_faults(scenario, layout), *_joint_faults(layout), *_surface_faults(scenario, ends)]
-    if not rigid and not links:
+    faults = [*_motion_faults(scenario, layout), *_joint_faults(layout)]
+    if rigid or links:
+        faults += _surface_faults(scenario, ends)
+    else:
         faults.append(_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
         raise SceneError(faults)
-    return Scene(
+    scene = Scene(
         name=scenario.name or scenario.model.name,
         rigid=rigid,
         links=links,
@@ -56,7 +69,11 @@ def build(scenario: schema.Scenario) -> Scene:
         impact_speed=initial.impact_speed_rad_s,
         tip=_tip(ends, rigid),
         output_interval=scenario.output.interval_s,
+        method=_method(scenario.method),
     )
+    if scene.method is not None:
+        check_reducible(scene, scene.method.modes)
+    return scene
 
 
 def _fault(key: str, message: str) -> Fault:
@@ -175,6 +192,11 @@ def preset(name: str) -> LeeMarghitu:
         There is no such medium; the message lists those there are.
     """
     return medium(load_medium(name))
+
+
+def _method(method: schema.Method) -> Reduced | None:
+    reduced = method.reduced
+    return None if reduced is None else Reduced(reduced.modes, reduced.static, reduced.rtol, reduced.integrator)
 
 
 def _load(load: schema.Load) -> Load:

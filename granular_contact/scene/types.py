@@ -134,8 +134,26 @@ class Solver:
 
 
 @dataclass(frozen=True)
+class Reduced:
+    """Reduced model in place of the engine; see `granular_contact.reduced`.
+
+    modes: of the flexible link, 0 for a rigid one; static: "true_sign", or the kind of static friction that the load
+    has; rtol: error of a step relative to the size and speed of the mechanism; integrator: the project's own
+    "dormand_prince" or one of scipy's by its name there.
+    """
+
+    modes: int
+    static: Literal["true_sign", "elastoplastic", "smooth"]
+    rtol: float
+    integrator: str
+
+
+@dataclass(frozen=True)
 class Scene:
-    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum; impact angle rad and speed rad/s."""
+    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum; impact angle rad and speed rad/s.
+
+    method: None for the engine.
+    """
 
     name: str
     rigid: tuple[RigidBody, ...]
@@ -150,6 +168,7 @@ class Scene:
     impact_speed: float
     tip: tuple[str, Vector]
     output_interval: float | None
+    method: Reduced | None = None
 
     @property
     def bodies(self) -> list[RigidBody | FlexibleLink]:

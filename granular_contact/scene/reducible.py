@@ -1,0 +1,59 @@
+"""Which mechanisms have a reduced model, told without building one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from granular_contact.errors import scene_error
+from granular_contact.scene.types import Connection, FlexibleLink, RigidBody, Scene
+
+CAN = (
+    "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
+    "link, welded to that body by its root"
+)
+
+
+def check_reducible(scene: Scene, modes: int) -> None:
+    """Refuse a scene that can't be reduced to so many modes.
+
+    Raises
+    ------
+    SceneError
+        With the key `method`, all that stands in the way, and what can be reduced.
+    """
+    obstacles = [*_bodies(scene), *_joints(scene)]
+    if not obstacles and modes > 0 and not scene.links:
+        raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
+    if obstacles:
+        raise scene_error("method", f"{', and '.join(obstacles)}: {CAN}")
+
+
+def _bodies(scene: Scene) -> Iterator[str]:
+    if len(scene.rigid) != 1:
+        yield f"the model has {len(scene.rigid) or 'no'} rigid bod{'y' if not scene.rigid else 'ies'}"
+    if len(scene.links) > 1:
+        yield f"it has {len(scene.links)} flexible links"
+
+
+def _joints(scene: Scene) -> Iterator[str]:
+    hinges = [joint for joint in scene.connections if joint.kind == "hinge"]
+    if len(hinges) != 1:
+        yield f"it has {len(hinges) or 'no'} hinges"
+    for joint in scene.connections:
+        child, fits = _reduces(scene, joint)
+        if not fits:
+            where = "the ground" if joint.parent is None else joint.parent
+            yield f"{joint.name} is a {joint.kind} between {where} and {child}"
+
+
+def _reduces(scene: Scene, joint: Connection) -> tuple[str, bool]:
+    """What a joint carries, in words, and whether the reduced model has such a joint."""
+    child = scene.body(joint.child)
+    if isinstance(child, RigidBody):
+        return f"the rigid {child.name}", joint.kind == "hinge" and joint.parent is None
+    by_root = not np.any(joint.child_point)
+    what = f"the {'root' if by_root else 'tip'} of the flexible {child.name}"
+    held = joint.parent is not None and not isinstance(scene.body(joint.parent), FlexibleLink)
+    return what, joint.kind == "weld" and held and by_root

@@ -1,0 +1,161 @@
+"""The two regularised signs: what they do to one point that is pushed about."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from support_slow import Link, kernel, medium, middles
+
+from granular_contact.kernels import runs
+from granular_contact.kernels.friction import direction, direction_slopes, drag_anchor
+from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.media.static_friction import Elastoplastic, Smooth
+
+U_Y = 1e-5
+PLASTIC = medium(static=Elastoplastic(U_Y, 0.0))[0]
+DAMPED = medium(static=Elastoplastic(U_Y, 1e-3))[0]
+SMOOTH = medium(static=Smooth(1e-3))[0]
+
+
+def cycle(path: np.ndarray, m: np.void) -> tuple[np.ndarray, np.ndarray]:
+    """Direction and anchor after every accepted point of a slow path (m)."""
+    sigma, anchors, anchor = np.zeros(len(path)), np.zeros(len(path)), path[0]
+    for i, p in enumerate(path):
+        sigma[i] = direction(p - anchor, 0.0, m)
+        anchor = drag_anchor(p, anchor, m)
+        anchors[i] = anchor
+    return sigma, anchors
+
+
+def work(path: np.ndarray, sigma: np.ndarray) -> float:
+    """Work of a unit bound on the body: force is -sigma; trapezoids are exact on piecewise linear sigma."""
+    return float(-np.sum(0.5 * (sigma[1:] + sigma[:-1]) * np.diff(path)))
+
+
+def zigzag(amplitude: float, cycles: int, points: int) -> np.ndarray:
+    corners = np.array([0.0, *([amplitude, -amplitude] * cycles), amplitude, 0.0])
+    return np.concatenate([np.linspace(a, b, points, endpoint=False) for a, b in pairwise(corners)] + [[0.0]])
+
+
+def test_saturates_at_one() -> None:
+    for sign in (1.0, -1.0):
+        assert direction(sign * 2 * U_Y, 0.0, PLASTIC) == sign
+        assert direction(0.0, sign * 0.1, DAMPED) == sign
+        assert direction(0.0, sign * 0.1, SMOOTH) == pytest.approx(sign, abs=1e-15)  # tanh(100)
+    assert direction(0.25 * U_Y, 0.0, PLASTIC) == pytest.approx(0.25, rel=1e-15)
+    # The damping adds tau v / u_y = 0.1; round-off.
+    assert direction(0.25 * U_Y, 1e-3, DAMPED) == pytest.approx(0.35, rel=1e-14)
+    assert direction(0.25 * U_Y, 1e-3, SMOOTH) == pytest.approx(math.tanh(1.0), rel=1e-15)
+
+
+def test_anchor_is_mapped_back_to_the_yield_displacement() -> None:
+    assert drag_anchor(0.3 * U_Y, 0.0, PLASTIC) == pytest.approx(0.0, abs=1e-20)
+    # Round-off of 1e-5 m.
+    assert drag_anchor(3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(2.0 * U_Y, rel=1e-14)
+    assert drag_anchor(-3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(-2.0 * U_Y, rel=1e-14)
+
+
+def test_return_mapping_is_the_incremental_one() -> None:
+    """One large step lands where many small ones do, as long as it does not turn round: plasticity has no clock."""
+    small = cycle(np.linspace(0.0, 7.3 * U_Y, 1000), PLASTIC)
+    large = cycle(np.array([0.0, 7.3 * U_Y]), PLASTIC)
+    assert large[0][-1] == small[0][-1] == 1.0
+    # 1000 additions of round-off at 7e-5 m.
+    assert large[1][-1] == pytest.approx(small[1][-1], abs=1e-13 * U_Y * 1000)
+
+
+def test_no_creep_under_a_constant_load() -> None:
+    p = anchor = 0.7 * U_Y
+    p += 0.6 * U_Y  # a load of 0.6 of the bound is carried here
+    for _ in range(10_000):
+        anchor = drag_anchor(p, anchor, DAMPED)
+    # p - (p - anchor) may round once, in the last place of 1e-5 m; a millionth of u_y would be creep.
+    assert anchor == pytest.approx(0.7 * U_Y, abs=1e-20)
+    assert direction(p - anchor, 0.0, DAMPED) == pytest.approx(0.6, rel=1e-12)
+
+
+def test_smooth_creeps_under_a_constant_load() -> None:
+    # At rest it carries nothing, whatever the stretch; to carry 0.6 of the bound it has to move at v_eps artanh 0.6.
+    assert direction(5 * U_Y, 0.0, SMOOTH) == 0.0
+    assert direction(0.0, 1e-3 * math.atanh(0.6), SMOOTH) == pytest.approx(0.6, rel=1e-14)
+
+
+@pytest.mark.parametrize("amplitude", [1.5, 3.0, 20.0])
+def test_cycles_dissipate_the_area_of_the_loop(amplitude: float) -> None:
+    a = amplitude * U_Y
+    one, two = (zigzag(a, n, 2000) for n in (1, 2))
+    more = work(two, cycle(two, PLASTIC)[0]) - work(one, cycle(one, PLASTIC)[0])
+    # A perfect elastoplastic loop between -a and a has the area 4 (a - u_y) of the unit bound. Its corners fall between
+    # points: at each of two a triangle of up to half a step (2a / 2000) times the change of sigma over it, 2a / 2000
+    # u_y.
+    step = 2 * a / 2000
+    assert more == pytest.approx(-4 * (a - U_Y), abs=2 * step**2 / U_Y)
+
+
+def test_small_cycles_are_elastic() -> None:
+    path = zigzag(0.9 * U_Y, 3, 500)
+    sigma, anchors = cycle(path, PLASTIC)
+    # Sums of 3500 products of 1e-8 m: round-off 1e-16 of each.
+    assert abs(work(path, sigma)) < 1e-12 * U_Y
+    assert np.abs(anchors).max() < 1e-12 * U_Y
+
+
+def test_random_closed_paths_never_give_energy() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        corners = np.concatenate([[0.0], rng.uniform(-4, 4, 8) * U_Y])
+        loop = np.concatenate([corners, corners[1:], [corners[0]]])
+        path = np.interp(np.linspace(0, len(loop) - 1, 4001), np.arange(len(loop)), loop)
+        # Between points sigma is cut off at +-1 and the trapezoid rule sees a chord: off by a step squared over u_y at
+        # each of some 18 corners, (16 u_y / 500)^2 / u_y / 8 at most.
+        assert work(path, cycle(path, PLASTIC)[0]) < 18 * (8 * 17 / 4000) ** 2 / 8 * U_Y
+
+
+def test_a_strip_driven_to_and_fro_takes_energy() -> None:
+    """The same through the kernels: level strip, horizontally rigid grains, anchors moved by the end of each step."""
+    law = LeeMarghitu(2500.0, 0.0, 8.0, VerticalResistance(0.0, 1.0), VerticalResistance(0.0, 1.0))
+    record = medium(law, Elastoplastic(U_Y, 0.0))
+    P0, V = np.array([[0.0, -0.02], [0.0, -0.05]]), np.zeros((2, 2))
+    link = Link(P0, V, 0.01)
+    anchors = middles(P0)
+    bound = 8.0 * 9.81 * 2500.0 * (0.05**2 - 0.02**2) * 0.01
+    path = zigzag(5 * U_Y, 1, 200)
+    force = np.zeros(len(path))
+    for i, x in enumerate(path):
+        P = P0 + np.array([x, 0.0])
+        force[i] = kernel(P, V, link, record, anchors)[0][:, 0].sum()
+        runs.drag_anchors(P, anchors, 0.0, record[0])
+    # Closed expression of the bound, round-off (stretches of 1e-5 m next to positions of 1e-2 m: 1e-13).
+    assert np.abs(force).max() == pytest.approx(bound, rel=1e-11)
+    done = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(path)))
+    # Loop from 0 over 5, -5, 5 to 0 in units of u_y: 25 long less what is elastic, 0.5 to load and 2 x 2 to turn twice;
+    # then the third turn unloads 5 -> 4 with +0.5 and yields the other way 4 -> 3 at the cost of 0.5, and slides 3 ->
+    # 0.
+    want = -(0.5 + 4.0) - 2 * (10.0 - 2.0) - 3.0
+    # Corners between points: step^2 / u_y each, 5 of them, step 10 u_y / 200.
+    assert done == pytest.approx(bound * want * U_Y, abs=bound * U_Y * 5 * 0.05**2)
+
+
+def test_anchors_are_free_above_the_surface() -> None:
+    P = np.array([[0.0, 0.2], [0.1, 0.1], [0.2, -0.1]])
+    anchors = np.full((2, 2), 0.5)
+    runs.drag_anchors(P, anchors, 0.0, PLASTIC)
+    # Its own middle, and dragged along at the yield displacement; round-off of 0.1 m.
+    np.testing.assert_allclose(anchors, [[0.05, 0.15], [0.15 + U_Y, 0.0 + U_Y]], atol=1e-15)
+
+
+@pytest.mark.parametrize("m", [PLASTIC, DAMPED, SMOOTH])
+def test_slopes_match_differences(m: np.void) -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(100):
+        stretch, v = rng.uniform(-2, 2) * U_Y, rng.uniform(-4e-3, 4e-3)
+        if abs(abs(stretch + m["tau"] * v) - U_Y) < 1e-3 * U_Y:
+            continue
+        h, hv = 1e-4 * U_Y, 1e-7
+        by_stretch = (direction(stretch + h, v, m) - direction(stretch - h, v, m)) / (2 * h)
+        by_v = (direction(stretch, v + hv, m) - direction(stretch, v - hv, m)) / (2 * hv)
+        # Linear pieces: round-off eps / (2e-4) = 1e-12 of 1 / u_y; tanh: (1e-4)^2 of 1 / v_eps.
+        assert direction_slopes(stretch, v, m) == pytest.approx((by_stretch, by_v), rel=1e-7, abs=1e-4)

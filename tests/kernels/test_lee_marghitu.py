@@ -1,0 +1,465 @@
+"""The law on strips and runs: closed resultants, brute force, tangents, symmetries, signs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support_slow import (
+    TRUE_SIGN,
+    TWO_WAYS,
+    G,
+    Link,
+    cross,
+    fitted_order,
+    kernel,
+    medium,
+    middles,
+    midpoint,
+    random_link,
+    resultants,
+    run_record,
+    stations_of,
+)
+
+from granular_contact.kernels import kinematics, runs, strips
+from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.media.static_friction import Elastoplastic
+
+STATES = 1000
+SLOPES = (None, 0.0, np.pi, np.pi / 2, -np.pi / 2)
+UPRIGHT = Link(np.array([[0.1, 0.05], [0.1, -0.2]]), np.array([[0.4, -0.3]] * 2), 0.01)
+DRAG, HORIZONTAL, VERTICAL = 0, 1, 2
+
+
+def random_law(rng: np.random.Generator) -> LeeMarghitu:
+    plunging, withdrawing = (VerticalResistance(*rng.uniform([0.5, 0.0], [30.0, 2.5])) for _ in range(2))
+    return LeeMarghitu(rng.uniform(1000, 3000), rng.uniform(1, 10), rng.uniform(1, 10), plunging, withdrawing)
+
+
+def steep(link: Link) -> bool:
+    """Whether the closed resultant of an immersed link does not cancel: level, or more than 6 degrees off it."""
+    c = link.P[1] - link.P[0]
+    return c[1] == 0.0 or abs(c[1]) > 0.1 * np.linalg.norm(c)
+
+
+def turning(link: Link, center: tuple[float, float], rate: float) -> Link:
+    arm = link.P - np.array(center)
+    return Link(link.P, rate * np.column_stack([-arm[:, 1], arm[:, 0]]), link.diameter, link.surface)
+
+
+# ---- exact special cases ----
+
+
+def test_upright_link_by_hand() -> None:
+    d, z, rho = 0.01, 0.2, 2500.0
+    F, totals = kernel(*stations_of(UPRIGHT, 5), UPRIGHT)
+    speed = np.hypot(0.4, 0.3)
+    lateral = 0.4 / speed  # sine of the angle between the link and its velocity
+    drag = -6.5 * rho * d * z * lateral * speed * np.array([0.4, -0.3])
+    static_h = -8.0 * G * rho * z**2 * d
+    static_v = 22.0 * (z / d) ** 1.1 * G * rho * np.pi * d**2 / 4 * z
+    # Closed forms all the way: round-off of a dozen operations.
+    np.testing.assert_allclose(totals[DRAG, :2], drag, rtol=1e-12)
+    np.testing.assert_allclose(totals[HORIZONTAL, :2], [static_h, 0.0], rtol=1e-12)
+    np.testing.assert_allclose(totals[VERTICAL, :2], [0.0, static_v], rtol=1e-12)
+    np.testing.assert_allclose(F.sum(axis=0), totals[:, :2].sum(axis=0), rtol=1e-12)
+
+
+def test_where_the_forces_of_an_upright_link_act() -> None:
+    _, totals = kernel(*stations_of(UPRIGHT, 5), UPRIGHT)
+    fx, fy, moment = totals.T
+    depth = -(0.1 * fy[:2] - moment[:2]) / fx[:2]
+    # Drag at half the depth, a pressure that grows with depth at two thirds of it; round-off of cancelling parts.
+    np.testing.assert_allclose(depth, [-0.5 * -0.2, -2 / 3 * -0.2], rtol=1e-11)
+
+
+def test_where_the_vertical_force_of_a_slanted_link_acts() -> None:
+    link = Link(np.array([[0.0, 0.05], [0.3, -0.1]]), np.array([[0.4, -0.3]] * 2), 0.01)
+    _, totals = kernel(*stations_of(link, 7), link)
+    # Density z^1.1 has its centroid at 2.1 / 3.1 of the depth, measured from the crossing at x = 0.1 to the tip at 0.3.
+    # Round-off of a dozen operations.
+    np.testing.assert_allclose(totals[VERTICAL, 2] / totals[VERTICAL, 1], 0.1 + 0.2 * 2.1 / 3.1, rtol=1e-11)
+
+
+def test_moving_along_itself_has_no_drag_but_static_resistance() -> None:
+    link = Link(UPRIGHT.P, np.array([[0.0, -1.0]] * 2), 0.01)
+    _, totals = kernel(*stations_of(link, 3), link)
+    assert not totals[DRAG].any()
+    assert not totals[HORIZONTAL].any()
+    assert totals[VERTICAL, 1] > 1.0  # N
+
+
+def test_level_link_has_no_horizontal_static_resistance() -> None:
+    link = Link(np.array([[0.0, -0.05], [0.2, -0.05]]), np.array([[0.4, -0.3]] * 2), 0.01)
+    _, totals = kernel(*stations_of(link, 3), link)
+    assert not totals[HORIZONTAL].any()
+    expected = 2.1 * 22.0 * (5.0) ** 1.1 * G * 2500.0 * np.pi * 0.01**2 / 4 * 0.2
+    # Two-point rule on equal depths is exact up to round-off.
+    np.testing.assert_allclose(totals[VERTICAL, 1], expected, rtol=1e-12)
+
+
+# ---- closed resultants ----
+
+
+@pytest.mark.parametrize("strips_", [1, 7])
+def test_straight_links_match_the_closed_resultants(strips_: int) -> None:
+    rng = np.random.default_rng(1)
+    compared = 0
+    for i in range(STATES):
+        law = random_law(rng)
+        depths = [None, (0.16, 0.4), (-0.4, -0.16)][i % 3]
+        link = random_link(rng, SLOPES[i % len(SLOPES)], depths)
+        if not steep(link):
+            continue
+        compared += 1
+        _, totals = kernel(*stations_of(link, strips_), link, medium(law))
+        want = resultants(link, law)
+        # Closed forms with cancellation eps (z/dz)^2 of up to 1e-12, and 4e-11 of the two-point rule in level strips.
+        np.testing.assert_allclose(totals[:, :2], want, rtol=1e-10, atol=1e-10 * np.abs(want).max())
+    assert compared > 0.9 * STATES
+
+
+@pytest.mark.parametrize("strips_", [1, 7])
+def test_both_forms_give_the_same_force_where_the_velocity_is_uniform(strips_: int) -> None:
+    rng = np.random.default_rng(2)
+    for i in range(STATES):
+        link = random_link(rng, SLOPES[i % len(SLOPES)], [None, (0.16, 0.4)][i % 2])
+        record = medium(random_law(rng))
+        P, V = stations_of(link, strips_)
+        _, distributed = kernel(P, V, link, record)
+        F, resultant = kernel(P, V, link, record, resultant=True)
+        # As above.
+        scale = np.abs(distributed[:, :2]).max()
+        np.testing.assert_allclose(resultant[:, :2], distributed[:, :2], rtol=1e-10, atol=1e-10 * scale)
+        np.testing.assert_allclose(F.sum(axis=0), resultant[:, :2].sum(axis=0), rtol=1e-10, atol=1e-10 * scale)
+
+
+def test_resultant_acts_at_the_middle_of_the_immersed_part() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        link = random_link(rng, depths=(0.0, 0.05))
+        depth = -link.P[:, 1]
+        if min(depth) > 0 or max(depth) < 0:
+            continue
+        deep = int(np.argmax(depth))
+        crossing = link.P[deep] + (link.P[1 - deep] - link.P[deep]) * depth[deep] / (depth[deep] - depth[1 - deep])
+        _, totals = kernel(*stations_of(link, 6), link, resultant=True)
+        middle = 0.5 * (crossing + link.P[deep])
+        # Round-off of positions up to 0.5 m over forces; the middle and the tip differ by centimetres.
+        scale = np.abs(totals[:, :2]).max()
+        np.testing.assert_allclose(totals[:, 2], cross(middle, totals[:, :2]), atol=1e-12 * scale)
+
+
+# ---- brute force ----
+
+
+def test_turning_links_match_brute_force_of_second_order() -> None:
+    rng = np.random.default_rng(4)
+    sizes = 2 ** np.arange(3, 9)
+    for _ in range(4):
+        link = random_link(rng, slope=-rng.uniform(0.3, 1.3), depths=(-0.04, 0.04))
+        # A centre to the upper left of the link: neither velocity component changes sign along it, and |t x v| has no
+        # kink.
+        link = turning(link, (link.P[0, 0] - 0.1, link.P[0, 1] + 0.1), rng.choice([-5.0, 5.0]))
+        _, totals = kernel(*stations_of(link, 1), link)
+        brute = [midpoint(link, TWO_WAYS, int(n)) for n in sizes]
+        for term, part in ((DRAG, 0), (DRAG, 2), (HORIZONTAL, 2), (VERTICAL, 1), (VERTICAL, 2)):
+            exact = totals[term, part]
+            errors = np.abs(np.array([b[term, part] for b in brute]) / exact - 1.0)
+            # A midpoint rule on integrands whose second derivative is integrable: order 2 (z^1.1 at its zero included).
+            # A kernel that was off by a part in 1e5 would bend the curve away from it.
+            assert fitted_order(sizes, errors, 1e-12) == pytest.approx(-2.0, abs=0.2)
+            assert errors[-1] < 1e-4
+            # What Richardson's extrapolation of order 2 leaves is of order 3.1 at worst (z^2.1 Gauss-like end): 1e-7.
+            richardson = (4 * brute[-1][term, part] - brute[-2][term, part]) / 3
+            assert richardson == pytest.approx(exact, rel=3e-6)
+
+
+def test_drag_of_links_that_turn_about_a_point_in_the_sand() -> None:
+    rng = np.random.default_rng(5)
+    for i in range(12):
+        link = random_link(rng, depths=[(-0.02, 0.05), (0.16, 0.3)][i % 2])
+        xi = rng.uniform(0.05, 0.95)
+        link = turning(link, tuple((1 - xi) * link.P[0] + xi * link.P[1]), 7.0)
+        wind = np.array([0.3, -0.2])  # moves the kink of |t x v| off that point
+        link = Link(link.P, link.V + wind * (i % 3), link.diameter)
+        _, totals = kernel(*stations_of(link, 1), link)
+        brute = midpoint(link, TWO_WAYS, 2000)
+        # Midpoint rule: 1 / (24 n^2) of a second derivative of some 10 times the value, and at the kink at most as
+        # much.
+        scale = np.abs(totals[DRAG]).max()
+        np.testing.assert_allclose(totals[DRAG], brute[DRAG], atol=5e-6 * scale)
+
+
+# ---- symmetries ----
+
+
+def random_runs(rng: np.random.Generator, count: int) -> list[tuple[Link, np.ndarray, np.ndarray, np.ndarray]]:
+    """Bent runs of stations with random velocities and anchors."""
+    out = []
+    for _ in range(count):
+        link = random_link(rng)
+        P, V = stations_of(link, 6)
+        P += rng.uniform(-0.01, 0.01, P.shape)
+        V += rng.uniform(-0.5, 0.5, V.shape)
+        out.append((link, P, V, middles(P) + rng.uniform(-0.05, 0.05, (6, 2))))
+    return out
+
+
+HALF_YIELDING = medium(static=Elastoplastic(0.03, 0.01))
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_mirror_image_has_the_mirrored_force(resultant: bool) -> None:
+    mirror = np.array([-1.0, 1.0])
+    for link, P, V, anchors in random_runs(np.random.default_rng(6), 50):
+        _, seen = kernel(P, V, link, HALF_YIELDING, anchors, True, resultant)
+        _, mirrored = kernel(P * mirror, V * mirror, link, HALF_YIELDING, anchors * mirror, True, resultant)
+        # The same operations with other signs.
+        np.testing.assert_allclose(mirrored, seen * [-1.0, 1.0, -1.0], rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_shift_of_everything_changes_nothing_but_the_moment(resultant: bool) -> None:
+    shift = np.array([0.7, -1.3])
+    for link, P, V, anchors in random_runs(np.random.default_rng(7), 50):
+        F, seen = kernel(P, V, link, HALF_YIELDING, anchors, True, resultant)
+        moved = Link(link.P, link.V, link.diameter, link.surface + shift[1])
+        F_moved, totals = kernel(P + shift, V, moved, HALF_YIELDING, anchors + shift, True, resultant)
+        # Round-off of 1 m in depths of 1 cm and stretches of 3 cm: 1e-14, times a dozen operations.
+        scale = max(1.0, np.abs(seen).max())
+        np.testing.assert_allclose(F_moved, F, atol=1e-12 * scale)
+        np.testing.assert_allclose(totals[:, 2] - seen[:, 2], cross(shift, seen[:, :2]), atol=1e-12 * scale)
+
+
+def test_the_order_of_the_stations_does_not_matter() -> None:
+    for link, P, V, anchors in random_runs(np.random.default_rng(8), 50):
+        F, totals = kernel(P, V, link, HALF_YIELDING, anchors)
+        F_back, totals_back = kernel(P[::-1].copy(), V[::-1].copy(), link, HALF_YIELDING, anchors[::-1].copy())
+        # Round-off: xi and 1 - xi trade places.
+        scale = max(1.0, np.abs(F).max())
+        np.testing.assert_allclose(F_back, F[::-1], atol=1e-12 * scale)
+        np.testing.assert_allclose(totals_back, totals, atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_nothing_above_the_surface(resultant: bool) -> None:
+    for link, P, V, anchors in random_runs(np.random.default_rng(9), 20):
+        above = P - [0.0, P[:, 1].max() + 0.3]
+        low = Link(link.P, link.V, link.diameter, surface=above[:, 1].min() - 1e-9)
+        F, totals = kernel(above, V, low, HALF_YIELDING, anchors, True, resultant)
+        assert not F.any()
+        assert not totals.any()
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_force_grows_from_nothing_at_the_touch(resultant: bool) -> None:
+    link = Link(np.array([[0.0, 0.2], [0.1, 0.0]]), np.array([[0.4, -0.3]] * 2), 0.01)
+    P, V = stations_of(link, 4)
+
+    def force(depth: float) -> float:
+        touching = Link(link.P, link.V, link.diameter, surface=depth)
+        return float(np.abs(kernel(P, V, touching, resultant=resultant)[0]).max())
+
+    # Drag is linear in the depth, the static terms vanish faster: a millionth of the depth has a millionth of the
+    # force, or less; at most 1e-6 (1 + static share), round-off of the depth 1e-9 m by 1e-16 m.
+    assert 0.0 < force(1e-9) < 1.01e-6 * force(1e-3)
+
+
+# ---- signs ----
+
+
+@pytest.mark.parametrize(("vy", "branch"), [(-0.2, TWO_WAYS.plunging), (0.2, TWO_WAYS.withdrawing)])
+@pytest.mark.parametrize("static", [TRUE_SIGN, Elastoplastic(1e-5, 1e-3)])
+def test_direction_of_motion_chooses_the_branch(vy: float, branch: VerticalResistance, static: object) -> None:
+    link = Link(UPRIGHT.P, np.array([[0.0, vy]] * 2), 0.01)
+    P, V = stations_of(link, 3)
+    anchors = middles(P) - 0.1 * V[1:]  # it has been moving for a while
+    _, totals = kernel(P, V, link, medium(static=static), anchors)
+    z, d = 0.2, 0.01
+    want = -np.sign(vy) * branch.eta_v * (z / d) ** branch.lam * G * 2500.0 * np.pi * d**2 / 4 * z
+    # Closed form, round-off; the other branch differs by a factor of more than 1.2.
+    np.testing.assert_allclose(totals[VERTICAL, 1], want, rtol=1e-11)
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_every_term_takes_energy(resultant: bool) -> None:
+    rng = np.random.default_rng(10)
+    taken = np.zeros(3)
+    for _ in range(STATES):
+        link = random_link(rng)
+        P, V = stations_of(link, 6)
+        P += rng.uniform(-0.01, 0.01, P.shape)
+        V *= rng.uniform(0.2, 3.0, V.shape)  # one sign for each component, so that the static terms have one too
+        for term, law in enumerate(single_terms()):
+            F, _ = kernel(P, V, link, medium(law), resultant=resultant)
+            if resultant:  # one force, where one velocity is
+                i = np.flatnonzero(F.any(axis=1))
+                power = float((F[i] * V[i]).sum()) if len(i) else 0.0
+            else:
+                power = float((F * V).sum())
+            assert power <= 0.0
+            taken[term] += power
+    assert np.all(taken < -1.0)  # W: all three did something
+
+
+def test_drag_takes_energy_whatever_the_motion() -> None:
+    rng = np.random.default_rng(11)
+    for link, P, V, _ in random_runs(rng, STATES):
+        wild = V + rng.uniform(-3.0, 3.0, V.shape)
+        F, _ = kernel(P, wild, link, medium(single_terms()[DRAG]))
+        # -eta rho d |t x v| v . v pointwise, and Gauss weights are positive: never above zero, not even by round-off.
+        assert (F * wild).sum() <= 0.0
+
+
+def single_terms() -> tuple[LeeMarghitu, LeeMarghitu, LeeMarghitu]:
+    none = VerticalResistance(0.0, 1.0)
+    return (
+        LeeMarghitu(2500.0, 6.5, 0.0, none, none),
+        LeeMarghitu(2500.0, 0.0, 8.0, none, none),
+        LeeMarghitu(2500.0, 0.0, 0.0, TWO_WAYS.plunging, TWO_WAYS.withdrawing),
+    )
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_terms_add_up(resultant: bool) -> None:
+    for link, P, V, anchors in random_runs(np.random.default_rng(12), 20):
+        parts = [
+            kernel(P, V, link, medium(law, Elastoplastic(0.03, 0.01)), anchors, False, resultant)[1]
+            for law in single_terms()
+        ]
+        _, whole = kernel(P, V, link, HALF_YIELDING, anchors, False, resultant)
+        # The same operations.
+        np.testing.assert_allclose(sum(parts), whole, rtol=1e-14)
+        for term in range(3):
+            assert not np.delete(parts[term], term, axis=0).any()
+
+
+# ---- end cap ----
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+def test_end_cap_is_the_drag_of_a_disc(resultant: bool) -> None:
+    for strips_, link in ((4, UPRIGHT), (3, random_link(np.random.default_rng(3), slope=-0.7, depths=(0.16, 0.3)))):
+        P, V = stations_of(link, strips_)
+        _, without = kernel(P, V, link, resultant=resultant)
+        _, with_cap = kernel(P, V, link, cap=True, resultant=resultant)
+        v, t = link.V[0], link.P[1] - link.P[0]
+        face = np.pi * link.diameter**2 / 4
+        want = -6.5 * 2500.0 * face * abs(v @ t) / np.linalg.norm(t) * v
+        # A difference of forces of some 10 N.
+        np.testing.assert_allclose((with_cap - without)[DRAG, :2], want, rtol=1e-9)
+        assert not (with_cap - without)[1:].any()
+
+
+def test_end_cap_above_the_surface_does_nothing() -> None:
+    upside_down = Link(UPRIGHT.P[::-1], UPRIGHT.V, 0.01)
+    P, V = stations_of(upside_down, 4)
+    np.testing.assert_array_equal(kernel(P, V, upside_down, cap=True)[1], kernel(P, V, upside_down)[1])
+
+
+# ---- tangents ----
+
+YIELD, TAU = 0.02, 0.01
+
+
+def smooth_states(rng: np.random.Generator, count: int) -> list[tuple[Link, np.ndarray, np.ndarray, np.ndarray]]:
+    """Single strips away from kinks: ends off the surface, static directions off 0 and off +-1, slope off level."""
+    out = []
+    while len(out) < count:
+        link = random_link(rng, speed=2.0)
+        P, V = link.P, link.V + rng.uniform(-1.0, 1.0, (2, 2))
+        stretch = rng.uniform(-2.0, 2.0, 2) * YIELD
+        sigma = (stretch + TAU * V.mean(axis=0)) / YIELD
+        off = np.abs(np.abs(P[:, 1])).min() > 2e-3 and abs(P[1, 1] - P[0, 1]) > 1e-2
+        if off and np.abs(np.abs(sigma) - 1).min() > 0.05 and np.abs(sigma).min() > 0.05 and P[:, 1].min() < 0:
+            out.append((link, P, V, middles(P) - stretch))
+    return out
+
+
+def central(function: object, x: np.ndarray, h: float) -> np.ndarray:
+    """Jacobian by central differences of fourth order."""
+    columns = []
+    for j in range(x.size):
+        e = np.zeros(x.size)
+        e[j] = h
+        columns.append(
+            (8 * (function(x + e) - function(x - e)) - (function(x + 2 * e) - function(x - 2 * e))) / (12 * h)
+        )
+    return np.stack(columns, axis=-1)
+
+
+@pytest.mark.parametrize("cap", [False, True])
+def test_strip_and_cap_tangents(cap: bool) -> None:
+    record = medium(static=Elastoplastic(YIELD, TAU))
+    yielding = 0
+    for link, P, V, anchors in smooth_states(np.random.default_rng(13), 300):
+        KP, KV = np.full((1, 4, 4), np.nan), np.full((1, 4, 4), np.nan)
+        strips.distributed_tangents(P, V, anchors, run_record(link, cap)[0], record[0], KP, KV)
+
+        def of_ends(x: np.ndarray, link: Link = link, anchors: np.ndarray = anchors) -> np.ndarray:
+            return kernel(x[:4].reshape(2, 2), x[4:].reshape(2, 2), link, record, anchors, cap)[0].ravel()
+
+        want = central(of_ends, np.concatenate([P.ravel(), V.ravel()]), 1e-6)
+        # Differences: round-off eps F / h = 1e-10 F per metre, against slopes of F / (1e-3 .. 0.1 m); a kink of the
+        # second derivative inside the stencil costs 1e-6 m of a change in F''. The greatest slopes are 1e2 .. 1e4 F per
+        # metre.
+        np.testing.assert_allclose(KP[0], want[:, :4], atol=1e-6 * np.abs(want[:, :4]).max())
+        np.testing.assert_allclose(KV[0], want[:, 4:], atol=1e-6 * np.abs(want[:, 4:]).max())
+        sigma = (middles(P) - anchors + TAU * middles(V)) / YIELD
+        yielding += int(np.abs(sigma).max() > 1)
+    assert 50 < yielding < 290  # both sides of the yield were met
+
+
+def rigid_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    geometry = kinematics.rigid_stations(np.array([-0.12, 0.01]), np.array([0.13, -0.02]), 5)
+    q = np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(-2.5, -0.4)])
+    return geometry, q, rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, 4.0]
+
+
+def cable_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    lengths = np.array([0.08, 0.1, 0.12])
+    geometry = kinematics.cable_stations(lengths, 2)
+    angles = rng.uniform(-1.3, -0.3) + np.cumsum(rng.uniform(-0.2, 0.2, 4))
+    slopes = np.column_stack([np.cos(angles), np.sin(angles)])
+    places = np.cumsum(np.vstack([[-0.1, rng.uniform(0.03, 0.1)], lengths[:, None] * slopes[:-1]]), axis=0)
+    q = np.hstack([places, slopes]).ravel()
+    return geometry, q, np.tile([1.0, 1.0, 3.0, 3.0], 4) * rng.uniform(-1.0, 1.0, 16)
+
+
+def generalised(state: np.ndarray, args: tuple) -> np.ndarray:
+    """Generalised forces of a run at a state (q, v)."""
+    size = state.size // 2
+    out, where = np.zeros(size), np.arange(size)
+    runs.force(state[:size], state[size:], where, np.zeros(size), *args, np.zeros((3, 3)), out)
+    return out
+
+
+@pytest.mark.parametrize("resultant", [False, True])
+@pytest.mark.parametrize("case", [rigid_case, cable_case])
+def test_tangents_of_whole_runs(case: object, resultant: bool) -> None:
+    rng = np.random.default_rng(14)
+    record = medium(static=Elastoplastic(YIELD, TAU))
+    for _ in range(20):
+        geometry, q, v = case(rng)
+        n, size = len(geometry), q.size
+        P, V = np.zeros((n, 2)), np.zeros((n, 2))
+        kinematics_fill(geometry, q, v, P, V)
+        # All bristles well inside their yield, so that the tangent has all its parts.
+        anchors = middles(P) - (
+            rng.uniform(0.2, 0.8, (n - 1, 2)) * rng.choice([-1, 1], (n - 1, 2)) * YIELD - TAU * middles(V)
+        )
+        link = Link(P[:2], V[:2], 0.008)
+        args = (geometry, run_record(link, True, resultant), record, anchors)
+        fq, fv = rng.uniform(-2.0, 2.0, 2)
+        got = np.full((size, size), np.nan)
+        runs.tangent(q, v, np.arange(size), np.zeros(size), *args, fq, fv, got)
+        want = central(lambda x, args=args: generalised(x, args), np.concatenate([q, v]), 1e-6)
+        want = fq * want[:, :size] + fv * want[:, size:]
+        # As for strips; forward differences of the resultant: step 1e-8 m over the smallest length of 1e-3 m.
+        np.testing.assert_allclose(got, want, atol=(2e-5 if resultant else 1e-6) * np.abs(want).max())
+
+
+def kinematics_fill(geometry: np.ndarray, q: np.ndarray, v: np.ndarray, P: np.ndarray, V: np.ndarray) -> None:
+    fill = kinematics._rigid_stations if geometry.dtype == kinematics.RIGID_STATION else kinematics._cable_stations
+    fill(q, v, geometry, P, V)

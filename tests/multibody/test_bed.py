@@ -1,0 +1,504 @@
+"""The plugin door: beds in somebody's own Exudyn script."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+import pytest
+from exudyn import itemInterface as items
+from support_runs import order
+
+from granular_contact.errors import SceneError
+from granular_contact.kernels import kinematics, runs, strips
+from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.multibody.bed import GranularBed
+
+SAND = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(22.0, 1.1))
+GRAVEL = LeeMarghitu(1600.0, 3.0, 4.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7))
+HALF, DIAMETER, G = 0.1, 0.006, 9.81
+MASS, INERTIA = 0.06, 2e-4
+STIFFNESS, PULL = 40.0, np.array([0.05, -0.1])
+START, STARTING = np.array([0.0, 0.06, -1.0]), np.array([0.3, -1.0, 2.0])
+
+
+@dataclass
+class Script:
+    """A user's model: a thrown rod, and a second one on a spring with a constant pull and an own post-step function."""
+
+    mbs: Any
+    container: Any
+    first: Any
+    second: Any
+    states: list[np.ndarray] = field(default_factory=list)
+
+    def table(self) -> np.ndarray:
+        """(n, 13): time, coordinates and rates of every accepted step, as the user's own function saw them."""
+        return np.array(self.states)
+
+
+def script(rods: int = 2) -> Script:
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    bodies = []
+    for i in range(rods):
+        node = mbs.AddNode(
+            items.NodeRigidBody2D(
+                referenceCoordinates=[*(START + np.array([i, 0, 0.2 * i]))], initialVelocities=[*STARTING]
+            )
+        )
+        body = mbs.AddObject(items.ObjectRigidBody2D(mass=MASS, inertia=INERTIA, nodeNumber=node, name=f"rod{i}"))
+        weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0, -G, 0]))
+        bodies.append(body)
+    if rods == 2:
+        ground = mbs.AddMarker(
+            items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+        )
+        place = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=1, coordinate=1))
+        mbs.AddObject(items.ObjectConnectorCoordinateSpringDamper(markerNumbers=[ground, place], stiffness=STIFFNESS))
+        middle = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=bodies[1]))
+        mbs.AddLoad(items.LoadForceVector(markerNumber=middle, loadVector=[*PULL, 0]))
+    made = Script(mbs, container, bodies[0], bodies[-1])
+
+    def after_step(mbs: Any, t: float) -> bool:
+        data = mbs.systemData
+        made.states.append(np.concatenate([[t], data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]))
+        return True
+
+    mbs.SetPostStepUserFunction(after_step)
+    return made
+
+
+def settings(step: float, end: float = 0.04) -> Any:
+    s = exu.SimulationSettings()
+    s.timeIntegration.endTime, s.timeIntegration.numberOfSteps = end, round(end / step)
+    s.timeIntegration.verboseMode = 0
+    s.timeIntegration.newton.useModifiedNewton = True
+    s.solution.file.write = False
+    return s
+
+
+def bed_on(mbs: Any, body: Any, surface: float = -0.03, medium: LeeMarghitu = SAND, **options: Any) -> GranularBed:
+    bed = GranularBed(mbs, medium, surface, **options)
+    bed.add_rigid(body, [-HALF, 0.0], [HALF, 0.0], DIAMETER)
+    return bed
+
+
+def attached(step: float, end: float = 0.04) -> tuple[Script, GranularBed, GranularBed]:
+    """The script with two beds, solved."""
+    made = script()
+    beds = bed_on(made.mbs, made.first), bed_on(made.mbs, made.second, -0.01, GRAVEL)
+    for bed in beds:
+        bed.attach()
+    made.mbs.Assemble()
+    made.mbs.SolveDynamic(settings(step, end))
+    return made, *beds
+
+
+def energy(table: np.ndarray) -> np.ndarray:
+    """Energy (n, 2) J of both rods, with the potentials of weight, spring and pull."""
+    q, v = table[:, 1:7].reshape(-1, 2, 3), table[:, 7:].reshape(-1, 2, 3)
+    out = 0.5 * (MASS * (v[..., :2] ** 2).sum(axis=2) + INERTIA * v[..., 2] ** 2) + MASS * G * q[..., 1]
+    out[:, 1] += 0.5 * STIFFNESS * q[:, 1, 1] ** 2 - q[:, 1, :2] @ PULL
+    return out
+
+
+# ---- what it does ----
+
+
+def test_work_is_the_loss_of_energy() -> None:
+    steps, errors = [2e-4, 1e-4, 5e-5], []
+    for step in steps:
+        made, *beds = attached(step)
+        change = np.diff(energy(made.table())[[0, -1]], axis=0)[0]
+        errors.append(max(abs(change[i] - beds[i].work) for i in range(2)))
+        for i in range(2):
+            assert beds[i].work < -0.01  # J
+            assert beds[i].history.work[-1] == beds[i].work
+    # Work is summed by trapezoids and the integrator is of second order; the force has kinks (touch, yield), each of
+    # which costs a step of a small change of power. Motion changes over some 5 ms: (1e-4 / 5e-3)^2 / 12 = 3e-5 of 0.05
+    # J.
+    assert order(steps, errors) > 1.5
+    assert errors[1] < 3e-5 * 0.05
+
+
+def test_forces_are_what_accelerates_the_rods() -> None:
+    made, first, second = attached(1e-5, 0.02)
+    table = made.table()
+    v = table[:, 7:].reshape(-1, 2, 3)
+    for i, bed in enumerate((first, second)):
+        load = bed.history.terms.sum(axis=1)
+        q = table[:, 1 + 3 * i : 4 + 3 * i] + START + np.array([i, 0, 0.2 * i])
+        other = np.tile([0.0, -MASS * G], (len(q), 1))
+        if i == 1:
+            other[:, 1] -= STIFFNESS * (q[:, 1] - START[1])
+            other += PULL
+        impulse = np.diff(MASS * v[:, i, :2], axis=0)
+        mean = 0.5 * ((load[:, :2] + other)[1:] + (load[:, :2] + other)[:-1]) * 1e-5
+        # Momentum balance step by step, and moment about the centre of mass; trapezoids against the integrator's
+        # weights: a step of the change of force in it. Summed up it has to be second order: 1e-4 of the whole impulse.
+        np.testing.assert_allclose(mean.sum(axis=0), impulse.sum(axis=0), atol=1e-4 * np.abs(impulse).sum())
+        moment = load[:, 2] - (q[:, 0] * load[:, 1] - q[:, 1] * load[:, 0])
+        turn = np.diff(INERTIA * v[[0, -1], i, 2])[0]
+        assert np.sum(0.5 * (moment[1:] + moment[:-1])) * 1e-5 == pytest.approx(turn, abs=1e-4 * abs(turn) + 1e-8)
+        np.testing.assert_allclose(bed.force, load[-1, :2])
+        np.testing.assert_allclose(sum(bed.terms.values())[:2], bed.force)
+
+
+def test_two_beds_do_not_meddle_with_each_other() -> None:
+    """With both beds each rod moves as with its own alone: nothing couples the two."""
+    both, *_ = attached(1e-4)
+    for i in range(2):
+        made = script()
+        bed = bed_on(made.mbs, made.second, -0.01, GRAVEL) if i else bed_on(made.mbs, made.first)
+        bed.attach()
+        made.mbs.Assemble()
+        made.mbs.SolveDynamic(settings(1e-4))
+        # Newton's method stops on the residual of the whole system: to its tolerance of 1e-8 relative.
+        np.testing.assert_allclose(
+            made.table()[:, 1 + 3 * i : 4 + 3 * i], both.table()[:, 1 + 3 * i : 4 + 3 * i], atol=1e-8
+        )
+        other = 1 - i
+        # and the rod without a bed falls on: it is elsewhere by millimetres.
+        far = made.table()[-1, 1 + 3 * other : 4 + 3 * other] - both.table()[-1, 1 + 3 * other : 4 + 3 * other]
+        assert np.abs(far).max() > 1e-3
+
+
+def test_depth_is_that_of_the_lower_end() -> None:
+    made, first, _ = attached(1e-4)
+    q = made.table()[:, 1:4] + START
+    # The same sum in another order: round-off.
+    np.testing.assert_allclose(first.history.depth, -0.03 - (q[:, 1] - HALF * np.abs(np.sin(q[:, 2]))), atol=1e-14)
+
+
+def test_nothing_else_of_the_script_changes() -> None:
+    made = script()
+    mbs = made.mbs
+    parts = (
+        ("NumberOfNodes", "GetNode"),
+        ("NumberOfMarkers", "GetMarker"),
+        ("NumberOfLoads", "GetLoad"),
+        ("NumberOfObjects", "GetObject"),
+    )
+    counts = {get: getattr(mbs.systemData, count)() for count, get in parts}
+    before = {get: [repr(getattr(mbs, get)(i)) for i in range(n)] for get, n in counts.items()}
+    mbs.variables["mine"] = 7
+    bed_on(mbs, made.first).attach()
+    for count, get in parts:
+        added = 1 if get == "GetObject" else 0  # the overlay
+        assert getattr(mbs.systemData, count)() == counts[get] + added
+        assert [repr(getattr(mbs, get)(i)) for i in range(counts[get])] == before[get]
+    assert mbs.GetObject(counts["GetObject"])["objectType"] == "GenericODE2"
+    assert mbs.variables == {"mine": 7}
+
+
+def test_own_post_step_function_is_called_for_every_step() -> None:
+    made, first, second = attached(1e-4)
+    times = made.table()[:, 0]
+    assert len(times) == 401
+    for bed in (first, second):
+        np.testing.assert_array_equal(bed.history.time, times)
+
+
+def test_bed_that_is_never_reached_changes_no_digit() -> None:
+    free, dry = script(), script()
+    bed = bed_on(dry.mbs, dry.first, surface=-5.0)
+    bed.attach()
+    for made in (free, dry):
+        made.mbs.Assemble()
+        made.mbs.SolveDynamic(settings(1e-3))
+    np.testing.assert_array_equal(free.table(), dry.table())
+    assert bed.work == 0.0
+    assert not bed.force.any()
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"static": Smooth(0.1)}, {"form": "resultant"}, {"end_cap": True}, {"gravity": 20.0}], ids=str
+)
+def test_options_have_an_effect(options: dict[str, Any]) -> None:
+    ends = []
+    for chosen in ({}, options):
+        made = script(1)
+        bed = bed_on(made.mbs, made.first, **chosen)
+        bed.attach()
+        made.mbs.Assemble()
+        made.mbs.SolveDynamic(settings(1e-4))
+        ends.append(made.table()[-1, 1:4])
+    moved = float(np.abs(ends[1] - ends[0]).max())
+    # Newton's tolerance leaves 1e-8 m.
+    assert (moved == 0.0) if not options else (moved > 1e-6)
+
+
+# ---- restart, rejected steps, explicit integrators ----
+
+
+def test_same_system_solved_twice_has_the_same_history() -> None:
+    made = script()
+    bed = bed_on(made.mbs, made.first)
+    bed.attach()
+    made.mbs.Assemble()
+    histories = []
+    for _ in range(2):
+        made.mbs.SolveDynamic(settings(2e-4))
+        h = bed.history
+        histories.append([np.copy(x) for x in (h.time, h.work, h.power, h.depth, h.terms)])
+    for one, two in zip(*histories, strict=True):
+        np.testing.assert_array_equal(one, two)
+    assert len(histories[0][0]) == 201
+
+
+def test_a_history_is_kept_when_the_system_is_solved_again() -> None:
+    made = script()
+    bed = bed_on(made.mbs, made.first)
+    bed.attach()
+    made.mbs.Assemble()
+    made.mbs.SolveDynamic(settings(2e-4))
+    history = bed.history
+    kept = np.copy(history.work)
+    made.mbs.systemData.SetODE2Coordinates_t([0.0] * 6, exu.ConfigurationType.Initial)
+    made.mbs.SolveDynamic(settings(2e-4))
+    np.testing.assert_array_equal(history.work, kept)
+
+
+def test_bristles_rest_where_a_solve_starts() -> None:
+    """Somebody linearises the system first, then moves the rod and solves: there is no load, so it has to stay."""
+    mbs = exu.SystemContainer().AddSystem()
+    node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, -0.05, 0]))
+    body = mbs.AddObject(items.ObjectRigidBody2D(mass=MASS, inertia=INERTIA, nodeNumber=node))
+    bed_on(mbs, body, surface=0.0).attach()
+    mbs.Assemble()
+    mbs.ComputeLinearizedSystem(settings(1e-4))
+    mbs.systemData.SetODE2Coordinates([0.0, -0.01, 0.0], exu.ConfigurationType.Initial)
+    mbs.SolveDynamic(settings(1e-4, 0.01))
+    # It moved by 17 um.
+    np.testing.assert_allclose(mbs.systemData.GetODE2Coordinates(), [0.0, -0.01, 0.0], atol=1e-10)
+
+
+def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
+    """Power (n,) W at the accepted states, anchors dragged along from one to the next."""
+    geometry = kinematics.rigid_stations(np.array([-HALF, 0.0]), np.array([HALF, 0.0]), 16)
+    run, power, anchors = np.zeros(1, runs.RUN), np.zeros(len(table)), None
+    run["surface"], run["diameter"] = surface, DIAMETER
+    P, V, F = (np.zeros((17, 2)) for _ in range(3))
+    for i, state in enumerate(table):
+        kinematics._rigid_stations(state[1:4] + START, state[4:7], geometry, P, V)
+        anchors = 0.5 * (P[1:] + P[:-1]) if anchors is None else anchors
+        strips.distributed_forces(P, V, anchors, run[0], bed.medium[0], F, np.zeros((3, 3)))
+        power[i] = (F * V).sum()
+        runs.drag_anchors(P, anchors, surface, bed.medium[0])
+    return power
+
+
+@pytest.mark.parametrize("newton", [6, 30])
+def test_rejected_steps_leave_no_trace(newton: int) -> None:
+    """What the bed keeps follows from the accepted states alone, however often the engine tried."""
+    made = script(1)
+    bed = bed_on(made.mbs, made.first)
+    bed.attach()
+    made.mbs.Assemble()
+    s = settings(2e-3)
+    s.timeIntegration.newton.maxIterations = s.timeIntegration.newton.maxModifiedNewtonIterations = newton
+    s.timeIntegration.minimumStepSize = 1e-6
+    solver = exu.MainSolverImplicitSecondOrder()
+    assert solver.SolveSystem(made.mbs, s)
+    table = made.table()
+    if newton == 6:
+        assert len(table) > 22  # 20 steps were asked for; what was rejected was repeated in smaller ones
+    np.testing.assert_array_equal(bed.history.time, table[:, 0])
+    power = replay(table, bed, -0.03)
+    # The same kernels on the same states: bitwise but for the order of sums; one stale anchor would cost per cents.
+    np.testing.assert_allclose(bed.history.power, power, rtol=1e-9, atol=1e-9 * np.abs(power).max())
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(table[:, 0]))])
+    np.testing.assert_allclose(bed.history.work, work, atol=1e-9 * np.abs(work).max())
+
+
+def solved_with(wrap: Any = None, reader: Any = None) -> tuple[np.ndarray, GranularBed]:
+    """States and bed of one rod; `wrap` goes around the force function, `reader` is called in every load evaluation."""
+    made = script(1)
+    bed = bed_on(made.mbs, made.first)
+    if wrap is not None:
+        original = bed._force_function
+        bed._force_function = lambda run: wrap(original(run))  # type: ignore[method-assign]
+    middle = made.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=made.first))
+
+    def load(mbs: Any, t: float, vector: list[float]) -> list[float]:  # noqa: ARG001
+        if reader is not None:
+            reader(bed)
+        return vector
+
+    made.mbs.AddLoad(items.LoadForceVector(markerNumber=middle, loadVector=[0, -1e-3, 0], loadVectorUserFunction=load))
+    bed.attach()
+    made.mbs.Assemble()
+    made.mbs.SolveDynamic(settings(1e-3))
+    return made.table(), bed
+
+
+def test_repeated_tries_of_a_step_advance_nothing() -> None:
+    def thrice(force: Any) -> Any:
+        def again(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> list[float]:
+            start = mbs.systemData.GetTime(exu.ConfigurationType.StartOfStep)
+            for part in (0.5, 0.25) if t > start else ():
+                force(mbs, start + part * (t - start), item, q, v)
+            return force(mbs, t, item, q, v)
+
+        return again
+
+    (table, bed), (table_again, bed_again) = solved_with(), solved_with(thrice)
+    assert bed_again.load_calls > 2.5 * bed.load_calls
+    np.testing.assert_array_equal(table_again, table)
+    np.testing.assert_array_equal(bed_again.history.power, bed.history.power)
+
+
+def test_reading_during_a_step_changes_nothing() -> None:
+    """The docstring promises that work, force and history can be read at any time, during a solve too."""
+    (table, bed), (table_read, bed_read) = solved_with(), solved_with(reader=lambda bed: bed.work)
+    np.testing.assert_array_equal(bed_read.history.time, bed.history.time)
+    np.testing.assert_array_equal(bed_read.history.power, bed.history.power)
+    np.testing.assert_array_equal(table_read, table)
+
+
+def test_explicit_integrator_agrees_with_the_implicit_one() -> None:
+    ends, works = [], []
+    for step, kind in ((5e-6, exu.DynamicSolverType.GeneralizedAlpha), (2e-5, exu.DynamicSolverType.RK44)):
+        made = script(1)
+        bed = bed_on(made.mbs, made.first)
+        bed.attach()
+        made.mbs.Assemble()
+        made.mbs.SolveDynamic(settings(step), solverType=kind)
+        ends.append(made.table()[-1, 1:])
+        works.append(bed.work)
+    # The implicit one is of second order: (5e-6 / 5e-3)^2 / 12 = 1e-7 of 0.3 rad and 8 rad/s; both lose an order at
+    # kinks.
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-5)
+    assert works[0] == pytest.approx(works[1], rel=1e-5)
+
+
+def test_static_law_needs_no_motion_to_hold() -> None:
+    """A rod that lies in the sand at a fraction of its strength stays where it is, within the yield displacement."""
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, -0.05, 0]))
+    body = mbs.AddObject(items.ObjectRigidBody2D(mass=MASS, inertia=INERTIA, nodeNumber=node))
+    weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0, -G, 0]))
+    bed = bed_on(mbs, body, surface=0.0, static=Elastoplastic(1e-5, 1e-3))
+    bed.attach()
+    mbs.Assemble()
+    mbs.SolveDynamic(settings(1e-3, 0.5))
+    bound = 2.1 * 22.0 * G * 2500.0 * np.pi / 4 * DIAMETER**2 * (0.05 / DIAMETER) ** 1.1 * 2 * HALF
+    # A bristle of stiffness bound / u_y carries the weight; depth changes by 1e-5 / 0.05 of the bound.
+    sag = -mbs.systemData.GetODE2Coordinates()[1]
+    assert sag == pytest.approx(1e-5 * MASS * G / bound, rel=1e-3)
+    np.testing.assert_allclose(bed.force, [0.0, MASS * G], atol=1e-6 * MASS * G)
+
+
+# ---- what it refuses ----
+
+
+def refused(bed: GranularBed, action: str, *args: Any, **kwargs: Any) -> str:
+    with pytest.raises(SceneError) as caught:
+        getattr(bed, action)(*args, **kwargs)
+    return str(caught.value)
+
+
+def cables(mbs: Any, elements: int = 3) -> list[Any]:
+    nodes = [mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[0.1 * i, 0, 1, 0])) for i in range(elements + 1)]
+    return [
+        mbs.AddObject(
+            items.ObjectANCFCable2D(
+                length=0.1, massPerLength=0.2, bendingStiffness=1.0, axialStiffness=1e4, nodeNumbers=nodes[i : i + 2]
+            )
+        )
+        for i in range(elements)
+    ]
+
+
+def test_wrong_kinds_of_body_are_refused() -> None:
+    made = script()
+    elements = cables(made.mbs)
+    bed = GranularBed(made.mbs, SAND, 0.0)
+    assert "ANCFCable2D" in refused(bed, "add_rigid", elements[0], [0, 0], [0.1, 0], 0.01)
+    message = refused(bed, "add_cables", [made.first], 0.01)
+    assert "RigidBody2D" in message
+    assert "rod0" in message
+
+
+def test_cables_that_do_not_follow_one_another_are_refused() -> None:
+    made = script()
+    a, b, c = cables(made.mbs)
+    bed = GranularBed(made.mbs, SAND, 0.0)
+    assert "neighbour" in refused(bed, "add_cables", [a, c], 0.01)
+    assert "neighbour" in refused(bed, "add_cables", [b, a], 0.01)
+    bed.add_cables([a, b, c], 0.01)
+
+
+@pytest.mark.parametrize("diameter", [0.0, -0.01, np.nan, np.inf])
+def test_bad_diameters_are_refused(diameter: float) -> None:
+    made = script()
+    bed = GranularBed(made.mbs, SAND, 0.0)
+    assert str(diameter) in refused(bed, "add_rigid", made.first, [0, 0], [0.1, 0], diameter)
+    assert str(diameter) in refused(bed, "add_cables", cables(made.mbs), diameter)
+
+
+def test_cylinder_without_a_length_is_refused() -> None:
+    made = script()
+    assert "0.1" in refused(GranularBed(made.mbs, SAND, 0.0), "add_rigid", made.first, [0.1, 0], [0.1, 0], 0.01)
+
+
+def test_attach_comes_once_and_last() -> None:
+    made = script()
+    bed = GranularBed(made.mbs, SAND, 0.0)
+    assert "no body" in refused(bed, "attach")
+    bed.add_rigid(made.first, [0, 0], [0.1, 0], 0.01)
+    bed.attach()
+    assert "attached already" in refused(bed, "attach")
+    assert "attached already" in refused(bed, "add_rigid", made.second, [0, 0], [0.1, 0], 0.01)
+    assert "attached already" in refused(bed, "add_cables", cables(made.mbs), 0.01)
+
+
+def test_long_beams_have_one_free_end() -> None:
+    """However many pieces a beam is evaluated in, its end face is at the last element, and counts once."""
+    made = script()
+    elements = cables(made.mbs, 30)
+    bed = GranularBed(made.mbs, SAND, 0.0, end_cap=True)
+    bed.add_cables(elements, 0.01)
+    assert len(bed.runs) > 1
+    last = int(made.mbs.GetObject(elements[-1])["nodeNumbers"][1])
+    assert [run.nodes[-1] == last for run in bed.runs] == [bool(run.run["cap"][0]) for run in bed.runs]
+    assert sum(len(run.nodes) - 1 for run in bed.runs) == 30
+    bound = GranularBed(made.mbs, SAND, 0.0, end_cap=True)
+    bound.add_cables(elements, 0.01, free_end=False)
+    assert not any(run.run["cap"][0] for run in bound.runs)
+
+
+def test_no_cables_are_nobody() -> None:
+    bed = GranularBed(script().mbs, SAND, 0.0)
+    bed.add_cables([], 0.01)
+    assert "no body" in refused(bed, "attach")
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"form": "distributd"}, "distributd"),
+        ({"surface": np.nan}, "surface"),
+        ({"gravity": np.inf}, "gravity"),
+    ],
+)
+def test_bad_numbers_and_words_are_refused(options: dict[str, Any], what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        GranularBed(script().mbs, SAND, **({"surface": 0.0} | options))
+
+
+def test_nothing_is_read_before_a_solve() -> None:
+    made = script()
+    bed = bed_on(made.mbs, made.first)
+    bed.attach()
+    made.mbs.Assemble()
+    assert bed.work == 0.0
+    assert not bed.force.any()
+    assert len(bed.history.time) == 0

@@ -1,0 +1,60 @@
+"""Short ways from a config, or from the text of one, to a scene and to results."""
+
+from __future__ import annotations
+
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact import config
+from granular_contact.results import Results
+from granular_contact.run import run
+from granular_contact.scene import Scene, build
+
+ROOT = Path(__file__).parents[1]
+CONFIGS = ROOT / "configs"
+
+# The paper's pendulum: section 3 of physics.md.
+INERTIA, GRAVITY_MOMENT = 1.4955e-3, 0.08593  # kg m2, N m
+L_RB, LENGTH, DIAMETER, DENSITY = 0.024765, 0.23876, 0.00635, 7700.0
+STIFFNESS = 15.1642  # N m2
+LINE_MASS = DENSITY * np.pi / 4 * DIAMETER**2  # kg/m
+
+
+def scenario_of(text_or_name: str, *overrides: str) -> config.Scenario:
+    """Scenario of a file in configs/, or of a whole config as text."""
+    if "\n" not in text_or_name:
+        return config.load(CONFIGS / f"{text_or_name}.yaml", overrides).scenario
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "case.yaml"
+        path.write_text(text_or_name, encoding="utf-8")
+        return config.load(path, overrides).scenario
+
+
+def scene_of(text_or_name: str, *overrides: str) -> Scene:
+    return build(scenario_of(text_or_name, *overrides))
+
+
+@cache
+def simulate(text_or_name: str, *overrides: str) -> Results:
+    """Results of a config, kept for those who ask again."""
+    scenario = scenario_of(text_or_name, *overrides)
+    return run(build(scenario), scenario)
+
+
+def tip(results: Results, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Tip position (n, 2) m at times that are steps of the run (or between two of them, then on the chord)."""
+    return np.column_stack([np.interp(times, results["time_s"], results[c]) for c in ("tip_x_m", "tip_y_m")])
+
+
+def tip_error(results: Results, reference: Results, times: NDArray[np.float64]) -> float:
+    """Greatest distance (m) between two tips at the same times."""
+    return float(np.linalg.norm(tip(results, times) - tip(reference, times), axis=1).max())
+
+
+def order(steps: list[float], errors: list[float]) -> float:
+    """Slope of log error over log step."""
+    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])

@@ -1,0 +1,154 @@
+"""What is loaded when, and who may import whom."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support_runs import ROOT
+
+PACKAGE = ROOT / "granular_contact"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+# For each part of the package, what of the package it may import. Parts not named here are at the top and free.
+MAY = {
+    "errors": set(),
+    "kernels": {"kernels"},
+    "media": {"media", "kernels"},
+    "config": {"config", "errors"},
+    "scene": {"scene", "config", "media", "errors"},
+    "energy": set(),
+    "stopping": set(),
+    "results": set(),
+    "series": {"media", "results"},
+    # Two ways through, which know nothing of each other.
+    "multibody": {"multibody", "scene", "media", "kernels", "energy", "results", "series", "errors"},
+    "summary": {"results", "stopping"},
+    "run": {"config", "scene", "multibody", "reduced", "results", "stopping", "summary"},
+    "reduced": {"reduced", "config", "scene", "media", "kernels", "energy", "results", "series", "stopping", "errors"},
+    "plots": {"plots", "results"},
+    "report": {"results", "plots"},
+    "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+}
+
+
+def part(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(path: Path, *, top_level: bool = False) -> set[str]:
+    """Dotted names of all that a file imports, inside functions too unless top_level."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    names: set[str] = set()
+    for node in tree.body if top_level else ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            names |= {f"{node.module}.{alias.name}" for alias in node.names} | {str(node.module)}
+    return names
+
+
+def own(path: Path, **options: bool) -> set[str]:
+    found = {name.split(".")[1] for name in imports(path, **options) if name.startswith("granular_contact.")}
+    return {name for name in found if (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").exists()}
+
+
+def ids(path: Path) -> str:
+    return str(path.relative_to(PACKAGE))
+
+
+@pytest.mark.parametrize("path", MODULES, ids=ids)
+def test_imports_go_one_way(path: Path) -> None:
+    allowed = MAY.get(part(path))
+    if allowed is not None:
+        assert own(path) <= allowed
+
+
+@pytest.mark.parametrize("path", MODULES, ids=ids)
+def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
+    libraries = {name.split(".")[0] for name in imports(path)}
+    for library, home in (("exudyn", "multibody"), ("numba", "kernels"), ("pydantic", "config"), ("yaml", None)):
+        if library in libraries and home is not None:
+            assert part(path) == home
+    if "matplotlib" in libraries:
+        assert part(path) in ("plots", "animate")
+
+
+@pytest.mark.parametrize("path", MODULES, ids=ids)
+def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
+    if "plots" in own(path):
+        assert part(path) in ("plots", "report", "cli", "animate", "sweep")
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)
+def test_media_import_kernels_late(path: Path) -> None:
+    assert "kernels" not in own(path, top_level=True)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=ids)
+def test_only_the_command_line_prints_and_exits(path: Path) -> None:
+    if part(path) == "__main__" or part(path).startswith("cli"):
+        return
+    # (os._exit is left out: a worker process has to end without its parent.)
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call):
+            name = ast.unparse(node.func)
+            assert name not in ("print", "exit", "quit", "sys.exit", "sys.stdout.write", "sys.stderr.write")
+        if isinstance(node, ast.Raise) and node.exc is not None:
+            assert "SystemExit" not in ast.unparse(node.exc)
+
+
+def loaded(code: str) -> set[str]:
+    """Top-level packages that a fresh interpreter holds after running code."""
+    code += "\nimport sys\nprint(' '.join(sorted({name.split('.')[0] for name in sys.modules})))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
+    )
+    return set(done.stdout.splitlines()[-1].split())
+
+
+RUN = """
+from granular_contact import config
+from granular_contact.scene import build
+from granular_contact.run import run
+scenario = config.load("configs/{config}.yaml", {overrides}).scenario
+results = run(build(scenario), scenario)
+assert len(results.table) > 10
+"""
+
+
+def test_run_without_figures_loads_no_matplotlib(tmp_path: Path) -> None:
+    code = RUN.format(config="pendulum", overrides=["output.figures=false"])
+    code += f"""
+from pathlib import Path
+from granular_contact import report
+report.write(results, Path({str(tmp_path / "run")!r}), figures=False)
+"""
+    modules = loaded(code)
+    assert "matplotlib" not in modules
+    assert {"numba", "exudyn"} <= modules  # the test would see it
+
+
+def test_scene_without_medium_loads_no_numba() -> None:
+    modules = loaded(RUN.format(config="pendulum", overrides=["medium=null", "solver.end_time_s=0.01"]))
+    assert "numba" not in modules
+    assert "matplotlib" not in modules
+    assert "exudyn" in modules
+
+
+def test_bed_out_of_reach_loads_no_numba() -> None:
+    modules = loaded(RUN.format(config="pendulum", overrides=["surface_height_m=-0.5", "solver.end_time_s=0.01"]))
+    assert "numba" not in modules
+
+
+def test_checking_a_config_loads_no_engine() -> None:
+    modules = loaded('from granular_contact import config\nconfig.load("configs/pendulum.yaml")')
+    assert not modules & {"numba", "exudyn", "matplotlib", "scipy"}
+
+
+def test_building_a_scene_loads_no_engine() -> None:
+    code = 'from granular_contact import config, scene\nscene.build(config.load("configs/pendulum.yaml").scenario)'
+    assert not loaded(code) & {"numba", "exudyn", "matplotlib"}
