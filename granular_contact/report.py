@@ -9,6 +9,8 @@ import os
 import secrets
 import shutil
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -20,14 +22,21 @@ from granular_contact.results import Results
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
+TABLE, SWEEP, CASES = "table.csv", "sweep.yaml", "cases"
+# What a results folder holds, by what wrote it.
+ENTRIES = {
+    "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
+    "sweep": (TABLE, SWEEP, CASES),
+    "compare": ("compare.csv", FIGURES),
+}
 CHUNK = 4096  # rows of the table that are Python floats at one time
 
 
-def check_target(directory: Path) -> None:
+def check_target(directory: Path, kind: str = "run") -> None:
     """Raise unless `directory` may become a results folder; to be called before a long run, and called by `write`.
 
-    It may if it is absent, empty, or holds nothing but an earlier run's results (files named `animation.*` count as
-    such, so do hidden files): nothing that a user put there is ever replaced.
+    It may if it is absent, empty, or holds nothing but earlier results of its `kind`, a key of `ENTRIES` (files named
+    `animation.*` count as such, so do hidden files): nothing that a user put there is ever replaced.
 
     Raises
     ------
@@ -40,11 +49,11 @@ def check_target(directory: Path) -> None:
         return
     if not directory.is_dir():
         raise NotADirectoryError(f"{directory} is a file; results need a folder: give another name")
-    ours = {SUMMARY, SERIES, SCENARIO, FIGURES}
     entries = sorted(path.name for path in directory.iterdir())
-    foreign = [name for name in entries if name not in ours and not name.startswith((".", "animation."))]
+    foreign = [name for name in entries if name not in ENTRIES[kind] and not name.startswith((".", "animation."))]
     if foreign:
-        raise FileExistsError(f"{directory} holds {foreign[0]!r}, which no run wrote: give another folder or move it")
+        message = f"{directory} holds {foreign[0]!r}, which no {kind} wrote: give another folder or move it"
+        raise FileExistsError(message)
 
 
 def write(results: Results, directory: Path, figures: bool = True) -> None:
@@ -58,12 +67,7 @@ def write(results: Results, directory: Path, figures: bool = True) -> None:
     OSError
         The disk refuses, or `check_target` does.
     """
-    target = directory.resolve()  # of a symbolic link, what it points to is replaced
-    check_target(target)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    making = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
-    try:
-        making.mkdir()
+    with whole_folder(directory) as making:
         (making / SUMMARY).write_text(_summary(results), encoding="utf-8")
         (making / SCENARIO).write_text(_scenario(results), encoding="utf-8")
         _write_series(results, making / SERIES)
@@ -72,6 +76,21 @@ def write(results: Results, directory: Path, figures: bool = True) -> None:
 
             (making / FIGURES).mkdir()
             plots.draw(results, making / FIGURES)
+
+
+@contextmanager
+def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
+    """Give an empty hidden folder beside `directory`, which takes its place when the block ends without an exception.
+
+    kind: as for `check_target`, which is called first.
+    """
+    target = directory.resolve()  # of a symbolic link, what it points to is replaced
+    check_target(target, kind)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    making = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        making.mkdir()
+        yield making
         _swap(making, target)
     finally:  # either the unfinished new folder or, after an exchange, the old one
         shutil.rmtree(making, ignore_errors=True)
@@ -115,13 +134,18 @@ _Dumper.add_representer(list, _represent_list)
 
 def _scenario(results: Results) -> str:
     """Text of scenario.yaml: the resolved scenario under a line that says where it is from."""
-    header = f"# Written by {PROGRAM} {_version(results)}; to run it again: {PROGRAM} run {SCENARIO}\n"
-    return header + yaml.dump(results.scenario, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+    header = f"# Written by {PROGRAM} {version(results)}; to run it again: {PROGRAM} run {SCENARIO}\n"
+    return header + yaml_text(results.scenario)
 
 
-def _version(results: Results) -> str:
-    """The version that made the run if the summary tells, else the installed one."""
-    versions: dict[str, str] = results.summary.get("versions") or {}
+def yaml_text(content: dict[str, Any]) -> str:
+    """`content`, of plain YAML types, as text to be read."""
+    return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+
+
+def version(results: Results | None = None) -> str:
+    """The version that made the run if its summary tells, else the installed one."""
+    versions: dict[str, str] = (results.summary.get("versions") if results is not None else None) or {}
     for name in (PROGRAM, PROGRAM.replace("-", "_")):
         if name in versions:
             return versions[name]

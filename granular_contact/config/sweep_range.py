@@ -1,0 +1,101 @@
+"""`{from: 1, to: 9, count: 5, scale: linear}` of a sweep file -> the values it stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any, overload
+
+from granular_contact.config import tree
+from granular_contact.config.messages import got, unknown
+from granular_contact.errors import Fault
+
+_KEYS = ("from", "to", "count", "scale")
+_NEARLY_WHOLE = 1e-9
+
+
+class Range(Sequence[tree.Scalar]):
+    """`count` numbers evenly from `start` to `stop`, both included; on a log scale their ratios are equal.
+
+    Between whole ends numbers are whole if they all come out so, since a count of elements must be.
+    """
+
+    def __init__(self, position: tree.Position, start: float, stop: float, count: int, logarithmic: bool) -> None:
+        self._position, self._start, self._stop = position, start, stop
+        self._count, self._logarithmic = count, logarithmic
+        ends_whole = isinstance(start, int) and isinstance(stop, int)
+        self._whole = ends_whole and all(_is_whole(self._number(i)) for i in range(count))
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> tree.Scalar: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[tree.Scalar]: ...
+    def __getitem__(self, index: int | slice) -> tree.Scalar | Sequence[tree.Scalar]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(self._count))]
+        if not 0 <= index < self._count:
+            raise IndexError(index)
+        number = self._number(index)
+        value = round(number) if self._whole else number
+        return tree.Scalar(self._position, value, repr(value))
+
+    def _number(self, index: int) -> float:
+        if index in (0, self._count - 1):  # exact, whatever powers round to
+            return self._stop if index else self._start
+        fraction = index / (self._count - 1)
+        if self._logarithmic:
+            return float(self._start * (self._stop / self._start) ** fraction)
+        return float(self._start + (self._stop - self._start) * fraction)
+
+
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) <= _NEARLY_WHOLE * max(1.0, abs(number))
+
+
+def read_range(node: tree.Mapping, path: tree.Path, most: int, faults: list[Fault]) -> Range | None:
+    """The range that a mapping describes, of at most `most` values; None, with faults, if it describes none."""
+    before = len(faults)
+    for key, at in node.keys.items():
+        if key in node.nodes and key not in _KEYS:
+            faults.append(at.fault((*path, key), f"unknown key; {unknown(key, _KEYS)}"))
+    start, stop = (_number(node, path, key, faults) for key in ("from", "to"))
+    count = _value(node, path, "count", f"a whole number from 2 to {most}", lambda v: _is_count(v, most), faults)
+    scale = "linear"
+    if "scale" in node.nodes:
+        scale = _value(node, path, "scale", "one of linear, log", lambda v: v in ("linear", "log"), faults)
+    if start is not None and stop is not None:
+        if start == stop:
+            faults.append(node.keys["to"].fault((*path, "to"), f"got {stop:g}, the same as from; the two must differ"))
+        elif scale == "log" and (start <= 0 or stop <= 0):
+            message = f"got a range from {start:g} to {stop:g}; on a log scale both must be above 0"
+            faults.append(node.position.fault(path, message))
+    if len(faults) > before or start is None or stop is None or count is None or scale is None:
+        return None
+    return Range(node.position, start, stop, count, scale == "log")
+
+
+def _number(node: tree.Mapping, path: tree.Path, key: str, faults: list[Fault]) -> Any:
+    return _value(node, path, key, "a finite number", _is_number, faults)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+
+
+def _is_count(value: Any, most: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 2 <= value <= most
+
+
+def _value(node: tree.Mapping, path: tree.Path, key: str, allowed: str, fits: Any, faults: list[Fault]) -> Any:
+    """Value of a key that must be there and fit; None, with a fault, if not."""
+    held = node.nodes.get(key)
+    if isinstance(held, tree.Scalar) and fits(held.value):
+        return held.value
+    if held is None:
+        faults.append(node.position.fault((*path, key), f"is missing; allowed is {allowed}"))
+    elif not isinstance(held, tree.Broken):
+        faults.append(held.position.fault((*path, key), f"got {got(held)}; allowed is {allowed}"))
+    return None

@@ -1,0 +1,101 @@
+"""Processes to work in: warm, single-threaded, deaf to Ctrl-C, and gone when the sweep is."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing.connection import wait as await_any
+from typing import Any
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+# What a worker needs anyway; where workers are forked from a server, it is imported once for all of them.
+_PRELOADED = ["granular_contact.run", "granular_contact.sweep.worker"]
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)  # not everywhere
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+class _Processes(ProcessPoolExecutor):
+    """A pool whose workers start with one thread and without Ctrl-C, which is for the process that has the rows."""
+
+    def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
+        # Workers start in here; they inherit the environment and the blocked signals.
+        with _no_interrupt(), _one_thread():
+            return super().submit(*arguments, **keywords)
+
+    def __exit__(self, kind: Any, *rest: Any) -> bool | None:
+        if kind is None:
+            return super().__exit__(kind, *rest)
+        self.shutdown(wait=False, cancel_futures=True)
+        return None
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As of any executor; `wait=False` with `cancel_futures` ends the work under way as well."""
+        # There is no public way to do this before Python 3.14.
+        processes = list((getattr(self, "_processes", None) or {}).values())
+        super().shutdown(wait=wait, cancel_futures=cancel_futures)
+        if cancel_futures and not wait:
+            for process in processes:
+                process.terminate()
+            alive = {process.sentinel for process in processes}
+            while alive:
+                alive -= set(await_any(list(alive)))
+
+
+def local_processes(workers: int) -> Executor:
+    """Pool of processes on this machine."""
+    methods = multiprocessing.get_all_start_methods()
+    context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+    if "forkserver" in methods:
+        context.set_forkserver_preload(_PRELOADED)
+    return _Processes(workers, mp_context=context, initializer=_start)
+
+
+def _start() -> None:
+    """First thing in a worker: die with the process that started it, even where that one is killed."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
+    if not hasattr(signal, "pthread_sigmask"):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _follow(sentinel: int) -> None:
+    await_any([sentinel])
+    os._exit(1)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Let processes that start now use one thread each: there are as many of them as cores."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def _no_interrupt() -> Iterator[None]:
+    """Keep Ctrl-C, sent to all processes of a terminal, from those that start now; here it only comes later."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

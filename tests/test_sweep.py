@@ -1,0 +1,399 @@
+"""Sweeps as a user runs them: the same numbers as single runs, in order, whatever becomes of single cases."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import functools
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise, product
+from pathlib import Path
+
+import pytest
+from support_results import make
+
+from granular_contact import report, scene, sweep
+from granular_contact.config import Scenario, Sweep, load_sweep
+from granular_contact.results import Results
+from granular_contact.sweep import table
+from granular_contact.sweep.worker import Row, _flat, simulate
+
+ROOT = Path(__file__).parents[1]
+CONFIGS = ROOT / "configs"
+SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
+TIME = "cost.solve_s"  # the only number that is not the same each time
+
+
+def arguments(*words: object) -> list[str]:
+    return [sys.executable, "-m", "granular_contact", *map(str, words)]
+
+
+def command(*words: object, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        arguments(*words), cwd=folder, env=environment, capture_output=True, text=True, timeout=300, check=False
+    )
+
+
+def read(folder: Path) -> list[dict[str, str]]:
+    with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def write(folder: Path, cases: str, name: str = "many.yaml") -> Path:
+    """A sweep on the rigid pendulum, which is quick."""
+    path = folder / name
+    path.write_text(f"config: {CONFIGS / 'pendulum_rigid.yaml'}\n{cases}")
+    return path
+
+
+def timeless(row: dict[str, str]) -> dict[str, str]:
+    return {name: cell for name, cell in row.items() if name != TIME}
+
+
+@pytest.fixture(scope="module")
+def paper(tmp_path_factory: pytest.TempPathFactory) -> tuple[subprocess.CompletedProcess[str], Path]:
+    """The twelve cases, run on two workers."""
+    folder = tmp_path_factory.mktemp("paper") / "out"
+    return command("sweep", CONFIGS / "paper_cases.yaml", "--out", folder, "--workers", 2), folder
+
+
+def test_the_paper_cases_have_a_row_each(paper):
+    done, folder = paper
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(path.name for path in folder.iterdir()) == ["sweep.yaml", "table.csv"]
+    rows = read(folder)
+    names = [f"{angle}deg_{speed}" for angle, speed in product((22, 31, 45, 61), ("slow", "medium", "fast"))]
+    assert [row["case"] for row in rows] == names
+    assert list(rows[0])[:6] == ["case", ANGLE, SPEED, "name", "status", "message"]
+    assert {"energy.initial_J", "cost.solve_s", "versions.exudyn", "warnings"} < set(rows[0])
+    assert {row["status"] for row in rows} == {"rest"}
+    shown = done.stdout.splitlines()
+    assert [line.split()[0] for line in shown] == ["case", *names, "paper_cases:"]
+    assert "12 of 12 cases" in shown[-1]
+
+
+def test_harder_impacts_stop_sooner_and_deeper(paper):
+    """The claim of the source paper, at each of its angles."""
+    rows = read(paper[1])
+    for angle in ("22", "31", "45", "61.5"):
+        of_angle = [row for row in rows if row[ANGLE] == angle]
+        assert len(of_angle) == 3
+        for slower, faster in pairwise(of_angle):
+            assert float(slower[SPEED]) < float(faster[SPEED])
+            assert float(slower["stopping_time_s"]) > float(faster["stopping_time_s"])
+            assert float(slower["angle_at_stop_deg"]) < float(faster["angle_at_stop_deg"])
+            assert float(slower["max_depth_m"]) < float(faster["max_depth_m"])
+
+
+def test_every_number_is_that_of_a_single_run(paper):
+    """To the last bit, in this process, which has not the environment of a worker."""
+    cases = load_sweep(CONFIGS / "paper_cases.yaml")
+    rows = read(paper[1])
+    for i in (0, 4, 11):
+        single = dict(_flat(simulate(cases.scenario(cases.cases[i])).summary))
+        assert len(single) > 20
+        for name in single.keys() - {TIME}:
+            assert rows[i][name] == table._cell(single[name])
+        assert float(rows[i][TIME]) > 0.0
+
+
+def test_the_saved_sweep_gives_the_same_table(paper, tmp_path):
+    done = command("sweep", paper[1] / "sweep.yaml", "--out", tmp_path / "again", "--workers", 1, "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert list(map(timeless, read(tmp_path / "again"))) == list(map(timeless, read(paper[1])))
+    assert (tmp_path / "again" / "sweep.yaml").read_text() == (paper[1] / "sweep.yaml").read_text()
+
+
+def test_twelve_cases_of_sixteen_elements_take_less_than_five_seconds(paper, tmp_path):
+    """Whole process on two cores; 2.0 s where this was written."""
+    text = (CONFIGS / "paper_cases.yaml").read_text()
+    text = text.replace("config: ", f"set: {{model.bodies.link.flexible.elements: 16}}\nconfig: {CONFIGS}/")
+    (tmp_path / "twelve.yaml").write_text(text)
+    begin = time.perf_counter()
+    assert command("sweep", tmp_path / "twelve.yaml", "--out", tmp_path / "out", "--quiet").returncode == 0
+    assert time.perf_counter() - begin < 5.0
+    rows = read(tmp_path / "out")
+    assert len(rows) == 12
+    assert rows[0]["stopping_time_s"] != read(paper[1])[0]["stopping_time_s"]
+
+
+# What cases go through in the workers instead of the engine: the speed says what happens.
+
+
+def of_speed(scenario: Scenario) -> Results:
+    speed = scenario.initial.impact_speed_rad_s
+    # Without NaN, which is not equal to itself.
+    return dataclasses.replace(make(), summary={"status": "rest", "energy": {"initial_J": speed**2}, "speed": speed})
+
+
+def slow_first(scenario: Scenario) -> Results:
+    time.sleep(0.4 if scenario.initial.impact_speed_rad_s == 0 else 0.0)
+    return of_speed(scenario)
+
+
+def raising(scenario: Scenario) -> Results:
+    if scenario.initial.impact_speed_rad_s == 3:
+        raise ZeroDivisionError("three\nis too much")
+    return of_speed(scenario)
+
+
+def exiting(scenario: Scenario) -> Results:
+    if scenario.initial.impact_speed_rad_s == 3:
+        sys.exit("leaving")
+    return of_speed(scenario)
+
+
+def dying(scenario: Scenario) -> Results:
+    if scenario.initial.impact_speed_rad_s in (3, 17):
+        os._exit(1)
+    return of_speed(scenario)
+
+
+def unsendable(scenario: Scenario) -> Results:
+    results = of_speed(scenario)
+    if scenario.initial.impact_speed_rad_s == 3:
+        results.summary["function"] = lambda: 0
+    return results
+
+
+def dying_once(marker: Path, scenario: Scenario) -> Results:
+    if scenario.initial.impact_speed_rad_s == 3 and not marker.exists():
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return of_speed(scenario)
+
+
+@pytest.fixture
+def numbered(tmp_path) -> Sweep:
+    """Twenty cases of the speeds 0 to 19."""
+    return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
+
+
+def rows_of(cases: Sweep, function: Callable[[Scenario], Results], workers: int = 2, **options) -> list[Row]:
+    """Rows in the order of the sweep, of which there must be one for each case."""
+    rows = sorted(sweep.run(cases, workers, function=function, **options), key=lambda row: row.index)
+    assert [row.name for row in rows] == [case.name for case in cases.cases]
+    return rows
+
+
+def test_the_order_is_that_of_the_file_not_of_the_finish(numbered, tmp_path):
+    rows = list(sweep.run(numbered, 2, function=slow_first))
+    assert rows[0].index != 0
+    table.write(numbered, rows, tmp_path)
+    assert [float(row["speed"]) for row in read(tmp_path)] == list(range(20))
+
+
+def threads(workers: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(workers)
+
+
+@pytest.mark.parametrize(("workers", "executor"), [(1, sweep.local_processes), (20, threads), (1, threads)])
+def test_neither_workers_nor_executor_change_a_row(numbered, workers, executor):
+    assert rows_of(numbered, of_speed, workers, executor=executor) == rows_of(numbered, of_speed)
+
+
+@pytest.mark.parametrize(
+    ("function", "lost", "words"),
+    [
+        (raising, {3}, "ZeroDivisionError: three is too much"),
+        (exiting, {3}, "SystemExit: leaving"),
+        (dying, {3, 17}, "the process died"),
+        (unsendable, {3}, "pickle"),
+    ],
+)
+def test_a_case_that_fails_costs_its_own_row_only(numbered, function, lost, words, tmp_path):
+    rows = rows_of(numbered, function)
+    assert {row.index for row in rows if row.failed} == lost
+    good = {row.index: row.summary for row in rows_of(numbered, of_speed)}
+    for row in rows:
+        if row.index in lost:
+            assert set(row.summary) == {"status", "message"}
+            assert row.summary["status"] == "error"
+            assert words in row.summary["message"]
+            assert "\n" not in row.summary["message"]
+        else:
+            assert row.summary == good[row.index]
+    table.write(numbered, rows, tmp_path)
+    [cells] = [row for row in read(tmp_path) if row["case"] == "case_04"]
+    assert (cells[SPEED], cells["status"], cells["speed"]) == ("3", "error", "")
+
+
+def test_a_case_that_was_only_near_a_crash_is_run_again(numbered, tmp_path):
+    """A worker killed from outside takes no result with it."""
+    function = functools.partial(dying_once, tmp_path / "marker")
+    assert rows_of(numbered, function) == rows_of(numbered, of_speed)
+    assert (tmp_path / "marker").exists()
+
+
+def test_real_failures_are_rows_and_told(tmp_path):
+    path = tmp_path / "many.yaml"
+    path.write_text(
+        f"config: {CONFIGS / 'pendulum.yaml'}\ncases:\n  good: {{}}\n"
+        f"  stuck: {{gravity_m_s2: 1e9, solver.step_s: 0.1}}\n  absurd: {{{SPEED}: 1e160}}\n"
+    )
+    done = command("sweep", path, "--out", "out", folder=tmp_path)
+    assert done.returncode == 3
+    assert done.stderr == "2 of 3 cases failed; saved in out\n"
+    assert "Traceback" not in done.stdout
+    good, stuck, absurd = read(tmp_path / "out")
+    assert [row["status"] for row in (good, stuck, absurd)] == ["rest", "failed", "error"]
+    assert "solver.step_s" in stuck["message"]
+    assert float(stuck["cost.steps"]) >= 1
+    assert absurd["message"].startswith("OverflowError")
+    assert (absurd[SPEED], absurd["gravity_m_s2"], good["gravity_m_s2"]) == ("1e+160", "9.81", "9.81")
+    assert f"absurd failed: {absurd['message']}" in done.stdout
+
+
+def test_cells():
+    cells = [0.1, 1e-300, None, float("nan"), True, 3, ["a", "b, c"], [], {"law": "x"}, [{"a": 1}], "a; b"]
+    expected = ["0.1", "1e-300", "", "", "true", "3", "a; b, c", "", '{"law": "x"}', '[{"a": 1}]', "a; b"]
+    assert list(map(table._cell, cells)) == expected
+
+
+def test_the_saved_sweep_stands_alone(tmp_path):
+    """Models and media by name or path are written out, so that the file means the same anywhere."""
+    (tmp_path / "arm.yaml").write_text((ROOT / "models" / "compound_pendulum.yaml").read_text().replace("7700", "2700"))
+    text = "set: {medium.eta_h: 9}\ncases:\n  a: {model: arm.yaml, solver.step_s: 1e-4}\n  b: {medium: null}\n"
+    text += '  c: {medium.name: "sand: \\"fine\\" é", load.friction: {type: smooth}}\n  d: {}\n'
+    (tmp_path / "base.yaml").write_text((CONFIGS / "pendulum.yaml").read_text())
+    (tmp_path / "many.yaml").write_text("config: base.yaml\n" + text)
+    cases = load_sweep(tmp_path / "many.yaml", probe=scene.build)
+    (tmp_path / "away").mkdir()
+    table.write(cases, [Row(0, "a", cases.cases[0].values, {"status": "rest"})], tmp_path / "away")
+    for name in ("arm.yaml", "base.yaml", "many.yaml"):
+        (tmp_path / name).unlink()
+    again = load_sweep(tmp_path / "away" / "sweep.yaml", probe=scene.build)
+    assert [again.scenario(case) for case in again.cases] == [cases.scenario(case) for case in cases.cases]
+    assert [case.name for case in again.cases] == ["a", "b", "c", "d"]
+
+
+def test_plots_give_each_case_its_results(tmp_path):
+    path = write(tmp_path, f"cases:\n  slow: {{{SPEED}: 2}}\n  fast: {{{SPEED}: 9, output.figures: false}}\n")
+    done = command("sweep", path, "--out", tmp_path / "out", "--plots", "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert sorted(entry.name for entry in (tmp_path / "out").iterdir()) == ["cases", "sweep.yaml", "table.csv"]
+    cases = tmp_path / "out" / "cases"
+    assert sorted(entry.name for entry in cases.iterdir()) == ["fast", "slow"]
+    assert list((cases / "slow" / "figures").glob("*.png"))
+    assert sorted(entry.name for entry in (cases / "fast").iterdir()) == [
+        report.SCENARIO,
+        report.SUMMARY,
+        report.SERIES,
+    ]
+    done = command("sweep", path, "--out", tmp_path / "out", "--quiet")
+    assert done.returncode == 0
+    assert sorted(entry.name for entry in (tmp_path / "out").iterdir()) == ["sweep.yaml", "table.csv"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["many.yaml", "--workers", "0"], "got '0'; allowed is a whole number from 1 to 256"),
+        (["many.yaml", "--workers", "two"], "got 'two'"),
+        (["no.yaml"], "no.yaml: no such file"),
+        (["bad.yaml"], "bad.yaml:3: medium.eta_q: unknown key"),
+        (["steep.yaml"], "steep.yaml:4: surface_height_m: got 0 m"),
+        ([CONFIGS / "pendulum.yaml"], "the config of one run"),
+        (["many.yaml", "--out", "run"], "'summary.json', which no sweep wrote"),
+        (["many.yaml", "--out", "many.yaml"], "is a file"),
+    ],
+    ids=lambda value: " ".join(map(str, value))[-30:] if isinstance(value, list) else "",
+)
+def test_bad_input_ends_with_2_before_anything_runs(tmp_path, words, said):
+    write(tmp_path, "cases:\n  a: {}\n")
+    write(tmp_path, "cases: {a: {},\n  b: {medium.eta_q: 1}}\n", "bad.yaml")
+    write(tmp_path, "cases:\n  a: {}\n  b: {surface_height_m: 0}\n", "steep.yaml")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "summary.json").touch()
+    before = sorted(tmp_path.rglob("*"))
+    done = command("sweep", *words, folder=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_check_reads_sweeps_too(tmp_path):
+    good = write(tmp_path, "cases:\n  a: {}\n", "good.yaml")
+    write(tmp_path, "cases:\n  a: {}\n  b: {surface_height_m: 0}\n", "bad.yaml")
+    done = command("check", "bad.yaml", good.name, folder=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "good.yaml: ok\n")
+    assert done.stderr.startswith("bad.yaml:4: surface_height_m: ")
+
+
+@pytest.fixture
+def under_way(tmp_path) -> Iterator[subprocess.Popen[str]]:
+    """A sweep of 300 cases in a session of its own, some of which are finished."""
+    text = f"set: {{output.figures: false}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 300}}\n"
+    path = write(tmp_path, text)
+    path.write_text(path.read_text().replace("pendulum_rigid", "pendulum"))
+    words = arguments("sweep", path, "--out", tmp_path / "out", "--plots", "--workers", 2)
+    process = subprocess.Popen(
+        words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    until(lambda: len(list(tmp_path.glob(".out.*/cases/case_*"))) >= 12, 60)
+    yield process
+    if process.poll() is None:
+        process.kill()
+    process.communicate()
+
+
+def until(condition: Callable[[], bool], seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def is_gone(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["to-one-process", "as-a-terminal-does"])
+def test_ctrl_c_saves_what_is_finished(under_way, tmp_path, send):
+    send(under_way.pid, signal.SIGINT)
+    out, err = under_way.communicate(timeout=20)
+    assert under_way.returncode == 130
+    rows = read(tmp_path / "out")
+    assert 0 < len(rows) < 300
+    assert err == f"interrupted; the {len(rows)} of 300 cases that were finished are saved in {tmp_path / 'out'}\n"
+    assert f"{len(rows)} of 300 cases" in out
+    assert {row["status"] for row in rows} == {"rest"}
+    names = [row["case"] for row in rows]
+    assert names == sorted(names)
+    assert sorted(path.name for path in (tmp_path / "out" / "cases").iterdir()) == names
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["many.yaml", "out"]
+    until(lambda: is_gone(under_way.pid), 10)
+
+
+def test_workers_do_not_outlive_a_sweep_that_is_killed(under_way, tmp_path):
+    under_way.kill()
+    under_way.wait()
+    until(lambda: is_gone(under_way.pid), 10)
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_command_line_loads_no_engine(tmp_path):
+    """The workers do; the process that waits for them stays small."""
+    path = write(tmp_path, "cases:\n  a: {}\n")
+    code = (
+        "import sys\nfrom granular_contact.cli import main\n"
+        "if __name__ == '__main__':\n"
+        f"    assert main(['sweep', {str(path)!r}, '--out', {str(tmp_path / 'out')!r}]) == 0\n"
+        "    assert not {'exudyn', 'numba', 'matplotlib'} & set(sys.modules)\n"
+    )
+    (tmp_path / "script.py").write_text(code)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, tmp_path / "script.py"], env=environment, check=True, stdout=subprocess.PIPE)
