@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact import config
-from granular_contact.errors import ConfigError, SceneError, SolveError
+from granular_contact.errors import ConfigError, Fault, SceneError, SolveError
 
 if TYPE_CHECKING:
     from granular_contact.results import Results
     from granular_contact.scene import Scene
 
 FINE, FAULTY_INPUT, FAILED, INTERRUPTED = 0, 2, 3, 130
+MOST_WORKERS = 256
 _STATUS_CODES = {"failed": FAILED, "interrupted": INTERRUPTED}
 Progress = Callable[[float, float], None]
 
@@ -35,13 +36,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code: int = chosen.command(chosen)
     except (ConfigError, SceneError) as error:
-        _complain(str(error))
+        complain(str(error))
         return FAULTY_INPUT
     except SolveError as error:
-        _complain(str(error))
+        complain(str(error))
         return FAILED
     except KeyboardInterrupt:
-        _complain("interrupted; nothing was saved")
+        complain("interrupted; nothing was saved")
         return INTERRUPTED
     except BrokenPipeError:
         # Whoever read our output wants no more of it; Python would complain once more while it closes the pipe.
@@ -59,21 +60,77 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--set", metavar="KEY=VALUE", action="append", default=[], help="replace a value, as medium.eta_h=9; repeatable"
     )
+    run.add_argument(
+        "--method",
+        choices=("engine", "reduced"),
+        help="the engine, or the reduced model of a pendulum with its defaults",
+    )
+    run.add_argument(
+        "--modes", metavar="N", help="modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
+    )
     run.add_argument("--out", metavar="DIR", help="folder of the results (results/NAME_OF_CONFIG)")
     run.add_argument("--no-plots", action="store_true", help="draw no figures")
     run.add_argument("--quiet", action="store_true", help="print faults only")
     run.set_defaults(command=_run)
 
-    check = commands.add_parser("check", help="read configs and their geometry without a run")
-    check.add_argument("configs", metavar="CONFIG", nargs="+")
+    sweep = commands.add_parser("sweep", help="simulate many cases of a config on all cores, a row of a table each")
+    sweep.add_argument("file", metavar="FILE", help="YAML file with a config, and cases or vary")
+    sweep.add_argument("--out", metavar="DIR", help="folder of the results (results/NAME_OF_FILE)")
+    sweep.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    sweep.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
+    sweep.add_argument("--quiet", action="store_true", help="print faults only")
+    sweep.set_defaults(command=_sweep)
+
+    compare = commands.add_parser("compare", help="run a config by several models and say which is enough")
+    compare.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    compare.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help="modal models (0,1,2,5)")
+    compare.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help="beams (4,8,16,32)")
+    compare.add_argument("--tolerance", metavar="X", type=_tolerance, default=0.01, help="what is enough (0.01)")
+    compare.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="as for run")
+    compare.add_argument("--out", metavar="DIR", help="folder of the results (results/NAME_OF_CONFIG_compare)")
+    compare.add_argument("--no-plots", action="store_true", help="draw no figure")
+    compare.add_argument("--quiet", action="store_true", help="print faults only")
+    compare.set_defaults(command=_compare)
+
+    check = commands.add_parser("check", help="read configs and sweeps, and their geometry, without a run")
+    check.add_argument("configs", metavar="FILE", nargs="+")
     check.set_defaults(command=_check)
+
+    validate = commands.add_parser("validate", help="run the studies of a checkout and say what holds")
+    validate.add_argument("--quick", action="store_true", help="fewer cases, same claims")
+    validate.add_argument("--record", action="store_true", help="keep what was found as the record")
+    validate.set_defaults(command=_validate)
 
     schema = commands.add_parser("schema", help="print the JSON Schema of a config")
     schema.set_defaults(command=_schema)
     return parser
 
 
-def _complain(text: str) -> None:
+def _worker_count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
+    return int(text)
+
+
+def _counts(text: str) -> tuple[int, ...]:
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not all(part.lstrip("-").isdecimal() for part in parts):
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed are whole numbers with commas, as 0,1,5")
+    return tuple(int(part) for part in parts)
+
+
+def _tolerance(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a number between 0 and 1")
+    return value
+
+
+def complain(text: str) -> None:
+    """Say what is wrong."""
     print(text, file=sys.stderr)
 
 
@@ -94,10 +151,15 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _is_fine(path: str) -> bool:
+    from granular_contact import scene
+
     try:
-        _read(path)
+        if config.is_sweep(path):
+            config.load_sweep(path, probe=scene.build)
+        else:
+            _read(path)
     except (ConfigError, SceneError) as error:
-        _complain(str(error))
+        complain(str(error))
         return False
     print(f"{path}: ok")
     return True
@@ -108,12 +170,40 @@ def _schema(_: argparse.Namespace) -> int:
     return FINE
 
 
+def _sweep(chosen: argparse.Namespace) -> int:
+    from granular_contact import cli_sweep
+
+    return cli_sweep.sweep(chosen)
+
+
+def _validate(chosen: argparse.Namespace) -> int:
+    from granular_contact import cli_validate
+
+    return cli_validate.run(chosen)
+
+
+def _compare(chosen: argparse.Namespace) -> int:
+    from granular_contact import cli_compare
+
+    return cli_compare.run(chosen)
+
+
+def _method(chosen: argparse.Namespace) -> Iterator[str]:
+    """--method and --modes as what --set takes; modes alone keep the other options of the config's method."""
+    if chosen.method == "engine" and chosen.modes is not None:
+        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", "the engine has none: needs --method reduced")])
+    if chosen.method is not None:
+        yield "method=engine" if chosen.method == "engine" else "method={reduced: {}}"
+    if chosen.modes is not None:
+        yield f"method.reduced.modes={chosen.modes}"
+
+
 def _run(chosen: argparse.Namespace) -> int:
-    scenario, scene = _read(chosen.config, chosen.set)
+    scenario, scene = _read(chosen.config, [*_method(chosen), *chosen.set])
     folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.config).stem)
-    problem = _folder_problem(folder)
+    problem = folder_problem(folder)
     if problem:
-        _complain(problem)
+        complain(problem)
         return FAULTY_INPUT
 
     from granular_contact import report
@@ -127,21 +217,24 @@ def _run(chosen: argparse.Namespace) -> int:
     try:
         report.write(results, folder, figures=scenario.output.figures and not chosen.no_plots)
     except OSError as error:
-        _complain(f"the results can't be saved in {folder}: {error}")
+        complain(f"the results can't be saved in {folder}: {error}")
         return FAULTY_INPUT
     if not chosen.quiet:
         print("\n".join(_summary(results, elapsed, folder)))
     elif results.status.code in _STATUS_CODES:
-        _complain(f"{results.status.message}; saved in {folder}")
+        complain(f"{results.status.message}; saved in {folder}")
     return _STATUS_CODES.get(results.status.code, FINE)
 
 
-def _folder_problem(folder: Path) -> str | None:
-    """Why `folder` can't take results, found by trying before the run, or None. Leaves nothing behind."""
+def folder_problem(folder: Path, kind: str = "run") -> str | None:
+    """Why `folder` can't take results of a kind (of `report.ENTRIES`), or None.
+
+    It is found by trying, before the run, and nothing is left behind.
+    """
     from granular_contact import report
 
     try:
-        report.check_target(folder)
+        report.check_target(folder, kind)
         # The new folder is made beside the old one; where even the parent is missing, the nearest one there is decides.
         nearest = folder.resolve().parent
         while not nearest.exists():

@@ -76,9 +76,10 @@ class Comparison:
         if good:
             best = good[0]
             worst = max(abs(best.stopping_time or 0.0), abs(best.travel or 0.0))
+            cost = f"{1e3 * best.seconds:.3g} ms ({finest}: {1e3 * self.rows[-1].seconds:.3g} ms)"
             motion = (
-                f"Cheapest within {limit} in stopping time and travel: {best.model.name}, off by {100 * worst:.2g} % in "
-                f"{1e3 * best.seconds:.3g} ms ({finest}: {1e3 * self.rows[-1].seconds:.3g} ms)"
+                f"Cheapest within {limit} in stopping time and travel: {best.model.name}, "
+                f"{100 * worst:.2g} % off in {cost}"
             )
         else:
             motion = f"No model is within {limit} of {finest} in stopping time and travel"

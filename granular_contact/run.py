@@ -1,19 +1,23 @@
-"""One scene through the engine: Scene -> Results."""
+"""One scene, by the engine or by the reduced model: Scene -> Results."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
-from granular_contact.multibody.build import build
-from granular_contact.multibody.observe import Observer
-from granular_contact.multibody.solve import Progress, solve
-from granular_contact.results import Results, Snapshot
-from granular_contact.scene.types import Scene, Vector
+from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status
+from granular_contact.scene.types import Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import Touch, find_touch, summarise
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.observe import Observer
+
+Progress = Callable[[float, float], None]
 
 
 def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> Results:
@@ -28,30 +32,79 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
     """
-    system = build(scene)
-    trajectory = solve(system, progress)
-    observer = Observer(system, trajectory)
-    columns, table = observer.columns()
+    solved = _by_engine(scene, progress) if scene.method is None else _reduced(scene, scene.method, progress)
+    columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    time = trajectory.time
     touch = find_touch(time, series["depth_m"]) if scene.medium is not None else None
-    stop = None if touch is None else _stop(observer, touch)
+    stop = None if touch is None else solved.stop(touch)
     instants = {
         "touch": 0 if touch is None else touch.index,
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
     }
-    summary = summarise(scene.name, trajectory.status, trajectory.cost, series, touch, stop)
+    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop) | solved.more
     return Results(
         name=scene.name,
-        status=trajectory.status,
+        status=solved.status,
         columns=columns,
         table=table[_rows(time, scene.output_interval)],
         summary=summary,
         scenario=scenario_to_dict(scenario),
-        snapshots=tuple(Snapshot(label, float(time[i]), observer.outlines(i)) for label, i in instants.items()),
+        snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in instants.items()),
         surface=scene.surface if scene.medium is not None else None,
         warnings=tuple(summary["warnings"]),
+    )
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
+
+    more: what the summary has besides.
+    """
+
+    status: Status
+    cost: Cost
+    columns: tuple[Column, ...]
+    table: Vector
+    stop: Callable[[Touch], Stop | None]
+    outlines: Callable[[int], tuple[Outline, ...]]
+    more: dict[str, Any]
+
+
+def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
+    from granular_contact.multibody.build import build
+    from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.solve import solve
+
+    system = build(scene)
+    trajectory = solve(system, progress)
+    observer = Observer(system, trajectory)
+    return _Solved(
+        trajectory.status,
+        trajectory.cost,
+        *observer.columns(),
+        stop=lambda touch: _stop(observer, touch),
+        outlines=observer.outlines,
+        more={},
+    )
+
+
+def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solved:
+    from granular_contact.reduced.model import model
+    from granular_contact.reduced.observe import Observer
+    from granular_contact.reduced.solve import solve
+
+    reduced = model(scene, method)
+    trajectory = solve(reduced, progress)
+    observer = Observer(reduced, trajectory)
+    return _Solved(
+        trajectory.status,
+        trajectory.cost,
+        *observer.columns(),
+        stop=lambda _: observer.stop(),
+        outlines=observer.outlines,
+        more={"static_turns": trajectory.turns},
     )
 
 

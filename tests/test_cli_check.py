@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from granular_contact.cli import _folder_problem, main
+from granular_contact.cli import folder_problem, main
 from granular_contact.errors import SolveError
 from granular_contact.results import Column, Results, Status
 
@@ -100,7 +100,7 @@ def test_a_folder_that_may_be_written_is_left_as_it_was(tmp_path):
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "summary.json").write_text("{}")
     for name in ("old", "new", "a/b/c"):
-        assert _folder_problem(tmp_path / name) is None
+        assert folder_problem(tmp_path / name) is None
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["old", "summary.json"]
 
 

@@ -2,8 +2,9 @@
 
     python validation/convergence.py
 
-configs/pendulum.yaml to 40 ms. Errors are against the finest of each family, computed with a step of 10 us: the largest
-of the tip, and the differences in stopping time and angle at stop. Orders are slopes of least squares in the logarithms.
+configs/pendulum.yaml to 40 ms. Errors are against the finest of each family, computed with a step of 10 us: the
+largest distance of the tip, and the differences in stopping time and angle at stop. Orders are slopes of least squares
+in the logarithms.
 """
 
 from __future__ import annotations

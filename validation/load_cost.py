@@ -3,8 +3,8 @@
     python validation/load_cost.py
 
 The pendulum of configs/pendulum.yaml with 16 elements, 0.1 ms steps, solver time only. The plugin must cost at most
-half as much again as no sand at all. The naive way is measured as one first writes it, and as it is once it has been made
-fast and the engine is told to differentiate loads.
+half as much again as no sand at all. The naive way is measured as one first writes it, and as it is once it has been
+made fast and the engine is told to differentiate loads.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ from typing import Any
 
 from granular_contact.config import allowed
 from granular_contact.config.references import FROM
+from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.scenario import Scenario
 
 
@@ -19,11 +20,16 @@ def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`."""
+    """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`.
+
+    The method may be a word.
+    """
     schema = copy.deepcopy(allowed.root())
     for key, noun in (("model", "model"), ("medium", "medium preset")):
         whole = schema["properties"][key]
         name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}
         patch = {"type": "object", "required": [FROM], "properties": {FROM: name}}
         schema["properties"][key] = {"anyOf": [name, patch, whole]}
+    words = {"enum": list(WORDS)}
+    schema["properties"]["method"] = {"anyOf": [words, schema["properties"]["method"]]}
     return schema

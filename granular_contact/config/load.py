@@ -21,6 +21,8 @@ from granular_contact.config.schema.structure import structure_faults
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
+_MOST_KEPT = 64  # trees with their model and medium read in
+
 
 class SourceMap:
     """Where the keys of a scenario were written, across its config, its model, its medium and the overrides."""
@@ -35,7 +37,7 @@ class SourceMap:
     def place(self, faults: Iterable[Fault]) -> list[Fault]:
         """The faults with file and line filled in where the file is missing, sorted."""
         placed = [fault if fault.file else self._placed(fault) for fault in faults]
-        return sorted(placed, key=_order)
+        return sorted(placed, key=by_place)
 
     def _placed(self, fault: Fault) -> Fault:
         file, line = self.locate(fault.key)
@@ -67,22 +69,72 @@ def load(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Loaded:
     path = Path(path)
     faults: list[Fault] = []
     parsed = setting.parse(overrides, faults)
-    root = read_file(path, faults)
-    if not isinstance(root, tree.Mapping | tree.Broken):
-        known = ", ".join(allowed.keys(allowed.root()))
-        faults.append(root.position.fault((), f"got {got(root)}; allowed is a mapping with the keys {known}"))
-    if not isinstance(root, tree.Mapping):
-        raise ConfigError(sorted(faults, key=_order))
-    root = _resolved(root, parsed, path, faults)
-    root = _named(root, path)
-    try:
-        scenario = Scenario.model_validate(tree.plain(root))
-    except ValidationError as error:
-        errors = error.errors(include_url=False, include_input=False)
-        faults += faults_of([*errors, *_structure_errors(root, errors)], root)
-    if faults:
-        raise ConfigError(sorted(faults, key=_order))
-    return Loaded(scenario, SourceMap(root))
+    return Template(read_file(path, faults), path, faults).make(parsed, faults)
+
+
+class Template:
+    """A config that was read once, from which scenarios with different overrides are made."""
+
+    def __init__(self, root: tree.Node, path: Path, faults: list[Fault]) -> None:
+        """Take the tree of the config in the file `path`.
+
+        Raises
+        ------
+        ConfigError
+            It is no mapping; with the `faults` found so far.
+        """
+        if not isinstance(root, tree.Mapping | tree.Broken):
+            known = ", ".join(allowed.keys(allowed.root()))
+            faults.append(root.position.fault((), f"got {got(root)}; allowed is a mapping with the keys {known}"))
+        elif isinstance(root, tree.Mapping) and "config" in root.nodes and "model" not in root.nodes:
+            at = root.keys["config"]
+            faults.append(at.fault(("config",), "stands in a sweep only; the config of one run is needed here"))
+            root = tree.Broken(at)
+        if not isinstance(root, tree.Mapping):
+            raise ConfigError(sorted(faults, key=by_place))
+        self._root, self._path = root, path
+        self._resolved: dict[tuple[setting.Override, ...], tree.Node] = {}
+
+    def make(self, overrides: Sequence[setting.Override], faults: Sequence[Fault] = ()) -> Loaded:
+        """The scenario with the overrides in it.
+
+        Raises
+        ------
+        ConfigError
+            With `faults` and what was found besides.
+        """
+        found = list(faults)
+        node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
+        node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
+        node = _named(node, self._path)
+        scenario = None
+        try:
+            scenario = Scenario.model_validate(tree.plain(node))
+        except ValidationError as error:
+            errors = error.errors(include_url=False, include_input=False)
+            found += faults_of([*errors, *_structure_errors(node, errors)], node)
+        # What is broken can't be valid, but its fault may have been told by whoever read it.
+        if found or scenario is None:
+            raise ConfigError(sorted(found, key=by_place))
+        return Loaded(scenario, SourceMap(node))
+
+    def _with_references(self, references: tuple[setting.Override, ...], faults: list[Fault]) -> tree.Node:
+        """The tree with model and medium read in; read once for the same references, unless there were faults."""
+        if references in self._resolved:
+            return self._resolved[references]
+        before = len(faults)
+        node = setting.apply(self._root, references, faults)
+        resolver = Resolver(self._path, faults)
+        for library in (MODELS, MEDIA):
+            held = tree.child(node, library.key)
+            if held is not None and isinstance(node, tree.Mapping):
+                at = node.keys[library.key]
+                node = tree.set_key(node, library.key, resolver.resolve(held, library), at)
+        if len(faults) == before:
+            if len(self._resolved) == _MOST_KEPT:
+                self._resolved.clear()
+            self._resolved[references] = node
+        return node
 
 
 def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
@@ -106,23 +158,12 @@ def load_medium(name: str) -> Medium:
             return TypeAdapter[Medium](Medium).validate_python(tree.plain(node))
         except ValidationError as error:
             faults += faults_of(error.errors(include_url=False, include_input=False), node)
-    raise ConfigError(sorted(faults, key=_order))
+    raise ConfigError(sorted(faults, key=by_place))
 
 
-def _order(fault: Fault) -> tuple[str, int]:
+def by_place(fault: Fault) -> tuple[str, int]:
+    """Key by which faults are sorted."""
     return fault.file, fault.line or 0
-
-
-def _resolved(root: tree.Mapping, parsed: Sequence[setting.Override], path: Path, faults: list[Fault]) -> tree.Node:
-    """`root` with model and medium read in, and all overrides applied."""
-    node = setting.apply(root, [one for one in parsed if one.is_reference], faults)
-    resolver = Resolver(path, faults)
-    for library in (MODELS, MEDIA):
-        held = tree.child(node, library.key)
-        if held is not None and isinstance(node, tree.Mapping):
-            at = node.keys[library.key]
-            node = tree.set_key(node, library.key, resolver.resolve(held, library), at)
-    return setting.apply(node, [one for one in parsed if not one.is_reference], faults)
 
 
 def _named(root: tree.Node, path: Path) -> tree.Node:

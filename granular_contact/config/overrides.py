@@ -1,4 +1,4 @@
-"""`--set dotted.key=value`: values laid over the tree of a config before it is checked."""
+"""`--set dotted.key=value`, and the cases of a sweep: values laid over the tree of a config before it is checked."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _REFERENCES = (("model",), ("medium",), ("model", "from"), ("medium", "from"))
 
 @dataclass(frozen=True)
 class Override:
-    """One `--set`: the value that goes under the key `path`."""
+    """One `--set`, or one key of a sweep: the value that goes under the key `path`."""
 
     path: tuple[str, ...]
     value: Node
@@ -31,23 +31,35 @@ class Override:
 
 def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:
     """Overrides in the order given, less those that a later one replaces with all around them."""
-    parsed = [one for text in texts if (one := _parse(text, faults)) is not None]
+    return effective([one for text in texts if (one := _parse(text, faults)) is not None])
+
+
+def effective(overrides: Sequence[Override]) -> list[Override]:
+    """The overrides that no later one replaces with all around them."""
     return [
         one
-        for i, one in enumerate(parsed)
-        if not any(one.path[: len(later.path)] == later.path for later in parsed[i + 1 :])
+        for i, one in enumerate(overrides)
+        if not any(one.path[: len(later.path)] == later.path for later in overrides[i + 1 :])
     ]
+
+
+def split(key: str, position: Position, faults: list[Fault], form: str = "dotted.key") -> tuple[str, ...] | None:
+    """The parts of a dotted key; None, with a fault that names the allowed `form`, for one that can't be used."""
+    path = tuple(key.strip().split("."))
+    if not all(path):
+        faults.append(position.fault((), f"is no {form}"))
+    elif len(path) > MAX_DEPTH:
+        faults.append(position.fault((), f"leads more than {MAX_DEPTH} levels deep"))
+    else:
+        return path
+    return None
 
 
 def _parse(text: str, faults: list[Fault]) -> Override | None:
     position = Position(f"--set {text}", None)
     key, equals, value = text.partition("=")
-    path = tuple(key.strip().split("."))
-    if not equals or not all(path):
-        faults.append(position.fault((), "is no dotted.key=value"))
-        return None
-    if len(path) > MAX_DEPTH:
-        faults.append(position.fault((), f"leads more than {MAX_DEPTH} levels deep"))
+    path = split(key if equals else "", position, faults, form="dotted.key=value")
+    if path is None:
         return None
     if not value.strip():
         faults.append(position.fault(path, "has no value; write null for none"))

@@ -78,7 +78,7 @@ class Resolver:
         if real in chain:
             names = " -> ".join(link.name for link in (*chain[chain.index(real) :], real))
             return self._refuse(node.position, path, f"got {node.value!r}, which leads back to itself: {names}")
-        root = read_file(_shown(found), self._faults)
+        root = read_file(shown(found), self._faults)
         if isinstance(root, Mapping):
             return self._expand(root, library, found, (*chain, real))
         if isinstance(root, Broken):
@@ -92,10 +92,10 @@ def _forms(library: Library) -> str:
 
 def _find(name: str, library: Library, file: Path) -> Path | str:
     """File of the model or medium called `name` in `file`, or a sentence that says why there is none."""
-    shown = repr(name if len(name) <= 60 else name[:57] + "...")
+    quoted = repr(name if len(name) <= 60 else name[:57] + "...")
     if name.endswith((".yaml", ".yml")):
         path = file.parent / name
-        return path if _is_file(path) else f"got {shown}, but there is no file {_shown(path)}"
+        return path if _is_file(path) else f"got {quoted}, but there is no file {shown(path)}"
     folders = library.folders(file.parent)
     if _NAME.fullmatch(name):
         for folder in folders:
@@ -107,7 +107,7 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
     known = sorted({path.stem for folder in listed if folder.is_dir() for path in folder.glob("*.yaml")})
     near = get_close_matches(name, known, 1)
     hint = f"did you mean {near[0]}? " if near else ""
-    return f"got {shown}, but there is no such {library.noun}; {hint}there are {', '.join(known) or 'none'}"
+    return f"got {quoted}, but there is no such {library.noun}; {hint}there are {', '.join(known) or 'none'}"
 
 
 def _is_file(path: Path) -> bool:
@@ -118,7 +118,7 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _shown(path: Path) -> Path:
+def shown(path: Path) -> Path:
     """`path` without `..`, and relative if it lies below the current folder."""
     full = Path(os.path.normpath(path))
     if not full.is_absolute():

@@ -1,7 +1,8 @@
 """Compiled code: arrays in, arrays out.
 
-numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged; it
-does not see that a function of another file, inlined into it, has changed. So what is older than any kernel is dropped.
+numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;
+it does not see that a function of another file, inlined into it, has changed. So what is older than any kernel is
+dropped.
 """
 
 from __future__ import annotations

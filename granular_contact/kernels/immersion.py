@@ -18,8 +18,8 @@ from numba import njit
 GAUSS_LOW = 0.5 - 0.5 / math.sqrt(3.0)
 GAUSS_HIGH = 0.5 + 0.5 / math.sqrt(3.0)
 
-# Below this relative difference of the end depths the closed forms cancel (to 1e-12, their gradients to 1e-10), and three
-# Gauss points are as accurate.
+# Below this relative difference of the end depths the closed forms cancel (to 1e-12, their gradients to 1e-10), and
+# three Gauss points are as accurate.
 LEVEL = 0.01
 FAR = 0.5 * math.sqrt(0.6)  # of the outer two from the middle; weights 5/18, 8/18, 5/18
 

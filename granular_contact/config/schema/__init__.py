@@ -1,6 +1,6 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
-`mechanism` holds bodies and joints, `medium` the laws, `scenario` the run around them.
+`mechanism` holds bodies and joints, `medium` the laws, `method` the choice of solver, `scenario` the run around them.
 """
 
 from granular_contact.config.schema.mechanism import (
@@ -17,6 +17,7 @@ from granular_contact.config.schema.mechanism import (
     Weld,
 )
 from granular_contact.config.schema.medium import LAWS, LeeMarghitu, Medium, VerticalStatic
+from granular_contact.config.schema.method import Method, Reduced
 from granular_contact.config.schema.scenario import (
     Elastoplastic,
     Friction,
@@ -43,8 +44,10 @@ __all__ = [
     "Link",
     "Load",
     "Medium",
+    "Method",
     "Model",
     "Output",
+    "Reduced",
     "Rigid",
     "Scenario",
     "Shape",

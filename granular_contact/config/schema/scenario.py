@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
 from granular_contact.config.schema.mechanism import Model
 from granular_contact.config.schema.medium import Medium
+from granular_contact.config.schema.method import Method
 
 
 class Impact(Strict):
@@ -94,4 +95,19 @@ class Scenario(Strict):
     initial: Impact
     load: Load = Load()
     solver: Solver = Solver()
+    method: Method = Method()
     output: Output = Output()
+
+    @model_validator(mode="after")
+    def _one_static_law(self) -> Scenario:
+        reduced, has = self.method.reduced, self.load.friction.type
+        if reduced is not None and reduced.static not in ("true_sign", has):
+            raise refusal(
+                [
+                    (
+                        ("method", "reduced", "static"),
+                        f"got {reduced.static}, but load.friction has the type {has}: allowed are true_sign and {has}",
+                    )
+                ]
+            )
+        return self

@@ -1,0 +1,57 @@
+"""Pendulum that bends in modes: third kind of body for the calls of `kinematics`.
+
+Coordinates (q_1, q_2, ..., q_{n+1}): q_1 angle of the undeformed axis below the horizontal (rad), q_{1+i} deflection of
+the tip in mode i (m). With e = (cos q_1, -sin q_1) along the axis and n = de/dq_1 across it, a station that lies at
+(along, across) in the undeformed pendulum is at
+
+    r = pivot + along e + x n,         x = across + sum_i Phi_i q_{1+i},
+    v = (along q_1' + x') n - x q_1' e.
+
+Stations of rigid parts have Phi = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels.kinematics import scatter, stations
+from granular_contact.kernels.strips import provide
+
+MOST_MODES = 20
+
+# along, across: place in the undeformed pendulum, seen from the pivot (m); phi: mode shapes there; pivot: (x, y), m.
+MODAL_STATION = np.dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])
+
+
+@provide(stations, "geometry", MODAL_STATION)
+@njit(cache=True)
+def _modal_stations(q, v, geometry, P, V):
+    c, s = math.cos(q[0]), math.sin(q[0])
+    for i in range(geometry.shape[0]):
+        along = geometry[i].along
+        x, x_t = geometry[i].across, 0.0
+        for k in range(1, q.shape[0]):
+            x += geometry[i].phi[k - 1] * q[k]
+            x_t += geometry[i].phi[k - 1] * v[k]
+        P[i, 0] = geometry[i].pivot[0] + along * c - x * s
+        P[i, 1] = geometry[i].pivot[1] - along * s - x * c
+        across_rate, along_rate = along * v[0] + x_t, -x * v[0]
+        V[i, 0] = along_rate * c - across_rate * s
+        V[i, 1] = -along_rate * s - across_rate * c
+
+
+@provide(scatter, "geometry", MODAL_STATION)
+@njit(cache=True)
+def _modal_scatter(q, geometry, P, F, out):
+    c, s = math.cos(q[0]), math.sin(q[0])
+    for i in range(P.shape[0]):
+        if F[i, 0] == 0.0 and F[i, 1] == 0.0:
+            continue
+        # dr/dq_1 is the arm turned clockwise; dr/dq_{1+k} = Phi_k n.
+        out[0] += (P[i, 1] - geometry[i].pivot[1]) * F[i, 0] - (P[i, 0] - geometry[i].pivot[0]) * F[i, 1]
+        across = -s * F[i, 0] - c * F[i, 1]
+        for k in range(1, q.shape[0]):
+            out[k] += geometry[i].phi[k - 1] * across

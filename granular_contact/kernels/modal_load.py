@@ -1,0 +1,77 @@
+"""Granular force on the modal pendulum: all its runs of strips, as generalised forces.
+
+The laws of `kernels` are used as they are. Under the true sign they too see a bristle: one of yield displacement 1 and
+no damping, whose anchor is put where its stretch is the direction wanted (`aim`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels.kinematics import scatter, stations
+from granular_contact.kernels.runs import drag_anchors, forces
+
+
+class World(NamedTuple):
+    """What the kernels of the modal pendulum read.
+
+    pendulum: (1,) record of `pendulum`; geometry: stations of all runs, one after another; starts: (runs + 1,) first
+    station of each run; runs: (runs,) records of `kernels.runs`; medium: (1,) record of the law; anchors: (stations,
+    2) m, of which those of the last station of a run stand empty.
+    """
+
+    pendulum: Any
+    geometry: Any
+    starts: Any
+    runs: Any
+    medium: Any
+    anchors: Any
+
+
+@njit(cache=True)
+def aim(P, pivot, modes, sigma, anchors):
+    """Put the anchors where the stretch of every strip is its direction, (2,) in [-1, 1].
+
+    With modes sigma (2,) holds the directions of v_x and v_y. Without them sigma (1,) holds that of q_1', and each
+    strip moves along with it, across its own arm.
+    """
+    for i in range(P.shape[0] - 1):
+        x, y = 0.5 * (P[i, 0] + P[i + 1, 0]), 0.5 * (P[i, 1] + P[i + 1, 1])
+        if modes == 0:
+            anchors[i, 0] = x - sigma[0] * np.sign(y - pivot[1])
+            anchors[i, 1] = y + sigma[0] * np.sign(x - pivot[0])
+        else:
+            anchors[i, 0] = x - sigma[0]
+            anchors[i, 1] = y - sigma[1]
+
+
+@njit(cache=True)
+def load(q, v, sigma, w, totals, Q):
+    """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `strips`; sigma as in `aim`."""
+    pendulum = w.pendulum[0]
+    Q[:] = 0.0
+    totals[:] = 0.0
+    for r in range(w.runs.shape[0]):
+        geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+        anchors = w.anchors[w.starts[r] : w.starts[r + 1] - 1]
+        n = geometry.shape[0]
+        P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
+        stations(q, v, geometry, P, V)
+        if pendulum.true_sign:
+            aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
+        forces(P, V, anchors, w.runs[r], w.medium[0], F, totals)
+        scatter(q, geometry, P, F, Q)
+
+
+@njit(cache=True)
+def drag(q, v, w):
+    """Let the anchors follow after an accepted step."""
+    for r in range(w.runs.shape[0]):
+        geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+        n = geometry.shape[0]
+        P, V = np.empty((n, 2)), np.empty((n, 2))
+        stations(q, v, geometry, P, V)
+        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1] - 1], w.runs[r].surface, w.medium[0])

@@ -1,0 +1,143 @@
+"""Right-hand side of the modal pendulum, and the regime of its static law: what slips which way, and what sticks.
+
+State y: q (n + 1,), q' (n + 1,), work of the medium so far (J), work of the internal damping so far (J).
+Regime s: direction -1 or 1 of each component that slips, 0 of one that sticks; see `slip`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels.modal_load import load
+from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
+from granular_contact.kernels.slip import hold, slip_bias, slip_rows, slip_velocity
+
+BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
+
+
+@njit(cache=True)
+def rates(y, s, w, sigma, totals, dy):
+    """Fill dy with y', sigma with the directions of the static force, totals (3, 3) with the forces of the medium."""
+    m = w.pendulum[0].modes + 1
+    q, v = y[:m], y[m : 2 * m]
+    f, Q = np.empty(m), np.zeros(m)
+    own_forces(q, v, w.pendulum[0], f)
+    if w.runs.shape[0] > 0:
+        sigma[:] = s
+        if w.pendulum[0].true_sign:
+            hold(q, v, f, s, w, sigma)
+        load(q, v, sigma, w, totals, Q)
+    power = 0.0
+    for i in range(m):
+        power += Q[i] * v[i]
+        dy[i] = v[i]
+        f[i] += Q[i]
+    accelerate(q, f, w.pendulum[0])
+    dy[m : 2 * m] = f
+    dy[2 * m] = power
+    dy[2 * m + 1] = damping_power(v, w.pendulum[0])
+
+
+@njit(cache=True)
+def margins(y, s, w, margin):
+    """Fill margin with how far each component is from the end of its regime: negative beyond it."""
+    m = w.pendulum[0].modes + 1
+    q, v = y[:m], y[m : 2 * m]
+    g = np.empty_like(s)
+    if not slip_velocity(q, v, w, g):
+        margin[:] = 1.0
+        return
+    sigma = np.zeros_like(s)
+    if np.any(s == 0.0):
+        h = np.empty(m)
+        own_forces(q, v, w.pendulum[0], h)
+        hold(q, v, h, s, w, sigma)
+    for c in range(s.shape[0]):
+        slipping = s[c] * g[c] + w.pendulum[0].still
+        margin[c] = slipping if s[c] != 0.0 else 1.0 + BOUND_SLACK - abs(sigma[c])
+
+
+@njit(cache=True)
+def follow(y, s, w):
+    """Above the surface the regime is the direction of motion."""
+    m = w.pendulum[0].modes + 1
+    g = np.empty_like(s)
+    if slip_velocity(y[:m], y[m : 2 * m], w, g):
+        return
+    for c in range(s.shape[0]):
+        if g[c] != 0.0:
+            s[c] = np.sign(g[c])
+
+
+@njit(cache=True)
+def violation(y, s, open_, w):
+    """How badly a regime contradicts itself, 0 if it does not.
+
+    A component that sticks must be held within the bound; one that slips from rest must gather speed its way.
+    """
+    m = w.pendulum[0].modes + 1
+    q, v, count = y[:m], y[m : 2 * m], s.shape[0]
+    dy, sigma, totals = np.empty_like(y), np.zeros(count), np.zeros((3, 3))
+    rates(y, s, w, sigma, totals, dy)
+    J, bias = np.zeros((count, m)), np.zeros(count)
+    slip_rows(q, w, J)
+    slip_bias(q, v, w, bias)
+    worst = 0.0
+    for c in range(count):
+        if s[c] == 0.0:
+            worst = max(worst, abs(sigma[c]) - 1.0)
+        elif open_[c]:
+            gain = np.dot(J[c], dy[m : 2 * m]) + bias[c]
+            worst = max(worst, -s[c] * gain)
+    return worst
+
+
+@njit(cache=True)
+def decide(y, s, stopped, w):
+    """Choose the regime to go on with, in s, where some components stopped or sticking ones passed their bound.
+
+    stopped (components,): which ones are known to stand still. Of the regimes that are free of contradiction the one
+    that sticks most is taken; the velocity of what sticks is set to zero exactly.
+    """
+    m, count = w.pendulum[0].modes + 1, s.shape[0]
+    g = np.empty(count)
+    slip_velocity(y[:m], y[m : 2 * m], w, g)
+    open_ = (s == 0.0) | stopped | (np.abs(g) <= 2.0 * w.pendulum[0].still)
+    best, least = s.copy(), np.inf
+    trial = s.copy()
+    for code in range(3**count):
+        rest, allowed = code, True
+        for c in range(count):
+            option = float(rest % 3)
+            option = option if option < 2.0 else -1.0
+            rest //= 3
+            allowed = allowed and (open_[c] or option == 1.0)
+            trial[c] = option if open_[c] else np.sign(g[c])
+        if not allowed:
+            continue
+        found = violation(y, trial, open_, w)
+        if found < least:
+            best[:], least = trial, found
+    s[:] = best
+    halt(y, s, w)
+
+
+@njit(cache=True)
+def halt(y, s, w):
+    """Take the last round-off of speed from the components that stick: q' less M^-1 J^T (J M^-1 J^T)^-1 g."""
+    m = w.pendulum[0].modes + 1
+    q, v = y[:m], y[m : 2 * m]
+    if m == 1:
+        if s[0] == 0.0:
+            v[0] = 0.0
+        return
+    J, g, push = np.zeros((2, m)), np.zeros(2), np.empty(m)
+    for _ in range(3):
+        slip_velocity(q, v, w, g)
+        slip_rows(q, w, J)
+        for c in range(2):
+            if s[c] == 0.0:
+                push[:] = J[c]
+                accelerate(q, push, w.pendulum[0])
+                v -= push * ((np.dot(J[c], v)) / np.dot(J[c], push))

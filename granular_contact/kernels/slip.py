@@ -1,0 +1,146 @@
+"""The true sign of the static resistance: which way the pendulum slips, and the force that holds what has stopped.
+
+The medium looks at one point, the middle of the immersed segment (where the source paper lets its force act), and at
+each velocity component there for itself. With g_c = J_c(q) q' that component (c = x, y; without modes there is only
+q_1' itself, as all points turn round together) and Q_c the generalised force of the whole static term at its bound:
+
+    slip     Q = sigma_c Q_c,  sigma_c = sgn(g_c)
+    stick    g_c' = J_c M^-1 (h + Q) + J_c' q' = 0 gives sigma_c, and it holds while |sigma_c| <= 1
+
+so sigma_c is the Lagrange multiplier of g_c = 0, in units of the bound. Bounds differ between plunging and withdrawing,
+so the multiplier is sought on either side of zero.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels.kinematics import scatter, stations
+from granular_contact.kernels.modal_load import load
+from granular_contact.kernels.pendulum import accelerate
+from granular_contact.kernels.strips import at, immersed_segment
+
+NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
+
+
+@njit(cache=True)
+def middle(q, w):
+    """Run and place along its stations of the middle of the immersed segment, and whether there is any.
+
+    Of several immersed runs the last counts, the flexible link; if none is, the deepest station.
+    """
+    run, place, deepest = 0, 0.0, -np.inf
+    for r in range(w.runs.shape[0] - 1, -1, -1):
+        geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+        n = geometry.shape[0]
+        P, V = np.empty((n, 2)), np.empty((n, 2))
+        stations(q, np.zeros_like(q), geometry, P, V)
+        first, last = immersed_segment(P, w.runs[r].surface)
+        if last > first:
+            return r, 0.5 * (first + last), True
+        for i in range(n):
+            if w.runs[r].surface - P[i, 1] > deepest:
+                run, place, deepest = r, float(i), w.runs[r].surface - P[i, 1]
+    return run, place, False
+
+
+@njit(cache=True)
+def slip_velocity(q, v, w, g):
+    """Fill g with the velocity components that the static law looks at; whether anything is immersed."""
+    r, place, immersed = middle(q, w)
+    if q.shape[0] == 1:
+        g[0] = v[0]
+        return immersed
+    geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+    n = geometry.shape[0]
+    P, V = np.empty((n, 2)), np.empty((n, 2))
+    stations(q, v, geometry, P, V)
+    g[0], g[1] = at(V, place)
+    return immersed
+
+
+@njit(cache=True)
+def slip_rows(q, w, J):
+    """Fill J (components, n + 1), so that g = J q'."""
+    if q.shape[0] == 1:
+        J[0, 0] = 1.0
+        return
+    r, place, _ = middle(q, w)
+    geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+    n = geometry.shape[0]
+    P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.zeros((n, 2))
+    stations(q, np.zeros_like(q), geometry, P, V)
+    i = min(int(place), n - 2)
+    J[:] = 0.0
+    for c in range(2):
+        F[i, c], F[i + 1, c] = 1.0 - (place - i), place - i
+        scatter(q, geometry, P, F, J[c])
+        F[i, c], F[i + 1, c] = 0.0, 0.0
+
+
+@njit(cache=True)
+def slip_bias(q, v, w, bias):
+    """Fill bias with J' q', by central differences along the motion; the middle itself moves along the link."""
+    bias[:] = 0.0
+    if q.shape[0] == 1:
+        return
+    ahead, behind = np.empty_like(bias), np.empty_like(bias)
+    time = 1e-6 / max(1.0, abs(v[0]))
+    slip_velocity(q + time * v, v, w, ahead)
+    slip_velocity(q - time * v, v, w, behind)
+    for c in range(2):
+        bias[c] = (ahead[c] - behind[c]) / (2.0 * time)
+
+
+@njit(cache=True)
+def solve_small(A, b, count):
+    """Solution (2,) of the leading count x count part of A x = b; beyond all bounds where friction can't act."""
+    x = np.zeros(2)
+    if count == 1:
+        x[0] = b[0] / A[0, 0] if A[0, 0] < 0.0 else -np.copysign(NONE_HOLDS, b[0])
+        return x
+    det = A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
+    if abs(det) < 1e-14 * (abs(A[0, 0] * A[1, 1]) + abs(A[0, 1] * A[1, 0])) or det == 0.0:
+        x[:] = NONE_HOLDS
+        return x
+    x[0] = (b[0] * A[1, 1] - b[1] * A[0, 1]) / det
+    x[1] = (b[1] * A[0, 0] - b[0] * A[1, 0]) / det
+    return x
+
+
+@njit(cache=True)
+def hold(q, v, h, s, w, sigma):
+    """Fill sigma from the directions s, where 0 stands for a component that sticks: its multiplier is found.
+
+    h: generalised forces other than those of the medium.
+    """
+    sigma[:] = s
+    stuck = np.flatnonzero(s == 0.0)
+    count, m = stuck.shape[0], q.shape[0]
+    if count == 0:
+        return
+    J, bias, totals = np.zeros((s.shape[0], m)), np.zeros(s.shape[0]), np.empty((3, 3))
+    slip_rows(q, w, J)
+    slip_bias(q, v, w, bias)
+    Q, pull, probe = np.empty(m), np.empty(m), s.copy()
+    load(q, v, s, w, totals, Q)
+    free = h + Q
+    accelerate(q, free, w.pendulum[0])
+    A, b = np.zeros((2, 2)), np.zeros(2)
+    for i in range(count):
+        b[i] = -(np.dot(J[stuck[i]], free) + bias[stuck[i]])
+    for side in (-1.0, 1.0):
+        for j in range(count):
+            probe[stuck[j]] = side
+            load(q, v, probe, w, totals, pull)
+            probe[stuck[j]] = 0.0
+            pull -= Q
+            accelerate(q, pull, w.pendulum[0])
+            for i in range(count):
+                A[i, j] = np.dot(J[stuck[i]], pull) * side
+        x = solve_small(A, b, count)
+        for j in range(count):
+            sigma[stuck[j]] = x[j]
+        if side * x[count - 1] >= 0.0:
+            return

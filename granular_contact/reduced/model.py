@@ -1,0 +1,125 @@
+"""Scene -> Model: the pendulum in modal coordinates, or a refusal of what is no such pendulum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from granular_contact.reduced.modes import Modes, roots
+from granular_contact.scene.reducible import check_reducible
+from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Vector
+
+# Wavelengths need strips: so many for each mode, where the scene has fewer.
+STRIPS_PER_MODE = 4
+
+
+@dataclass(frozen=True)
+class View:
+    """The undeformed pendulum seen from its pivot (2,) m, along its axis (angle rad) and across it, clockwise."""
+
+    angle: float
+    pivot: Vector
+
+    def of(self, body: RigidBody | FlexibleLink, point: Vector) -> Vector:
+        """Place (along, across) m of a point (2,) m of a body."""
+        c, s = math.cos(body.motion.angle), math.sin(body.motion.angle)
+        arm = body.motion.position + np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]]) - self.pivot
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        return np.array([c * arm[0] + s * arm[1], s * arm[0] - c * arm[1]])
+
+
+@dataclass(frozen=True)
+class Bar:
+    """Straight part, seen from the pivot along and across the undeformed axis, (2,) m each; diameter m.
+
+    `bends` marks the flexible link; `free` a free face at the end; strips: how many the load divides it into.
+    """
+
+    part: str
+    start: Vector
+    end: Vector
+    diameter: float
+    free: bool
+    bends: bool
+    strips: int
+
+    def places(self, count: int) -> Vector:
+        """`count` equally spaced points (count, 2) m."""
+        return np.linspace(self.start, self.end, count)
+
+
+@dataclass(frozen=True)
+class Model:
+    """The pendulum: coordinates q_1 (rad) and q_{1+i} (m), n + 1 of them.
+
+    view: how it is seen from the pivot; turn: angle of the root's body less q_1, both below the horizontal (rad);
+    reach: of the farthest point from the pivot (m); speed: scale of speeds (m/s); start: state at the start, see
+    `modal_motion`.
+    """
+
+    scene: Scene
+    method: Reduced
+    link: FlexibleLink | None
+    modes: Modes
+    bars: tuple[Bar, ...]
+    discs: tuple[tuple[str, Vector, float], ...]
+    view: View
+    turn: float
+    reach: float
+    speed: float
+    start: Vector
+
+    @property
+    def bends(self) -> bool:
+        """Whether there is any mode."""
+        return len(self.modes.beta) > 0
+
+    def shapes(self, bar: Bar, places: Vector) -> Vector:
+        """Mode shapes (points, n) at places (points, 2) of a bar."""
+        if not bar.bends:
+            return np.zeros((len(places), len(self.modes.beta)))
+        return self.modes.shape(places[:, 0] - bar.start[0])
+
+
+def model(scene: Scene, method: Reduced) -> Model:
+    """Reduce a scene.
+
+    Raises
+    ------
+    SceneError
+        The mechanism has no such reduction; the message says which have one.
+    """
+    check_reducible(scene, method.modes)
+    root, pin = scene.rigid[0], scene.pivot
+    assert pin is not None  # or the scene was refused
+    link = scene.links[0] if scene.links else None
+    axis = root.motion.angle if link is None else link.motion.angle
+    view = View(axis, pin.parent_point)
+    modes = Modes(roots(method.modes), 1.0 if link is None else link.length)
+    bars = tuple(_bars(scene, method, view))
+    discs = tuple((d.part, view.of(root, d.center), d.diameter) for d in root.discs)
+    points = [(p, 0.0) for bar in bars for p in (bar.start, bar.end)] + [(p, 0.5 * d) for _, p, d in discs]
+    reach = max(float(np.linalg.norm(p)) + radius for p, radius in points)
+    speed = reach * abs(root.motion.rate) + math.sqrt(abs(scene.gravity) * reach)
+    start = np.zeros(2 * (method.modes + 1) + 2)
+    start[0], start[method.modes + 1] = -axis, -root.motion.rate
+    return Model(
+        scene, method, link, modes, bars, discs, view, axis - root.motion.angle, reach, max(speed, 1e-6), start
+    )
+
+
+def _bars(scene: Scene, method: Reduced, view: View) -> Iterator[Bar]:
+    for body in scene.rigid:
+        for c in body.cylinders:
+            start, end = view.of(body, c.start), view.of(body, c.end)
+            yield Bar(c.part, start, end, c.diameter, c.free, False, scene.load.strips_per_rigid_part)
+    for link in scene.links:
+        start = view.of(link, np.zeros(2))
+        strips = scene.load.strips_per_rigid_part
+        if method.modes > 0:
+            strips = max(link.elements * scene.load.strips_per_element, STRIPS_PER_MODE * method.modes)
+        end = start + np.array([link.length, 0.0])
+        yield Bar(link.name, start, end, link.diameter, link.free, method.modes > 0, strips)

@@ -1,0 +1,113 @@
+"""Trajectory -> the time series and pictures of the engine, for the modal pendulum."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granular_contact import series
+from granular_contact.reduced.model import Bar, Model
+from granular_contact.reduced.solve import Trajectory
+from granular_contact.results import Column, Outline
+from granular_contact.scene.types import Vector
+from granular_contact.stopping import Stop
+
+POINTS = 17  # on a bent link in pictures
+
+
+class Observer:
+    """Reads positions, rates and energies out of a trajectory; (n,) and (n, 2) arrays over its instants."""
+
+    def __init__(self, model: Model, trajectory: Trajectory) -> None:
+        self.model, self.scene, self.trajectory = model, model.scene, trajectory
+        self.mass = trajectory.world.pendulum[0]
+        self.angle, self.rate = trajectory.q[:, 0], trajectory.v[:, 0]
+        self.bends, self.bend_rates = trajectory.q[:, 1:], trajectory.v[:, 1:]
+        n = len(model.modes.beta)
+        self.coupling, self.moments, self.stiffness = (self.mass[key][:n] for key in ("c", "p", "k"))
+
+    def columns(self) -> tuple[tuple[Column, ...], Vector]:
+        """All columns, with the table (instants, columns)."""
+        pin = self.scene.pivot
+        assert pin is not None  # or the scene was refused
+        everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
+        everything |= series.joint(pin.name, pin.child, None, self.angle + self.model.turn, self.rate)
+        depth = None if self.scene.surface is None else self.depth()
+        everything |= series.shape(self.mean_rate(), self.tip(), self.deflection(), depth)
+        if self.scene.medium is not None:
+            everything |= series.forces(self.trajectory.terms, self.model.view.pivot)
+        return series.tabulate(everything | self._energies())
+
+    def stop(self) -> Stop | None:
+        """When the mean rate first came to zero after the touch, with the pivot's angle there."""
+        time, angle, hub_time = self.trajectory.stop
+        if np.isnan(time):
+            return None
+        return Stop(time, angle + self.model.turn, None if np.isnan(hub_time) else hub_time)
+
+    # ---- motion ----
+
+    def _inertia(self) -> Vector:
+        inertia: Vector = self.mass["J"] + 2.0 * self.mass["b"] * self.bends @ self.moments
+        inertia += self.mass["m"] * np.sum(self.bends**2, axis=1)
+        return inertia
+
+    def mean_rate(self) -> Vector:
+        """Angular momentum over moment of inertia about the pivot (rad/s, clockwise)."""
+        rate: Vector = self.rate + self.bend_rates @ self.coupling / self._inertia()
+        return rate
+
+    def positions(self, bar: Bar | None, places: Vector) -> Vector:
+        """World positions (instants, points, 2) m of places (points, 2) m of a bar, or of a rigid part (None)."""
+        x = np.broadcast_to(places[:, 1], (len(self.angle), len(places)))
+        if bar is not None:
+            x = x + self.bends @ self.model.shapes(bar, places).T
+        c, s = np.cos(self.angle)[:, None], np.sin(self.angle)[:, None]
+        return self.model.view.pivot + np.stack([places[:, 0] * c - x * s, -places[:, 0] * s - x * c], axis=-1)
+
+    def tip(self) -> Vector:
+        """Position (n, 2) m of the tip."""
+        name, point = self.scene.tip
+        place = self.model.view.of(self.scene.body(name), point)
+        bar = next((b for b in self.model.bars if b.bends and b.part == name), None)
+        tip: Vector = self.positions(bar, place[None, :])[:, 0]
+        return tip
+
+    def deflection(self) -> Vector | None:
+        """Deflection (n,) m of the flexible link's tip, clockwise positive; None without modes."""
+        if not self.model.bends:
+            return None
+        deflection: Vector = self.bends.sum(axis=1)
+        return deflection
+
+    def depth(self) -> Vector:
+        """Depth (n,) m of the deepest end or station; negative above the surface."""
+        assert self.scene.surface is not None
+        heights = [
+            self.positions(bar, bar.places(bar.strips + 1 if bar.bends else 2))[..., 1] for bar in self.model.bars
+        ]
+        depth: Vector = self.scene.surface - np.min(np.concatenate(heights, axis=1), axis=1)
+        return depth
+
+    # ---- energies ----
+
+    def _energies(self) -> series.Series:
+        kinetic = 0.5 * self._inertia() * self.rate**2 + self.rate * (self.bend_rates @ self.coupling)
+        kinetic += 0.5 * self.mass["m"] * np.sum(self.bend_rates**2, axis=1)
+        across = self.mass["S_n"] + self.bends @ self.moments
+        gravity = -self.scene.gravity * (self.mass["S_e"] * np.sin(self.angle) + across * np.cos(self.angle))
+        elastic = 0.5 * self.bends**2 @ self.stiffness if self.model.bends else None
+        t = self.trajectory
+        return series.energies(kinetic, gravity - gravity[0], elastic, t.work, t.damping)
+
+    # ---- pictures ----
+
+    def outlines(self, instant: int) -> tuple[Outline, ...]:
+        """The mechanism as drawn at an instant (index)."""
+        outlines = [
+            Outline(part, self.positions(None, center[None, :])[instant], diameter)
+            for part, center, diameter in self.model.discs
+        ]
+        for bar in self.model.bars:
+            line = self.positions(bar, bar.places(POINTS if bar.bends else 2))[instant]
+            outlines.append(Outline(bar.part, line, bar.diameter))
+        return tuple(outlines)

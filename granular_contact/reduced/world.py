@@ -1,0 +1,80 @@
+"""Model -> World: records and stations as the kernels read them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.kernels.lee_marghitu import RECORD
+from granular_contact.kernels.modal import MODAL_STATION
+from granular_contact.kernels.modal_load import World
+from granular_contact.kernels.pendulum import PENDULUM
+from granular_contact.kernels.runs import RUN
+from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.reduced.model import Bar, Model
+
+# The true sign is aimed, not computed from a bristle: see `kernels.modal_load`.
+AIMED = Elastoplastic(yield_displacement=1.0, damping_time=0.0)
+STILL = 1e-10  # what counts as no speed, of the speed of the scene
+STRETCH = 1.02  # a bent link may reach a little farther than a straight one
+
+
+def world(reduced: Model) -> World:
+    """Mass properties, and stations, runs and medium of all that can reach the surface."""
+    scene = reduced.scene
+    geometry, runs = [np.zeros(0, MODAL_STATION)], [np.zeros(0, RUN)]
+    for bar in reduced.bars:
+        if not _reaches(reduced, bar):
+            continue
+        places = bar.places(bar.strips + 1)
+        stations, run = np.zeros(len(places), MODAL_STATION), np.zeros(1, RUN)
+        stations["along"], stations["across"] = places.T
+        stations["phi"][:, : reduced.method.modes] = reduced.shapes(bar, places)
+        stations["pivot"] = reduced.view.pivot
+        run["surface"], run["diameter"] = scene.surface, bar.diameter
+        run["cap"], run["resultant"] = scene.load.end_cap and bar.free, scene.load.resultant
+        geometry.append(stations)
+        runs.append(run)
+    starts = np.cumsum([len(stations) for stations in geometry])
+    record = _pendulum(reduced)
+    record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
+    static = AIMED if reduced.method.static == "true_sign" else scene.load.static
+    medium = np.zeros(1, RECORD) if scene.medium is None else scene.medium.record(static, scene.gravity)
+    return World(record, np.concatenate(geometry), starts, np.concatenate(runs), medium, np.zeros((starts[-1], 2)))
+
+
+def _pendulum(reduced: Model) -> NDArray[np.void]:
+    """Inertia, static moments, stiffness and damping ."""
+    record = np.zeros(1, PENDULUM)
+    n = reduced.method.modes
+    root = reduced.scene.rigid[0]
+    center = reduced.view.of(root, np.zeros(2))
+    record["modes"], record["g"], record["still"] = n, reduced.scene.gravity, STILL * reduced.speed
+    record["J"] = root.inertia + root.mass * float(center @ center)
+    record["S_e"], record["S_n"] = root.mass * center
+    link = reduced.link
+    if link is None:
+        return record
+    a, b = reduced.bars[-1].start
+    middle = a + 0.5 * link.length
+    # The engine's beam has no rotary inertia of its section; its rigid bar has.
+    section = 0.0 if n else link.diameter**2 / 16.0
+    record["J"] += link.mass * (middle**2 + b**2 + link.length**2 / 12.0 + section)
+    record["S_e"] += link.mass * middle
+    record["S_n"] += link.mass * b
+    record["b"], record["m"] = b, 0.25 * link.mass
+    mean, first, bending = reduced.modes.mean(), reduced.modes.first_moment(), reduced.modes.bending()
+    record["p"][0, :n] = link.mass * mean
+    record["c"][0, :n] = link.mass * (a * mean + link.length * first)
+    record["k"][0, :n] = link.bending_stiffness * bending
+    record["d"][0, :n] = link.bending_damping * bending
+    return record
+
+
+def _reaches(reduced: Model, bar: Bar) -> bool:
+    """Whether a part can get below the surface, however the pendulum turns and its link bends."""
+    scene = reduced.scene
+    if scene.medium is None or scene.surface is None:
+        return False
+    reach = max(float(np.linalg.norm(bar.start)), float(np.linalg.norm(bar.end)))
+    return bool(reduced.view.pivot[1] - STRETCH * reach < scene.surface)

@@ -1,0 +1,135 @@
+"""Asking for the reduced model: config, command line, what is refused, what is not imported."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+from support_runs import ROOT, scenario_of, scene_of, simulate
+
+from granular_contact import cli, config
+from granular_contact.config.export import scenario_to_dict
+from granular_contact.errors import ConfigError, SceneError
+
+LINK = "{type: link, length_m: 0.2, diameter_m: 0.006, density_kg_m3: 7700, flexible: {bending_stiffness_N_m2: 15}}"
+HUB = "{type: rigid, density_kg_m3: 7700, shapes: [{type: disc, diameter_m: 0.02, thickness_m: 0.01}]}"
+PIVOT = "{type: hinge, parent: ground, child: a}"
+
+
+def mechanism(bodies: dict[str, str], joints: dict[str, str]) -> str:
+    lines = ["model:", "  name: m", "  bodies:", *(f"    {name}: {body}" for name, body in bodies.items())]
+    lines += ["  joints:", *(f"    {name}: {joint}" for name, joint in joints.items())]
+    return "\n".join([*lines, "initial: {impact_angle_deg: 20}", "method: reduced", ""])
+
+
+def weld(parent: str, child: str, kind: str = "weld", more: str = "") -> str:
+    return f"{{type: {kind}, parent: {parent}, child: {child}{more}}}"
+
+
+TIP, SIDE, TURNED = ", parent_point_m: [0.2, 0]", ", child_point_m: [0.2, 0]", ", angle_deg: 90"
+HINGED = {"p": PIVOT, "w": weld("a", "b")}
+REFUSED = {
+    "a chain": (
+        mechanism({"a": HUB, "b": LINK, "c": HUB}, {**HINGED, "h": weld("b", "c", "hinge", TIP)}),
+        "2 hinges",
+    ),
+    "a hinged link": (mechanism({"a": LINK}, {"p": PIVOT}), "the root of the flexible a"),
+    "two links": (
+        mechanism({"a": HUB, "b": LINK, "c": LINK}, {**HINGED, "v": weld("a", "c", "weld", TURNED)}),
+        "2 flexible links",
+    ),
+    "a load at the tip": (
+        mechanism({"a": HUB, "b": LINK, "c": HUB}, {**HINGED, "v": weld("b", "c", "weld", TIP)}),
+        "2 rigid bodies",
+    ),
+    "a link by its tip": (
+        mechanism({"a": HUB, "b": LINK}, {"p": PIVOT, "w": weld("a", "b", "weld", SIDE)}),
+        "the tip of the flexible b",
+    ),
+    "a cantilever": (mechanism({"b": LINK}, {"w": weld("ground", "b")}), "no hinges"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_mechanisms_without_a_reduction(name):
+    text, reason = REFUSED[name]
+    with pytest.raises(SceneError) as caught:
+        scene_of(text)
+    (fault,) = caught.value.faults
+    assert fault.key == "method"
+    assert reason in fault.message
+    assert "the reduced model is for one hinge on the ground" in fault.message
+    assert "\n" not in str(fault)
+
+
+def test_a_rigid_model_has_no_modes():
+    with pytest.raises(SceneError) as caught:
+        scene_of("pendulum_rigid", "method=reduced")
+    assert str(caught.value) == "method.reduced.modes: got 1, but the model has no flexible link: allowed is 0"
+    assert scene_of("pendulum_rigid", "method.reduced.modes=0").method.modes == 0
+
+
+def test_the_fault_gets_its_line(tmp_path, capsys):
+    path = tmp_path / "chain.yaml"
+    path.write_text(REFUSED["a chain"][0])
+    assert cli.main(["check", str(path)]) == 2
+    assert f"{path}:12: method: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("method.reduced.modes=-1", "got the number -1; allowed is a whole number from 0 to 20"),
+        ("method.reduced.modes=21", "from 0 to 20"),
+        ("method.reduced.rtol=0", "from 1e-13 to 0.01"),
+        ("method.reduced.integrator=euler", "one of dormand_prince, RK23"),
+        ("method.reduced.order=2", "unknown key"),
+        ("method=fem", "allowed are engine, reduced, and a mapping with the key reduced"),
+        ("method=[1]", "allowed is a mapping with the keys reduced"),
+        ("method.reduced.static=smooth", "load.friction has the type elastoplastic"),
+    ],
+)
+def test_faults_of_the_choice(setting, words):
+    with pytest.raises(ConfigError, match="method") as caught:
+        scenario_of("pendulum", setting)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("written", ["engine", "reduced", "{reduced: {modes: 3, static: elastoplastic}}"])
+def test_choice_survives_a_file(written):
+    scenario = scenario_of("pendulum", f"method={written}")
+    again = config.Scenario.model_validate(scenario_to_dict(scenario))
+    assert again == scenario
+    assert (scenario_to_dict(scenario)["method"] == "engine") == (written == "engine")
+
+
+def test_command_line(tmp_path, capsys):
+    pendulum, out = str(ROOT / "configs" / "pendulum.yaml"), ("--no-plots", "--out", str(tmp_path / "out"))
+    assert cli.main(["run", pendulum, "--method", "reduced", "--modes", "0", *out]) == 0
+    assert "35.235 deg" in capsys.readouterr().out
+    assert cli.main(["run", pendulum, "--modes", "99", *out]) == 2
+    assert "from 0 to 20" in capsys.readouterr().err
+    assert cli.main(["run", pendulum, "--method", "engine", "--modes", "1", *out]) == 2
+    assert "--modes 1: the engine has none" in capsys.readouterr().err
+
+
+def test_no_engine_is_loaded():
+    code = (
+        "import sys; from granular_contact import load, build\n"
+        "from granular_contact.run import run\n"
+        "s = load('configs/pendulum.yaml', ['method=reduced']).scenario; r = run(build(s), s)\n"
+        "assert r.status.code == 'rest'\n"
+        "print([m for m in ('exudyn', 'matplotlib', 'scipy.integrate') if m in sys.modules])"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]", done.stderr
+
+
+def test_a_solve_is_short():
+    results = simulate("pendulum", "method=reduced")
+    # The goal is 20 ms; three times that leaves room for a busy machine, and would still show a lost compiler.
+    assert results.summary["cost"]["solve_s"] < 60e-3
+    assert simulate("pendulum", "method.reduced.modes=0").summary["cost"]["solve_s"] < 15e-3

@@ -1,0 +1,166 @@
+"""The static resistance: true sign with its stops and turns, against the table, the bristle and other steppers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support_pendulum import reduce
+from support_runs import scene_of
+
+from granular_contact.kernels.modal_motion import decide, margins, rates
+from granular_contact.kernels.slip import hold, slip_bias, slip_rows, slip_velocity
+from granular_contact.reduced.marching import March
+from granular_contact.reduced.solve import Trajectory, solve
+from granular_contact.scene.types import Reduced
+
+# Impact angle (deg) and speed (rad/s), stopping time (s) and angle at stop (deg): physics.md, section 3.
+TABLE = [
+    (22, 1.75, 0.0352, 24.668),
+    (22, 3.38, 0.0275, 25.049),
+    (22, 4.66, 0.0243, 25.301),
+    (31, 3.31, 0.0325, 34.623),
+    (31, 6.24, 0.0255, 35.235),
+    (31, 8.41, 0.0228, 35.566),
+    (45, 2.66, 0.0459, 49.479),
+    (45, 6.47, 0.0327, 50.512),
+    (45, 9.06, 0.0290, 50.989),
+    (61.5, 2.70, 0.0703, 68.017),
+    (61.5, 6.54, 0.0513, 69.492),
+    (61.5, 9.17, 0.0459, 70.171),
+]
+
+
+def strike(
+    angle: float, speed: float, modes: int, static: str = "true_sign", rtol: float = 1e-7, *more: str
+) -> Trajectory:
+    settings = (f"initial.impact_angle_deg={angle}", f"initial.impact_speed_rad_s={speed}")
+    return solve(reduce(scene_of("pendulum", *settings, *more), modes, static, rtol))
+
+
+@pytest.mark.parametrize(("angle", "speed", "time", "at_stop"), TABLE)
+def test_rigid_pendulum_of_the_table(angle, speed, time, at_stop):
+    run, fine = strike(angle, speed, 0), strike(angle, speed, 0, rtol=1e-11)
+    # The table is rounded to 0.1 ms and 0.001 deg.
+    assert run.stop[0] == pytest.approx(time, abs=0.5e-4 + 1e-3 * time)
+    assert np.degrees(run.stop[1]) == pytest.approx(at_stop, abs=0.002)
+    assert run.stop[0] == pytest.approx(fine.stop[0], rel=1e-5)
+    assert run.status.code == "rest"
+    assert run.turns == 1  # it stops once, and the bound holds the weight
+
+
+@pytest.mark.parametrize("modes", [0, 1])
+@pytest.mark.parametrize(("angle", "speed"), [case[:2] for case in TABLE])
+def test_true_sign_and_bristle_stop_alike(angle, speed, modes):
+    true, bristle = (strike(angle, speed, modes, static) for static in ("true_sign", "elastoplastic"))
+    assert true.stop[0] == pytest.approx(bristle.stop[0], rel=5e-3 if modes else 1e-4)
+    assert np.degrees(true.stop[1]) == pytest.approx(np.degrees(bristle.stop[1]), abs=1e-4)
+
+
+def test_a_rigid_pendulum_at_rest_stays():
+    run = strike(31, 6.24, 0)
+    after = run.time > run.stop[0]
+    assert np.ptp(run.q[after, 0]) < 1e-14
+    # The medium carries the weight: its moment about the pivot, counter-clockwise, against gravity's.
+    weight = 0.08593 * np.cos(run.stop[1])
+    assert run.terms[-1, :, 2].sum() == pytest.approx(weight, rel=2e-4)
+    assert np.abs(run.terms[-1, 0]).max() == 0  # and there is no drag
+
+
+def test_the_medium_takes_energy_all_the_way():
+    for modes, static in ((0, "true_sign"), (1, "elastoplastic")):
+        run = strike(31, 6.24, modes, static)
+        stop = np.searchsorted(run.time, run.stop[0])
+        assert np.all(np.diff(run.work[:stop]) < 0)
+        assert run.work[-1] < -0.02
+
+
+@pytest.mark.parametrize("integrator", ["RK45", "DOP853", "LSODA", "Radau"])
+@pytest.mark.parametrize("static", ["true_sign", "elastoplastic"])
+def test_scipy_gives_the_same(integrator, static):
+    scene = scene_of("pendulum", "solver.end_time_s=0.03")
+    found = []
+    for name in ("dormand_prince", integrator):
+        from granular_contact.reduced.model import model
+
+        run = solve(model(scene, Reduced(1, static, 1e-8, name)))
+        found.append((run.stop[0], run.stop[1], np.abs(run.q[:, 1]).max()))
+    # A stop moves by what a step of 2e-4 s does to a bristle; the true sign by the tolerance.
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-5 if static == "true_sign" else 1e-4)
+
+
+# ---- one decision at a time ----
+
+
+def immersed(modes: int, *more: str) -> March:
+    march = March(reduce(scene_of("pendulum", *more), modes))
+    march.y[0] += np.radians(3)
+    return march
+
+
+def test_rows_and_bias_are_derivatives_of_the_slip_velocity():
+    march = immersed(3)
+    rng = np.random.default_rng(5)
+    q, v, a = march.y[:4].copy(), rng.standard_normal(4), rng.standard_normal(4)
+    q[1:] = 1e-3 * rng.standard_normal(3)
+    rows, bias = np.zeros((2, 4)), np.zeros(2)
+    slip_rows(q, march.world, rows)
+    slip_bias(q, v, march.world, bias)
+    speed = np.zeros(2)
+    slip_velocity(q, v, march.world, speed)
+    np.testing.assert_allclose(rows @ v, speed, atol=1e-14)
+    # d/dt along q + t v, v + t a; differences of 1e-5 s leave 1e-9.
+    ends = np.zeros((2, 2))
+    for end, t in zip(ends, (-1e-5, 1e-5), strict=True):
+        slip_velocity(q + t * v, v + t * a, march.world, end)
+    np.testing.assert_allclose(rows @ a + bias, (ends[1] - ends[0]) / 2e-5, atol=1e-7)
+
+
+def test_what_sticks_has_no_acceleration():
+    march = immersed(2)
+    march.y[3:6] = 1.0, -0.05, 0.01
+    for stuck in (0, 1):
+        s = np.array([-1.0, -1.0])
+        s[stuck] = 0.0
+        dy, sigma, totals = np.empty(8), np.zeros(2), np.zeros((3, 3))
+        h = np.zeros(3)
+        hold(march.y[:3], march.y[3:6], h, s, march.world, sigma)
+        assert np.isfinite(sigma[stuck])
+        rates(march.y, s, march.world, sigma, totals, dy)
+        rows, bias = np.zeros((2, 3)), np.zeros(2)
+        slip_rows(march.y[:3], march.world, rows)
+        slip_bias(march.y[:3], march.y[3:6], march.world, bias)
+        gained = rows @ dy[3:6] + bias
+        if abs(sigma[stuck]) < 1:
+            assert abs(gained[stuck]) < 1e-8 * abs(gained).max()
+
+
+@pytest.mark.parametrize(("eta_v", "sticks"), [(22, True), (0.2, False)])
+def test_a_stopped_pendulum_sticks_where_the_bound_holds_its_weight(eta_v, sticks):
+    """Three degrees deep the plunging bound is far above, or with eta_v = 0.2 and eta_h = 0 far below, the weight."""
+    march = immersed(0, f"medium.plunging.eta_v={eta_v}", *([] if sticks else ["medium.eta_h=0"]))
+    march.y[1] = 0.0
+    decide(march.y, march.regime, np.array([True]), march.world)
+    assert march.regime[0] == (0 if sticks else 1)
+    margin = np.empty(1)
+    margins(march.y, march.regime, march.world, margin)
+    assert margin[0] > 0
+
+
+def test_withdrawing_has_its_own_bound():
+    """Hanging upside down, gravity pulls out; held by a strong withdrawing bound, let go by a weak one."""
+    for eta, regime in ((50.0, 0.0), (0.01, -1.0)):
+        march = immersed(0, "gravity_m_s2=-9.81", "medium.eta_h=0", f"medium.withdrawing={{eta_v: {eta}, lambda: 1.1}}")
+        march.y[1] = 0.0
+        decide(march.y, march.regime, np.array([True]), march.world)
+        assert march.regime[0] == regime
+
+
+def test_one_component_stops_and_the_other_goes_on():
+    """With a mode the two components pass zero at different instants, and both are seen."""
+    run = strike(45, 2.66, 1)
+    assert run.turns >= 3
+    held = run.time > run.stop[0] + 0.005
+    # The middle of the immersed part is held; the vibration about it goes on, without loss.
+    assert np.ptp(run.v[held, 1]) > 1e-3
+    assert run.status.code == "rest"
+    assert "vibrates" in run.status.message

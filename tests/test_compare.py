@@ -1,0 +1,116 @@
+"""The comparison of models says what its numbers say, and refuses what it can't compare."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granular_contact.cli import main
+from granular_contact.compare import Comparison, compare, write
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.plots.histories import histories
+from granular_contact.plots.style import style
+
+ROOT = Path(__file__).parents[1]
+CONFIG = ROOT / "configs" / "pendulum.yaml"
+TO_STOP = ["solver.end_time_s=0.03", "solver.rest_time_s=null"]
+
+
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    return compare(CONFIG, (0, 1), (2, 8), overrides=TO_STOP, repeats=1)
+
+
+def test_one_mode_is_within_a_percent_of_the_beam_in_travel(comparison: Comparison) -> None:
+    rigid, one_mode, coarse, finest = comparison.rows
+    assert [row.model.name for row in comparison.rows] == ["rigid", "1 mode", "FE, 2 elements", "FE, 8 elements"]
+    assert abs(one_mode.travel) < 0.01
+    # The link bends by 0.19 mm of 264 mm, 0.04 deg of 4.25 deg travel: rigid is off by less than that, one mode by less
+    # than half of what rigid is.
+    assert 2 * abs(one_mode.travel) < abs(rigid.travel) < 0.01
+    assert rigid.deflection is None
+    # One clamped-free mode on a hinged root: its frequency is a tenth off, and so is the peak.
+    assert 0.02 < abs(one_mode.deflection) < 0.3
+    assert abs(coarse.deflection) < 0.01
+    assert finest.travel == finest.stopping_time == finest.angle_rms == finest.deflection_rms == 0.0
+
+
+def test_relative_numbers_follow_from_the_summaries(comparison: Comparison) -> None:
+    row, reference = comparison.rows[1], comparison.rows[-1].results.summary
+    mine = row.results.summary
+    assert row.stopping_time == pytest.approx(mine["stopping_time_s"] / reference["stopping_time_s"] - 1, rel=1e-12)
+    travel = (mine["angle_at_stop_deg"] - 31.0) / (reference["angle_at_stop_deg"] - 31.0) - 1
+    assert row.travel == pytest.approx(travel, rel=1e-9)
+
+
+def test_verdict_names_the_cheapest_within_the_tolerance(comparison: Comparison) -> None:
+    cheapest = min(comparison.rows[:-1], key=lambda row: row.seconds)
+    assert cheapest.within(0.01)
+    assert comparison.verdict.startswith(f"Cheapest within 1 % in stopping time and travel: {cheapest.model.name}, ")
+    assert "for the peak deflection: FE, 2 elements." in comparison.verdict
+    strict = Comparison(comparison.rows, 1e-9)
+    assert strict.verdict.startswith("No model is within 1e-07 % of FE, 8 elements")
+
+
+def test_table_holds_the_rows(comparison: Comparison, tmp_path: Path) -> None:
+    write(comparison, tmp_path / "out", figures=False)
+    with (tmp_path / "out" / "compare.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["model"] for row in rows] == [row.model.name for row in comparison.rows]
+    assert float(rows[1]["travel_relative"]) == comparison.rows[1].travel
+    assert rows[0]["max_deflection_m"] == ""
+    assert not (tmp_path / "out" / "figures").exists()
+
+
+def test_figure_lays_every_model_over_the_others(comparison: Comparison) -> None:
+    with style():
+        axes = histories([(row.model.name, row.results) for row in comparison.rows]).axes
+    assert [len(panel.lines) for panel in axes] == [4, 3, 3, 2]
+    for line in axes[1].lines:
+        assert np.isfinite(line.get_ydata()).all()
+
+
+@pytest.mark.parametrize(
+    ("modes", "elements", "message"),
+    [
+        ((21,), (4,), "--modes: got 21; allowed are whole numbers from 0 to 20"),
+        ((-1,), (4,), "--modes: got -1; allowed are whole numbers from 0 to 20"),
+        ((1,), (0,), "--elements: got 0; allowed are whole numbers from 1 to 1024"),
+        ((1,), (), "--elements: got none; at least one beam is the reference"),
+    ],
+)
+def test_counts_out_of_range_are_refused(modes, elements, message) -> None:
+    with pytest.raises(ConfigError) as refused:
+        compare(CONFIG, modes, elements)
+    assert [str(fault) for fault in refused.value.faults] == [message]
+
+
+def test_a_rigid_mechanism_has_nothing_to_compare() -> None:
+    with pytest.raises(ConfigError, match="no link is flexible"):
+        compare(ROOT / "configs" / "pendulum_rigid.yaml")
+
+
+CHAIN = """
+model:
+  from: compound_pendulum
+  bodies:
+    second: {type: link, length_m: 0.1, diameter_m: 0.006, density_kg_m3: 7700}
+  joints:
+    knee: {type: hinge, parent: link, child: second, parent_point_m: [0.23876, 0]}
+medium: play_sand
+initial: {impact_angle_deg: 31, impact_speed_rad_s: 1}
+"""
+
+
+def test_a_chain_has_no_modal_reduction(tmp_path: Path, capsys) -> None:
+    (tmp_path / "chain.yaml").write_text(CHAIN, encoding="utf-8")
+    with pytest.raises(SceneError):
+        compare(tmp_path / "chain.yaml")
+    assert main(["compare", str(tmp_path / "chain.yaml"), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert "method" in said[0]
+    assert not (tmp_path / "out").exists()
