@@ -1,7 +1,7 @@
 """Links striking and moving in sand: a plugin for the multibody engine Exudyn.
 
-Two doors. For runs from YAML: `load`, `build`, `run`, or the command line. For an Exudyn model of your own:
-`GranularBed` with a medium, for example `preset("play_sand")`.
+Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line. For an Exudyn
+model of your own: `GranularBed` with a medium, for example `preset("play_sand")`.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
     from granular_contact.media.static_friction import Elastoplastic, Smooth
     from granular_contact.multibody.bed import GranularBed
-    from granular_contact.run import run
+    from granular_contact.run import run as simulate
     from granular_contact.scene.build import build, preset
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
 _HOMES = {
-    "Elastoplastic": "granular_contact.media.static_friction",
-    "GranularBed": "granular_contact.multibody.bed",
-    "LeeMarghitu": "granular_contact.media.lee_marghitu",
-    "Smooth": "granular_contact.media.static_friction",
-    "VerticalResistance": "granular_contact.media.lee_marghitu",
-    "build": "granular_contact.scene.build",
-    "load": "granular_contact.config",
-    "preset": "granular_contact.scene.build",
-    "run": "granular_contact.run",
+    "Elastoplastic": ("granular_contact.media.static_friction", "Elastoplastic"),
+    "GranularBed": ("granular_contact.multibody.bed", "GranularBed"),
+    "LeeMarghitu": ("granular_contact.media.lee_marghitu", "LeeMarghitu"),
+    "Smooth": ("granular_contact.media.static_friction", "Smooth"),
+    "VerticalResistance": ("granular_contact.media.lee_marghitu", "VerticalResistance"),
+    "build": ("granular_contact.scene.build", "build"),
+    "load": ("granular_contact.config", "load"),
+    "preset": ("granular_contact.scene.build", "preset"),
+    "simulate": ("granular_contact.run", "run"),
 }
 
 __all__ = [
@@ -38,7 +38,7 @@ __all__ = [
     "build",
     "load",
     "preset",
-    "run",
+    "simulate",
 ]
 
 
@@ -47,4 +47,5 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(_HOMES[name]), name)
+    module, attribute = _HOMES[name]
+    return getattr(import_module(module), attribute)

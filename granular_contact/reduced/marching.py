@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_motion import decide, follow, rates
 from granular_contact.kernels.runs import release
@@ -147,9 +148,9 @@ class ScipyMarch(March):
         """Accept a step up to its end or that of a regime; whether it was the latter."""
         start, h = stepper.t_old, stepper.t - stepper.t_old
         path = np.ascontiguousarray(FIT @ stepper.dense_output()(start + NODES * h).T)
-        theta = kernels.regime_end(path, self.regime, self.world, self.stopped) if self.true_sign else 2.0
+        theta = events.regime_end(path, self.regime, self.world, self.stopped) if self.true_sign else 2.0
         if theta <= 1.0:
-            kernels.shorten(path, theta)
+            events.shorten(path, theta)
             h *= theta
         kernels.finish(start, h, path, self.regime, self.world, self.control[0], self.rows, self.counts, self.watch)
         self.y[:] = path.sum(axis=0) if theta <= 1.0 else stepper.y

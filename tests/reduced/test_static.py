@@ -147,12 +147,47 @@ def test_a_stopped_pendulum_sticks_where_the_bound_holds_its_weight(eta_v, stick
 
 
 def test_withdrawing_has_its_own_bound():
-    """Hanging upside down, gravity pulls out; held by a strong withdrawing bound, let go by a weak one."""
-    for eta, regime in ((50.0, 0.0), (0.01, -1.0)):
-        march = immersed(0, "gravity_m_s2=-9.81", "medium.eta_h=0", f"medium.withdrawing={{eta_v: {eta}, lambda: 1.1}}")
+    """Gravity upside down pulls out: a strong withdrawing bound holds it, a weak one does not. Else it is not asked."""
+    for gravity, eta, regime in ((-9.81, 50.0, 0.0), (-9.81, 0.01, -1.0), (9.81, 0.01, 0.0)):
+        withdrawing = f"medium.withdrawing={{eta_v: {eta}, lambda: 1.1}}"
+        march = immersed(0, f"gravity_m_s2={gravity}", "medium.eta_h=0", withdrawing)
         march.y[1] = 0.0
         decide(march.y, march.regime, np.array([True]), march.world)
         assert march.regime[0] == regime
+        if regime == 0:
+            # The multiplier belongs to the bound on its own side: nothing moves.
+            dy, sigma = np.empty(4), np.zeros(1)
+            rates(march.y, march.regime, march.world, sigma, np.zeros((3, 3)), dy)
+            assert 1e-3 < np.sign(gravity) * sigma[0] < 1
+            assert abs(dy[1]) < 1e-10 * 57  # rad/s2, of what gravity alone would give
+        else:
+            # Were it held, its bound would be passed.
+            margin = np.empty(1)
+            margins(march.y, np.zeros(1), march.world, margin)
+            assert margin[0] < 0
+
+
+def test_what_sticks_loses_its_last_speed():
+    march = immersed(2)
+    march.y[3:6] = 0.3, -0.5, 0.2
+    for _ in range(40):  # bring the middle near rest, with the link still vibrating
+        speed, rows = np.zeros(2), np.zeros((2, 3))
+        slip_velocity(march.y[:3], march.y[3:6], march.world, speed)
+        slip_rows(march.y[:3], march.world, rows)
+        march.y[3:6] -= np.linalg.pinv(rows) @ (speed - 1e-9)
+    decide(march.y, march.regime, np.array([True, True]), march.world)
+    stuck = march.regime == 0
+    assert np.any(stuck)
+    slip_velocity(march.y[:3], march.y[3:6], march.world, speed)
+    assert np.abs(speed[stuck]).max() < 1e-15
+
+
+def test_a_bristle_holds_what_it_stopped():
+    run = strike(31, 6.24, 0, "elastoplastic")
+    after = run.time > run.stop[0]
+    # It springs back by its yield displacement, 1e-5 m at 0.26 m: 2e-3 deg, and stands still then.
+    assert np.degrees(np.ptp(run.q[after, 0])) < 4e-3
+    assert run.terms[-1, :, 2].sum() == pytest.approx(0.08593 * np.cos(run.stop[1]), rel=1e-2)
 
 
 def test_one_component_stops_and_the_other_goes_on():
