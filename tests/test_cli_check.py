@@ -12,7 +12,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from granular_contact.cli import folder_problem, main
+from granular_contact.cli import main
+from granular_contact.cli.common import folder_problem
 from granular_contact.errors import SolveError
 from granular_contact.results import Column, Results, Status
 

@@ -7,12 +7,20 @@ import importlib
 import sys
 from pathlib import Path
 
-from granular_contact.cli import FAULTY_INPUT, complain
+from granular_contact.cli.common import FAULTY_INPUT, complain
+
+HELP = "run the studies of a checkout and say what holds"
 
 
-def run(chosen: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("--quick", action="store_true", help="fewer cases, same claims")
+    parser.add_argument("--record", action="store_true", help="keep what was found as the record")
+
+
+def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    places = [Path.cwd(), Path(__file__).parents[1]]
+    places = [Path.cwd(), Path(__file__).parents[2]]
     root = next((place for place in places if (place / "validation" / "run_all.py").is_file()), None)
     if root is None:
         complain(f"validate: there is no validation/run_all.py in {places[0]}; run it in a checkout of the project")

@@ -7,13 +7,48 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from granular_contact.cli import FAILED, FAULTY_INPUT, FINE, complain, folder_problem
-from granular_contact.compare import Comparison, Row, compare, write
+from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, add_output, add_set, complain, folder_problem
+
+if TYPE_CHECKING:
+    from granular_contact.compare import Comparison, Row
+
+HELP = "run a config by several models and say which is enough"
 
 
-def run(chosen: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    parser.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help="modal models (0,1,2,5)")
+    parser.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help="beams (4,8,16,32)")
+    parser.add_argument("--tolerance", metavar="X", type=_tolerance, default=0.01, help="what is enough (0.01)")
+    add_set(parser)
+    parser.add_argument("--no-plots", action="store_true", help="draw no figure")
+    add_output(parser, "results/NAME_OF_CONFIG_compare")
+
+
+def _counts(text: str) -> tuple[int, ...]:
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not all(part.lstrip("-").isdecimal() for part in parts):
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed are whole numbers with commas, as 0,1,5")
+    return tuple(int(part) for part in parts)
+
+
+def _tolerance(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a number between 0 and 1")
+    return value
+
+
+def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
+    from granular_contact.compare import compare, write
+
     folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.config).stem}_compare")
     problem = folder_problem(folder, "compare")
     if problem:

@@ -11,12 +11,14 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.cli import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, complain, folder_problem
+from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, add_output, complain, folder_problem
 from granular_contact.config import Sweep, load_sweep
 
 if TYPE_CHECKING:
     from granular_contact.sweep import Row
 
+HELP = "simulate many cases of a config on all cores, a row of a table each"
+MOST_WORKERS = 256
 MOST_SHOWN = 40  # rows; the rest is in the table
 # Summary key, heading, factor, format.
 _SHOWN = (
@@ -27,7 +29,21 @@ _SHOWN = (
 )
 
 
-def sweep(chosen: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases or vary")
+    parser.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
+    add_output(parser, "results/NAME_OF_FILE")
+
+
+def _worker_count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
+    return int(text)
+
+
+def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact import report, scene
     from granular_contact.sweep import run, table

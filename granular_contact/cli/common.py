@@ -1,0 +1,69 @@
+"""What several commands share: exit codes, complaints, reading a config, and whether a folder can take results."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granular_contact import config
+from granular_contact.errors import SceneError
+
+if TYPE_CHECKING:
+    from granular_contact.scene import Scene
+
+FINE, FAULTY_INPUT, FAILED, INTERRUPTED = 0, 2, 3, 130
+
+
+def complain(text: str) -> None:
+    """Say what is wrong."""
+    print(text, file=sys.stderr)
+
+
+def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Scene]:
+    """Scenario and scene of a config; a fault of the geometry gets the line that its key was written in."""
+    from granular_contact import scene
+
+    scenario, sources = config.load(path, overrides)
+    try:
+        return scenario, scene.build(scenario)
+    except SceneError as error:
+        raise SceneError(sources.place(error.faults)) from None
+
+
+def add_set(parser: argparse.ArgumentParser) -> None:
+    """Add the argument --set."""
+    words = "replace a value, as medium.eta_h=9; repeatable"
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
+
+
+def add_output(parser: argparse.ArgumentParser, default: str) -> None:
+    """Add --out, whose default is `default` in words, and --quiet."""
+    parser.add_argument("--out", metavar="DIR", help=f"folder of the results ({default})")
+    parser.add_argument("--quiet", action="store_true", help="print faults only")
+
+
+def folder_problem(folder: Path, kind: str = "run") -> str | None:
+    """Why `folder` can't take results of a kind (of `report.ENTRIES`), or None.
+
+    It is found by trying, before the run, and nothing is left behind.
+    """
+    from granular_contact import report
+
+    try:
+        report.check_target(folder, kind)
+        # The new folder is made beside the old one; where even the parent is missing, the nearest one there is decides.
+        nearest = folder.resolve().parent
+        while not nearest.exists():
+            nearest = nearest.parent
+        if not nearest.is_dir():
+            return f"--out {folder}: {nearest} is a file, so no folder can be made in it"
+        with tempfile.TemporaryDirectory(dir=nearest, prefix=f".{folder.resolve().name}."):
+            return None
+    except OSError as error:
+        # `check_target` raises sentences; the system raises numbers with a short reason.
+        reason = f"can't be written: {error.strerror}" if error.strerror else str(error)
+        return f"--out {folder}: {reason}"

@@ -1,0 +1,123 @@
+"""The command `run`: one config simulated, saved and summed up."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    INTERRUPTED,
+    add_output,
+    add_set,
+    complain,
+    folder_problem,
+    read,
+)
+from granular_contact.errors import ConfigError, Fault
+
+if TYPE_CHECKING:
+    from granular_contact.results import Results
+
+HELP = "simulate a config and save what came of it"
+_STATUS_CODES = {"failed": FAILED, "interrupted": INTERRUPTED}
+Progress = Callable[[float, float], None]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    add_set(parser)
+    words = "the engine, or the reduced model of a pendulum with its defaults"
+    parser.add_argument("--method", choices=("engine", "reduced"), help=words)
+    words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
+    parser.add_argument("--modes", metavar="N", help=words)
+    parser.add_argument("--no-plots", action="store_true", help="draw no figures")
+    add_output(parser, "results/NAME_OF_CONFIG")
+
+
+def _method(chosen: argparse.Namespace) -> Iterator[str]:
+    """--method and --modes as what --set takes; modes alone keep the other options of the config's method."""
+    if chosen.method == "engine" and chosen.modes is not None:
+        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", "the engine has none: needs --method reduced")])
+    if chosen.method is not None:
+        yield "method=engine" if chosen.method == "engine" else "method={reduced: {}}"
+    if chosen.modes is not None:
+        yield f"method.reduced.modes={chosen.modes}"
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    scenario, scene = read(chosen.config, [*_method(chosen), *chosen.set])
+    folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.config).stem)
+    problem = folder_problem(folder)
+    if problem:
+        complain(problem)
+        return FAULTY_INPUT
+
+    from granular_contact import report
+    from granular_contact.run import run
+
+    begin = time.perf_counter()
+    shown = sys.stderr.isatty() and not chosen.quiet
+    with _progress(shown, scenario.solver.end_time_s) as progress:
+        results = run(scene, scenario, progress=progress)
+    elapsed = time.perf_counter() - begin
+    try:
+        report.write(results, folder, figures=scenario.output.figures and not chosen.no_plots)
+    except OSError as error:
+        complain(f"the results can't be saved in {folder}: {error}")
+        return FAULTY_INPUT
+    if not chosen.quiet:
+        print("\n".join(_summary(results, elapsed, folder)))
+    elif results.status.code in _STATUS_CODES:
+        complain(f"{results.status.message}; saved in {folder}")
+    return _STATUS_CODES.get(results.status.code, FINE)
+
+
+@contextmanager
+def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
+    """Give a callable that draws simulated time, of `end_time` (s), on stderr, or None if nothing is to be shown."""
+    if not shown:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    text = TextColumn("{task.completed:.4f} of {task.total:g} s simulated, {task.fields[rate]}")
+    with Bar(BarColumn(), text, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=end_time, rate="starting")
+        begin = time.perf_counter()
+
+        def update(simulated: float, end: float) -> None:
+            rate = simulated / max(time.perf_counter() - begin, 1e-9)
+            bar.update(task, completed=simulated, total=end, rate=f"{rate:.3g} s per s")
+
+        yield update
+
+
+def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
+    """Lines that tell a person what came of a run; a quantity that the run has not is left out."""
+    found: dict[str, Any] = results.summary
+    yield f"{results.name}: {results.status.message}"
+    if (stop := found.get("stopping_time_s")) is not None:
+        yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"
+    if (angle := found.get("angle_at_stop_deg")) is not None:
+        yield f"  angle at stop   {angle:.3f} deg"
+    if (depth := found.get("max_depth_m")) is not None:
+        yield f"  largest depth   {1e3 * depth:.2f} mm"
+    if (deflection := found.get("max_deflection_m")) is not None:
+        yield f"  deflection      {1e3 * deflection:.4f} mm at most"
+    if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
+        yield f"  energy          {imbalance:.1e} of it unaccounted for"
+    yield f"  wall time       {elapsed:.2f} s"
+    yield f"  saved in        {folder}"
+    yield from (f"warning: {warning}" for warning in results.warnings)
