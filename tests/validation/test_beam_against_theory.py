@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from validation import beam_against_theory as study
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 
 import pytest
+
 from validation import paper_cases as study
 from validation.study import Claim, Outcome
 
