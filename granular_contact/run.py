@@ -84,7 +84,7 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         trajectory.status,
         trajectory.cost,
         *observer.columns(),
-        stop=lambda touch: _stop(observer, touch),
+        stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
         more={},
     )
@@ -116,7 +116,7 @@ def _rows(time: Vector, interval: float | None) -> Any:
     return np.unique([*np.searchsorted(time, due - 1e-12), len(time) - 1])
 
 
-def _stop(observer: Observer, touch: Touch) -> Stop | None:
+def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
     """First zero of the mean rate after the touch, with the pivot's angle there."""
     pivot = observer.scene.pivot
     if pivot is None:

@@ -69,7 +69,7 @@ def build(scenario: schema.Scenario) -> Scene:
         impact_speed=initial.impact_speed_rad_s,
         tip=_tip(ends, rigid),
         output_interval=scenario.output.interval_s,
-        method=_method(scenario.method),
+        method=_method(scenario),
     )
     if scene.method is not None:
         check_reducible(scene, scene.method.modes)
@@ -194,9 +194,14 @@ def preset(name: str) -> LeeMarghitu:
     return medium(load_medium(name))
 
 
-def _method(method: schema.Method) -> Reduced | None:
-    reduced = method.reduced
-    return None if reduced is None else Reduced(reduced.modes, reduced.static, reduced.rtol, reduced.integrator)
+def _method(scenario: schema.Scenario) -> Reduced | None:
+    reduced = scenario.method.reduced
+    if reduced is None:
+        return None
+    static = reduced.static
+    if static == "auto":
+        static = "true_sign" if reduced.modes == 0 else scenario.load.friction.type
+    return Reduced(reduced.modes, static, reduced.rtol, reduced.integrator)
 
 
 def _load(load: schema.Load) -> Load:

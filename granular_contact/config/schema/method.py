@@ -17,8 +17,9 @@ class Reduced(Strict):
 
     modes: Annotated[int, Field(ge=0, le=20)] = 1
     """0: the link is rigid; 1: the reduction of the source paper."""
-    static: Literal["true_sign", "elastoplastic", "smooth"] = "true_sign"
-    """Static resistance: the sign of the velocity with its reversals located, or what load.friction has."""
+    static: Literal["auto", "true_sign", "elastoplastic", "smooth"] = "auto"
+    """Static resistance: the sign of the velocity with its reversals located, or what load.friction has. auto: the
+    sign for a rigid link, load.friction for one that bends, which is the faster of the two at equal error."""
     rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-7
     """Error of a step, relative to the size and the speed of the mechanism."""
     integrator: Literal["dormand_prince", "RK23", "RK45", "DOP853", "LSODA", "Radau", "BDF"] = "dormand_prince"

@@ -101,12 +101,12 @@ class Scenario(Strict):
     @model_validator(mode="after")
     def _one_static_law(self) -> Scenario:
         reduced, has = self.method.reduced, self.load.friction.type
-        if reduced is not None and reduced.static not in ("true_sign", has):
+        if reduced is not None and reduced.static not in ("auto", "true_sign", has):
             raise refusal(
                 [
                     (
                         ("method", "reduced", "static"),
-                        f"got {reduced.static}, but load.friction has the type {has}: allowed are true_sign and {has}",
+                        f"got {reduced.static}, but load.friction has the type {has}: allowed are auto, true_sign and {has}",
                     )
                 ]
             )
