@@ -13,8 +13,9 @@ from multiprocessing.connection import wait as await_any
 from typing import Any
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# What a worker needs anyway; where workers are forked from a server, it is imported once for all of them.
-_PRELOADED = ["granular_contact.run", "granular_contact.sweep.worker"]
+# What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. Nothing of
+# ours: the server looks into the working folder first, and a checkout there is not the package that was installed.
+_PRELOADED = ["numpy", "exudyn", "numba", "pydantic", "yaml"]
 
 
 def cores() -> int:
