@@ -20,7 +20,7 @@ class Reduced(Strict):
     static: Literal["auto", "true_sign", "elastoplastic", "smooth"] = "auto"
     """Static resistance: the sign of the velocity with its reversals located, or what load.friction has. auto: the
     sign for a rigid link, load.friction for one that bends, which is the faster of the two at equal error."""
-    rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-7
+    rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-6
     """Error of a step, relative to the size and the speed of the mechanism."""
     integrator: Literal["dormand_prince", "RK23", "RK45", "DOP853", "LSODA", "Radau", "BDF"] = "dormand_prince"
     """The project's own, or one of scipy's."""
