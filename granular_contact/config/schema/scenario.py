@@ -106,7 +106,8 @@ class Scenario(Strict):
                 [
                     (
                         ("method", "reduced", "static"),
-                        f"got {reduced.static}, but load.friction is {has}: allowed are auto, true_sign and {has}",
+                        f"got {reduced.static}, but load.friction has the type {has}: allowed are auto, "
+                        f"true_sign and {has}",
                     )
                 ]
             )
