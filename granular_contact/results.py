@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -9,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 StatusCode = Literal["rest", "end_time", "failed", "interrupted"]
+# Told now and then how far a run is: simulated time and end time (s).
+Progress = Callable[[float, float], None]
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
-from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status
+from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.types import Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import Touch, find_touch, summarise
 
 if TYPE_CHECKING:
     from granular_contact.multibody.observe import Observer
-
-Progress = Callable[[float, float], None]
 
 
 def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> Results:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,11 +24,10 @@ from granular_contact.cli.common import (
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
-    from granular_contact.results import Results
+    from granular_contact.results import Progress, Results
 
 HELP = "simulate a config and save what came of it"
 _STATUS_CODES = {"failed": FAILED, "interrupted": INTERRUPTED}
-Progress = Callable[[float, float], None]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

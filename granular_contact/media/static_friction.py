@@ -17,7 +17,9 @@ class Elastoplastic:
 
     def fill(self, record: NDArray[np.void]) -> None:
         """Write the constants into a medium record (1,)."""
-        record["friction"] = 0
+        from granular_contact.kernels.friction import ELASTOPLASTIC
+
+        record["friction"] = ELASTOPLASTIC
         record["u_y"], record["tau"] = self.yield_displacement, self.damping_time
 
 
@@ -29,5 +31,7 @@ class Smooth:
 
     def fill(self, record: NDArray[np.void]) -> None:
         """Write the constants into a medium record (1,)."""
-        record["friction"] = 1
+        from granular_contact.kernels.friction import SMOOTH
+
+        record["friction"] = SMOOTH
         record["v_eps"] = self.reference_speed

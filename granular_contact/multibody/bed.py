@@ -145,7 +145,7 @@ class GranularBed:
             raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
         self._attached = True
         for run in self.runs:
-            run.overlay = self.mbs.AddObject(
+            self.mbs.AddObject(
                 items.ObjectGenericODE2(
                     nodeNumbers=[exu.NodeIndex(node) for node in run.nodes],
                     forceUserFunction=self._force_function(run),

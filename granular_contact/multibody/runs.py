@@ -31,7 +31,6 @@ class Run:
         self, nodes: list[int], size: int, geometry: NDArray[np.void], diameter: float, flags: dict[str, Any]
     ) -> None:
         self.nodes = nodes
-        self.overlay: Any = None
         self.geometry = geometry
         self.run = np.zeros(1, kernels.RUN)
         self.run["diameter"] = diameter

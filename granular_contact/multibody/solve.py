@@ -16,10 +16,8 @@ import numpy as np
 
 from granular_contact.multibody.build import System
 from granular_contact.multibody.history import LoadHistory
-from granular_contact.results import Cost, Status
+from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
-
-Progress = Callable[[float, float], None]
 
 
 @dataclass(frozen=True)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
-from granular_contact.results import Cost, Status
+from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Vector
 
-Progress = Callable[[float, float], None]
 OWN = "dormand_prince"
 CROWD = 50  # ends of regimes within a tenth of the scene's step that are taken for chattering
 CHATTERING = kernels.FAILED + 1
