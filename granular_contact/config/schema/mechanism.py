@@ -1,4 +1,4 @@
-"""Schema of a mechanism: bodies, and the joints that hang them on the ground. SI units, named in the keys."""
+"""Schema of the bodies of a mechanism. SI units, named in the keys."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import Listed, NotNegative, Point, Positive, Strict, Tagged, Text, refusal
-from granular_contact.config.schema.structure import structure_faults
+from granular_contact.config.schema.base import Listed, NotNegative, Point, Positive, Strict, Tagged, refusal
 
 
 class DiscShape(Strict):
@@ -84,48 +83,3 @@ class Link(Strict):
 
 BODIES: dict[str, type[Strict]] = {"rigid": Rigid, "link": Link}
 Body = Annotated[Rigid | Link, Tagged("type", BODIES)]
-
-
-class _Joint(Strict):
-    parent: str
-    """A body, or `ground`."""
-    child: str
-    """A body; each is the child of exactly one joint."""
-    parent_point_m: Point = (0.0, 0.0)
-    """Where the joint sits in the frame of the parent."""
-    child_point_m: Point = (0.0, 0.0)
-    """Where the joint sits in the frame of the child."""
-
-
-class Hinge(_Joint):
-    """The child turns freely about the normal of the plane."""
-
-    type: Literal["hinge"]
-
-
-class Weld(_Joint):
-    """The child is held at a fixed angle."""
-
-    type: Literal["weld"]
-    angle_deg: float = 0.0
-    """From the x axis of the parent to that of the child, counter-clockwise."""
-
-
-JOINTS: dict[str, type[Strict]] = {"hinge": Hinge, "weld": Weld}
-Joint = Annotated[Hinge | Weld, Tagged("type", JOINTS)]
-
-
-class Model(Strict):
-    """A mechanism in the plane, x horizontal and y up, before it is placed and set in motion."""
-
-    name: Text
-    description: Text = ""
-    bodies: Annotated[dict[str, Body], Field(min_length=1)]
-    joints: dict[str, Joint]
-
-    @model_validator(mode="after")
-    def _is_a_tree(self) -> Model:
-        faults = structure_faults(self.bodies, {name: (j.parent, j.child) for name, j in self.joints.items()})
-        if faults:
-            raise refusal(faults)
-        return self
