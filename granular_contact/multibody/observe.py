@@ -6,7 +6,7 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.multibody.build import RigidHandle, System
+from granular_contact.multibody.build import System
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
@@ -119,8 +119,14 @@ class Observer:
         return deflection
 
     def depth(self) -> Vector:
-        """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
-        heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
+        """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
+        heights = [
+            self.position(name, point)[0][:, 1] - shape.drop
+            for name, handle in self.system.rigid.items()
+            for shape in handle.body.shapes
+            if shape.in_sand
+            for point in shape.points
+        ]
         heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
         assert self.scene.surface is not None
         depth: Vector = self.scene.surface - np.min(heights, axis=0)
@@ -163,17 +169,10 @@ class Observer:
         """The mechanism as drawn at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            outlines += [
-                Outline(d.part, self.position(name, d.center)[0][[instant]], d.diameter) for d in handle.body.discs
-            ]
-            for c in handle.body.cylinders:
-                ends = np.stack([self.position(name, p)[0][instant] for p in (c.start, c.end)])
-                outlines.append(Outline(c.part, ends, c.diameter))
+            for shape in handle.body.shapes:
+                points = np.array([self.position(name, p)[0][instant] for p in shape.points])
+                outlines.append(Outline(shape.part, points, shape.thickness))
         for name, nodes in self._links.items():
             line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
-            outlines.append(Outline(name, line, self.system.links[name].link.diameter))
+            outlines.append(Outline(name, line, self.system.links[name].link.thickness))
         return tuple(outlines)
-
-
-def _ends(handle: RigidHandle) -> list[Vector]:
-    return [p for c in handle.body.cylinders for p in (c.start, c.end)]

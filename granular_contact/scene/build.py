@@ -10,10 +10,12 @@ import numpy as np
 
 from granular_contact.config import load_medium, schema
 from granular_contact.errors import Fault, SceneError
+from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.layout import GROUND, ZERO, Frame, Layout, lay_out, point
+from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.reducible import check_reducible
 from granular_contact.scene.types import (
     Connection,
@@ -38,7 +40,9 @@ def build(scenario: schema.Scenario) -> Scene:
     """
     initial, solver = scenario.initial, scenario.solver
     layout = lay_out(scenario.model, math.radians(initial.impact_angle_deg), initial.impact_speed_rad_s)
-    rigid = tuple(rigid_body(layout, group) for group in layout.groups if GROUND not in group)
+    rigid = tuple(
+        rigid_body(layout, group, scenario.load.strips_per_rigid_part) for group in layout.groups if GROUND not in group
+    )
     links = tuple(flexible_links(layout))
     ends = list(_ends(rigid, links))
     faults = [*_motion_faults(scenario, layout), *_joint_faults(layout)]
@@ -71,6 +75,8 @@ def build(scenario: schema.Scenario) -> Scene:
         output_interval=scenario.output.interval_s,
         method=_method(scenario),
     )
+    if faults := list(_unsuited(scene)):
+        raise SceneError(faults)
     if scene.method is not None:
         check_reducible(scene, scene.method.modes)
     return scene
@@ -108,18 +114,28 @@ def _joint_faults(layout: Layout) -> Iterator[Fault]:
 
 @dataclass(frozen=True)
 class _End:
-    """End of an immersible part: its body, place in that body's frame and initial world position, (2,) m each."""
+    """End or corner of an immersible part: its body, place in that body's frame and initial world position, (2,) m.
+
+    drop: how far the part reaches below it (m).
+    """
 
     body: str
     point: Vector
     world: Vector
+    drop: float = 0.0
+
+    @property
+    def lowest(self) -> float:
+        """Height (m) of the lowest point there."""
+        return float(self.world[1]) - self.drop
 
 
 def _ends(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> Iterator[_End]:
     for body in rigid:
-        for cylinder in body.cylinders:
-            for end in (cylinder.start, cylinder.end):
-                yield _End(body.name, end, place(body.motion, end))
+        for shape in body.shapes:
+            if shape.in_sand:
+                for corner in shape.points:
+                    yield _End(body.name, corner, place(body.motion, corner), shape.drop)
     for link in links:
         for x in (0.0, link.length):
             end = np.array([x, 0.0])
@@ -134,20 +150,40 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...]) -> tuple[str, Vector]:
     return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world) >= farthest * (1 - 1e-12))
 
 
+def _unsuited(scene: Scene) -> Iterator[Fault]:
+    """Shapes that can get into the sand and for which the law of the medium is not made."""
+    if scene.medium is None or scene.surface is None:
+        return
+    for body in scene.rigid:
+        for shape in body.shapes:
+            if shape.kind not in scene.medium.takes and dips(scene.surface, body, shape):
+                yield _unfit(shape.part, shape.kind, scene.medium)
+    for link in scene.links:
+        if link.kind not in scene.medium.takes and reaches(scene.surface, link, np.array([link.length, 0.0])):
+            yield _unfit(link.name, link.kind, scene.medium)
+
+
+def _unfit(part: str, kind: Kind, medium: Medium) -> Fault:
+    hint = "take another law, or in_sand: false for a shape that has no part in it"
+    return _fault(
+        f"model.bodies.{part}", f"can get into the sand, but {what_it_takes(medium)}, not {WORDS[kind]}: {hint}"
+    )
+
+
 def _surface(scenario: schema.Scenario, ends: list[_End]) -> float | None:
     """Height of the free surface (m): as given, or where the lowest end of the mechanism touches it."""
     if scenario.surface_height_m is not None or scenario.medium is None:
         return scenario.surface_height_m
-    return min(float(end.world[1]) for end in ends)
+    return min(end.lowest for end in ends)
 
 
 def _surface_faults(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
     if scenario.medium is None:
         return
     if not ends:
-        yield _fault("model.bodies", "no part is a cylinder or a link, so the medium has nothing to act on")
+        yield _fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
         return
-    lowest = min(float(end.world[1]) for end in ends)
+    lowest = min(end.lowest for end in ends)
     height = scenario.surface_height_m
     if height is not None and lowest < height - 1e-12:
         yield _fault(

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.media.kinds import Kind
 from granular_contact.media.lee_marghitu import LeeMarghitu
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 
@@ -21,23 +22,26 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """Straight round bar from start to end, (2,) m in its body's frame; diameter in m; `free` tells a free end face."""
+class Shape:
+    """A part of a body as the medium meets it and as it is drawn.
+
+    points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
+    point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
+    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
+    """
 
     part: str
-    start: Vector
-    end: Vector
-    diameter: float
+    kind: Kind
+    points: Vector
+    width: float
+    thickness: float
+    in_sand: bool = True
     free: bool = False
 
-
-@dataclass(frozen=True)
-class Disc:
-    """Round disc whose axis is normal to the plane; center (2,) m in its body's frame, diameter in m."""
-
-    part: str
-    center: Vector
-    diameter: float
+    @property
+    def drop(self) -> float:
+        """How far it reaches below its points (m), for the medium."""
+        return self.width / 2 if self.kind == "ball" else 0.0
 
 
 @dataclass(frozen=True)
@@ -69,19 +73,23 @@ class RigidBody:
     name: str
     mass: float
     inertia: float
-    cylinders: tuple[Cylinder, ...]
-    discs: tuple[Disc, ...]
+    shapes: tuple[Shape, ...]
     motion: Motion
     tether: Tether
 
 
 @dataclass(frozen=True)
 class FlexibleLink:
-    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s."""
+    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s.
+
+    kind, width and thickness as of a `Shape`.
+    """
 
     name: str
     length: float
-    diameter: float
+    kind: Kind
+    width: float
+    thickness: float
     mass_per_length: float
     bending_stiffness: float
     axial_stiffness: float

@@ -9,7 +9,7 @@ SCHEMA_FAULTS = [
     ("gravity_m_s2:", "gravity_ms2:", 28, "gravity_ms2", ["unknown key", "did you mean gravity_m_s2?"]),
     ("gravity_m_s2: 9.81", "zzz: 1", 28, "zzz", ["unknown key", "allowed are name, model, medium"]),
     ("  step_s:", "  stepp_s:", 38, "solver.stepp_s", ["did you mean step_s?"]),
-    ("      length_m: 0.2\n", "      length_m: 0.2\n      width_m: 1\n", 14, "model.bodies.arm.width_m", ["length_m"]),
+    ("      length_m: 0.2\n", "      length_m: 0.2\n      lenght_m: 1\n", 14, "model.bodies.arm.lenght_m", ["length_m"]),
     ("elements: 4", "element: 4", 18, "model.bodies.arm.flexible.element", ["did you mean elements?"]),
     ("thickness_m: 0.01", "thickness_m: 0.01, colour: red", 9, "model.bodies.hub.shapes.0.colour", ["center_m"]),
     ("eta_h: 8", "eta_h: 8\n  eta_q: 1", 27, "medium.eta_q", ["unknown key", "eta_"]),

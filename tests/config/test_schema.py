@@ -6,7 +6,8 @@ import pytest
 from granular_contact.config import json_schema, schema
 from granular_contact.config.schema.drives import DRIVES
 from granular_contact.config.schema.joints import CLOSURES, JOINTS
-from granular_contact.config.schema.mechanism import BODIES, SHAPES
+from granular_contact.config.schema.mechanism import BODIES
+from granular_contact.config.schema.shapes import SHAPES
 from granular_contact.config.schema.scenario import FRICTIONS
 from granular_contact.config.schema.signals import SIGNALS
 
@@ -18,7 +19,15 @@ def test_json_schema_takes_names_and_mappings():
 
 
 def test_every_class_is_closed_and_frozen():
-    classes = [schema.Scenario, schema.Model, schema.Solver, schema.Load, schema.Initial, schema.Output, schema.Flexible]
+    classes = [
+        schema.Scenario,
+        schema.Model,
+        schema.Solver,
+        schema.Load,
+        schema.Initial,
+        schema.Output,
+        schema.Flexible,
+    ]
     for choices in (BODIES, JOINTS, CLOSURES, DRIVES, SIGNALS, SHAPES, FRICTIONS, schema.LAWS):
         classes += choices.values()
     for one in classes:

@@ -1,6 +1,6 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
-`mechanism` holds the bodies, `joints`, `chain` and `model` what becomes of them, `drives` and `signals` what moves them,
+`mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them, `drives` and `signals` what moves them,
 `medium` the laws, `method` the choice of solver, `scenario` the run around them.
 """
 
@@ -27,12 +27,9 @@ from granular_contact.config.schema.joints import (
 )
 from granular_contact.config.schema.mechanism import (
     Body,
-    CylinderShape,
-    DiscShape,
     Flexible,
     Link,
     Rigid,
-    Shape,
 )
 from granular_contact.config.schema.medium import LAWS, LeeMarghitu, Medium, VerticalStatic
 from granular_contact.config.schema.method import Method, Reduced
@@ -45,6 +42,17 @@ from granular_contact.config.schema.scenario import (
     Scenario,
     Smooth,
     Solver,
+)
+from granular_contact.config.schema.shapes import (
+    ArcShape,
+    CylinderShape,
+    DiscShape,
+    FootShape,
+    PlateShape,
+    PolygonShape,
+    PolylineShape,
+    Shape,
+    SphereShape,
 )
 from granular_contact.config.schema.signals import (
     AnySignal,
@@ -59,8 +67,10 @@ from granular_contact.config.schema.signals import (
 )
 
 __all__ = [
+    "LAWS",
     "AnyDrive",
     "AnySignal",
+    "ArcShape",
     "Body",
     "Buehler",
     "Chain",
@@ -72,6 +82,7 @@ __all__ = [
     "Drive",
     "Elastoplastic",
     "Flexible",
+    "FootShape",
     "Force",
     "Free",
     "Friction",
@@ -81,7 +92,6 @@ __all__ = [
     "Initial",
     "Joint",
     "JointStart",
-    "LAWS",
     "LeeMarghitu",
     "Link",
     "Load",
@@ -90,6 +100,9 @@ __all__ = [
     "Model",
     "Motion",
     "Output",
+    "PlateShape",
+    "PolygonShape",
+    "PolylineShape",
     "Ramp",
     "Reduced",
     "Rigid",
@@ -103,6 +116,7 @@ __all__ = [
     "SliderControl",
     "Smooth",
     "Solver",
+    "SphereShape",
     "Table",
     "Torque",
     "VerticalStatic",
