@@ -6,8 +6,8 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.multibody.build import RigidHandle, System
 from granular_contact.multibody.solve import Trajectory
+from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
 

@@ -14,8 +14,8 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.multibody.build import System
 from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.system import System
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
 
@@ -42,9 +42,20 @@ def force_scale(scene: Scene) -> float:
 
     A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
     """
-    length = float(np.linalg.norm(scene.tip_position))
-    speed = scene.impact_speed * length
+    length, speed = _size(scene)
     return scene.mass * (max(abs(scene.gravity), 9.81) + speed**2 / max(length, 1e-3))
+
+
+def _size(scene: Scene) -> tuple[float, float]:
+    """Length (m) of the mechanism, and the greatest speed (m/s) in it at the start."""
+    name, point = scene.tip
+    motion, tip = scene.body(name).motion, scene.tip_position
+    arm = tip - motion.position
+    speeds = [float(np.linalg.norm(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))]
+    if scene.pivot is not None:
+        return float(np.linalg.norm(tip)), speeds[0]
+    lengths = [float(np.linalg.norm(body.motion.position - tip)) for body in scene.bodies]
+    return max(lengths), max(speeds + [float(np.linalg.norm(body.motion.velocity)) for body in scene.bodies])
 
 
 def settings(scene: Scene) -> Any:

@@ -46,7 +46,7 @@ def _bar(name: str, start: Vector, end: Vector, diameter: float, density: float)
 def rigid_body(layout: Layout, group: list[str]) -> RigidBody:
     """Merge a group of welded bodies about their common centre of mass."""
     frames = layout.frames
-    shapes = [(frames[n], shape, lump) for n in group for shape, lump in _shapes(n, layout.model.bodies[n])]
+    shapes = [(frames[n], shape, lump) for n in group for shape, lump in _shapes(n, layout.model.all_bodies[n])]
     mass = sum(lump.mass for _, _, lump in shapes)
     center: Vector = sum((lump.mass * frame.world(lump.center) for frame, _, lump in shapes), ZERO) / mass
     inertia = sum(
@@ -62,12 +62,12 @@ def rigid_body(layout: Layout, group: list[str]) -> RigidBody:
             cylinders.append(replace(shape, start=start, end=end, free=layout.is_free(shape.part, shape.end)))
     root = layout.tethers[group[0]]
     tether = Tether(own.local(frames[group[0]].world(root.point)), root.length)
-    return RigidBody("+".join(group), mass, inertia, tuple(cylinders), tuple(discs), layout.spin.motion(own), tether)
+    return RigidBody("+".join(group), mass, inertia, tuple(cylinders), tuple(discs), layout.motion(group[0], own), tether)
 
 
 def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
     """Links that bend, with stiffnesses of a round section of one modulus where they are not given."""
-    for name, spec in layout.model.bodies.items():
+    for name, spec in layout.model.all_bodies.items():
         if not isinstance(spec, schema.Link) or spec.flexible is None:
             continue
         flexible = spec.flexible
@@ -88,7 +88,7 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             bending_damping=flexible.bending_damping_N_m2_s,
             axial_damping=flexible.axial_damping_N_s,
             elements=flexible.elements,
-            motion=layout.spin.motion(layout.frames[name]),
+            motion=layout.motion(name, layout.frames[name]),
             tether=layout.tethers[name],
             free=layout.is_free(name, np.array([spec.length_m, 0.0])),
         )
