@@ -148,35 +148,21 @@ def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
 
 
 def _motion_functions(s: Hinge | Slider, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
-    signal, n = drive.signal, s.parent.size
+    signal, size = drive.signal, s.parent.size + s.child.size
 
-    def constraint(
-        mbs: Any,  # noqa: ARG001
-        t: float,
-        item: int,  # noqa: ARG001
-        q0: Numbers,
-        q1: Numbers,
-        v0: Numbers,
-        v1: Numbers,
-        by_velocity: bool,
-    ) -> Numbers:
-        value, rate, _ = s.at([*q0][:n] + [*q1], [*v0][:n] + [*v1])
+    def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
+        q, v = list(q), list(v)
+        # The coordinates of a ground node come first, and are not asked for.
+        value, rate, _ = s.at(q[len(q) - size :], v[len(v) - size :])
         t = max(t, 0.0)
         return [rate - signal.rate(t) if by_velocity else value - signal.value(t)]
 
-    def jacobian(
-        mbs: Any,  # noqa: ARG001
-        t: float,  # noqa: ARG001
-        item: int,  # noqa: ARG001
-        q0: Numbers,
-        q1: Numbers,
-        v0: Numbers,
-        v1: Numbers,
-        by_velocity: bool,  # noqa: ARG001
-    ) -> Any:
-        _, _, slope = s.at([*q0][:n] + [*q1], [*v0][:n] + [*v1])
+    def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
+        q, v = list(q), list(v)
+        ground = len(q) - size
+        _, _, slope = s.at(q[ground:], v[ground:])
         container = exu.MatrixContainer()
-        container.SetWithDenseMatrix(np.array([[0.0] * (len(q0) - n) + slope]), useDenseMatrix=True)
+        container.SetWithDenseMatrix(np.array([[0.0] * ground + slope]), useDenseMatrix=True)
         return container
 
     return constraint, jacobian

@@ -25,7 +25,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), constant for the bodies used here.
+    did, None without one; mass (m, m), constant for the bodies used here. reactions: torque (N m) or force (N) of
+    prescribed motions, (n,) each, by joint.
     """
 
     status: Status
@@ -35,6 +36,7 @@ class Trajectory:
     v: Vector
     load: LoadHistory | None
     mass: Vector
+    reactions: dict[str, Vector]
 
 
 def force_scale(scene: Scene) -> float:
@@ -92,6 +94,8 @@ class _Recorder:
         self.rows = 0
         self.states = np.empty((512, 1 + 2 * self.size))
         self.lever = _levers(system)
+        self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
+        self.reactions: list[Vector] = []
         self.resting_since: float | None = None
         self.at_rest = False
         self.interrupted = False
@@ -106,6 +110,10 @@ class _Recorder:
         row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
         row[1 + self.size :] = v
         self.rows += 1
+        if self.multipliers:
+            self.reactions.append(data.GetAECoordinates()[self.multipliers])
+        for load in self.system.loads.values():
+            load.accept(row[1 : 1 + self.size], v)
         if self.system.bed is not None:
             self.system.bed.accept()
         if self.progress is not None and self.rows % 64 == 0:
@@ -119,7 +127,7 @@ class _Recorder:
         self.interrupted = True
 
     def _rests(self, t: float, v: Vector) -> bool:
-        if self.solver.rest_time is None:
+        if self.solver.rest_time is None or self.system.scene.drives:
             return False
         if np.abs(self.lever * v).max() > self.solver.rest_speed:
             self.resting_since = None
@@ -204,6 +212,8 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         v=states[:, 1 + size :],
         load=None if system.bed is None else system.bed.accepted,
         mass=mass,
+        # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+        reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},
     )
 
 
