@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -10,38 +10,10 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
+from granular_contact.multibody.joints import add_joint
+from granular_contact.multibody.system import LinkHandle, RigidHandle, System
 from granular_contact.scene.reach import dips, reaches
-from granular_contact.scene.types import Connection, FlexibleLink, RigidBody, Scene, Shape, Vector, rotation
-
-
-@dataclass(frozen=True)
-class RigidHandle:
-    """Exudyn numbers of a rigid body, and its body."""
-
-    body: RigidBody
-    node: int
-    object: int
-
-
-@dataclass(frozen=True)
-class LinkHandle:
-    """Exudyn numbers of a flexible link's nodes and cable elements, and the link."""
-
-    link: FlexibleLink
-    nodes: tuple[int, ...]
-    elements: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class System:
-    """An assembled Exudyn system and where the scene's bodies are in it. `bed` is None where no load is needed."""
-
-    scene: Scene
-    container: Any
-    mbs: Any
-    rigid: dict[str, RigidHandle]
-    links: dict[str, LinkHandle]
-    bed: Any
+from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Shape, rotation
 
 
 def build(scene: Scene) -> System:
@@ -57,11 +29,13 @@ def build(scene: Scene) -> System:
         links={link.name: _add_link(mbs, link, scene.gravity) for link in scene.links},
         bed=None,
     )
-    for connection in scene.connections:
-        _add_joint(system, ground, connection)
-    bed = _add_bed(system)
+    for joint in scene.connections:
+        add_joint(system, ground, joint)
+    system = replace(system, bed=_add_bed(system))
     mbs.Assemble()
-    return System(scene, container, mbs, system.rigid, system.links, bed)
+    for load in system.loads.values():
+        load.start(mbs)
+    return system
 
 
 def _add_rigid(mbs: Any, body: RigidBody, gravity: float) -> RigidHandle:
@@ -116,44 +90,6 @@ def _add_weight(mbs: Any, obj: Any, gravity: float) -> None:
     if gravity != 0.0:
         marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=obj))
         mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
-
-
-def _add_joint(system: System, ground: Any, connection: Connection) -> None:
-    mbs = system.mbs
-    ends = (
-        _seat(system, ground, connection.parent, connection.parent_point),
-        _seat(system, ground, connection.child, connection.child_point),
-    )
-    if connection.kind == "hinge":
-        markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
-        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
-    else:
-        # Both bodies must see the weld along the same direction: the joint keeps the angle that they start with.
-        angles = (_angle(system, connection.child) - _angle(system, connection.parent), 0.0)
-        markers = [_rigid_marker(mbs, *end, angle) for end, angle in zip(ends, angles, strict=True)]
-        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1]))
-
-
-def _rigid_marker(mbs: Any, body: Any, point: list[float], angle: float) -> Any:
-    turn = np.eye(3)
-    turn[:2, :2] = rotation(angle)
-    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=turn, translation=point)))
-
-
-def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:
-    """Exudyn body and local position of a joint's end."""
-    if name is None:
-        return ground, [*point, 0.0]
-    if name in system.rigid:
-        return system.rigid[name].object, [*point, 0.0]
-    handle = system.links[name]
-    if point[0] > 0.5 * handle.link.length:
-        return handle.elements[-1], [handle.link.length / handle.link.elements, 0.0, 0.0]
-    return handle.elements[0], [0.0, 0.0, 0.0]
-
-
-def _angle(system: System, name: str | None) -> float:
-    return 0.0 if name is None else system.scene.body(name).motion.angle
 
 
 def _add_bed(system: System) -> Any:

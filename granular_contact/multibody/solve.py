@@ -14,8 +14,8 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.multibody.build import System
 from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.system import System
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
 
@@ -25,7 +25,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), constant for the bodies used here.
+    did, None without one; mass (m, m), constant for the bodies used here. reactions: torque (N m) or force (N) of
+    prescribed motions, (n,) each, by joint.
     """
 
     status: Status
@@ -35,6 +36,7 @@ class Trajectory:
     v: Vector
     load: LoadHistory | None
     mass: Vector
+    reactions: dict[str, Vector]
 
 
 def force_scale(scene: Scene) -> float:
@@ -42,9 +44,20 @@ def force_scale(scene: Scene) -> float:
 
     A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
     """
-    length = float(np.linalg.norm(scene.tip_position))
-    speed = scene.impact_speed * length
+    length, speed = _size(scene)
     return scene.mass * (max(abs(scene.gravity), 9.81) + speed**2 / max(length, 1e-3))
+
+
+def _size(scene: Scene) -> tuple[float, float]:
+    """Length (m) of the mechanism, and the greatest speed (m/s) in it at the start."""
+    name, point = scene.tip
+    motion, tip = scene.body(name).motion, scene.tip_position
+    arm = tip - motion.position
+    speeds = [float(np.linalg.norm(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))]
+    if scene.pivot is not None:
+        return float(np.linalg.norm(tip)), speeds[0]
+    lengths = [float(np.linalg.norm(body.motion.position - tip)) for body in scene.bodies]
+    return max(lengths), max(speeds + [float(np.linalg.norm(body.motion.velocity)) for body in scene.bodies])
 
 
 def settings(scene: Scene) -> Any:
@@ -81,6 +94,8 @@ class _Recorder:
         self.rows = 0
         self.states = np.empty((512, 1 + 2 * self.size))
         self.lever = _levers(system)
+        self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
+        self.reactions: list[Vector] = []
         self.resting_since: float | None = None
         self.at_rest = False
         self.interrupted = False
@@ -95,6 +110,10 @@ class _Recorder:
         row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
         row[1 + self.size :] = v
         self.rows += 1
+        if self.multipliers:
+            self.reactions.append(data.GetAECoordinates()[self.multipliers])
+        for load in self.system.loads.values():
+            load.accept(row[1 : 1 + self.size], v)
         if self.system.bed is not None:
             self.system.bed.accept()
         if self.progress is not None and self.rows % 64 == 0:
@@ -108,7 +127,7 @@ class _Recorder:
         self.interrupted = True
 
     def _rests(self, t: float, v: Vector) -> bool:
-        if self.solver.rest_time is None:
+        if self.solver.rest_time is None or self.system.scene.drives:
             return False
         if np.abs(self.lever * v).max() > self.solver.rest_speed:
             self.resting_since = None
@@ -192,6 +211,8 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         v=states[:, 1 + size :],
         load=None if system.bed is None else system.bed.accepted,
         mass=mass,
+        # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+        reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},
     )
 
 

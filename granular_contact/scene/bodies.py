@@ -52,7 +52,7 @@ def merged(masses: Iterable[_Mass]) -> _Mass:
 
 def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
     """Merge a group of welded bodies about their common centre of mass; strips: chords of curves, at the least."""
-    frames, bodies = layout.frames, layout.model.bodies
+    frames, bodies = layout.frames, layout.model.all_bodies
     parts = {name: _parts(name, bodies[name], strips) for name in group}
     masses = {name: _mass(bodies[name], [lump for _, lump in parts[name]]) for name in group}
     whole = merged(replace(one, center=frames[name].world(one.center)) for name, one in masses.items())
@@ -64,12 +64,12 @@ def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
             shapes.append(replace(shape, points=points, free=layout.is_free(name, shape.points[-1])))
     root = layout.tethers[group[0]]
     tether = Tether(own.local(frames[group[0]].world(root.point)), root.length)
-    return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.spin.motion(own), tether)
+    return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), tether)
 
 
 def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
     """Links that bend, with stiffnesses of a section of one modulus where they are not given."""
-    for name, spec in layout.model.bodies.items():
+    for name, spec in layout.model.all_bodies.items():
         if not isinstance(spec, schema.Link) or spec.flexible is None:
             continue
         flexible = spec.flexible
@@ -92,7 +92,7 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             bending_damping=flexible.bending_damping_N_m2_s,
             axial_damping=flexible.axial_damping_N_s,
             elements=flexible.elements,
-            motion=layout.spin.motion(layout.frames[name]),
+            motion=layout.motion(name, layout.frames[name]),
             tether=layout.tethers[name],
             free=layout.is_free(name, np.array([spec.length_m, 0.0])),
         )
