@@ -137,11 +137,11 @@ def dragged(p: Array, anchor: Array, record: NDArray[np.void]) -> Array:
 
 
 def element(beta: float, gamma: float, depth: float = 1.0, speed: float = 1.0, side: int = 0) -> Strip:
-    """Square metre of a thin plate at beta (deg) that moves at gamma (deg) below the horizontal, to the right."""
+    """Square metre of a plate at beta (deg), its middle at a depth, that moves at gamma (deg) below the horizontal."""
     b, g = np.radians([beta, gamma])
     t, v = np.array([np.cos(b), np.sin(b)]), speed * np.array([np.cos(g), -np.sin(g)])
-    P = np.array([-0.5 * t, 0.5 * t]) * 1e-6 - [0.0, depth]
-    return Strip(P, np.array([v, v]), np.zeros(2), 1e6, side)
+    P = np.array([-0.5 * t, 0.5 * t]) - [0.0, depth]
+    return Strip(P, np.array([v, v]), np.zeros(2), 1.0, side)
 
 
 def published_rft(c: Coefficients, beta: float, gamma: float) -> tuple[float, float]:
