@@ -16,8 +16,18 @@ from granular_contact.config.schema.mechanism import (
     Shape,
     Weld,
 )
-from granular_contact.config.schema.medium import LAWS, LeeMarghitu, Medium, VerticalStatic
+from granular_contact.config.schema.ball_laws import (
+    Allen,
+    Bingham,
+    KatsuragiDurian,
+    LinearDepth,
+    Poncelet,
+    TsimringVolfson,
+)
+from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
+from granular_contact.config.schema.medium import LAWS, AnyLaw, Medium
 from granular_contact.config.schema.method import Method, Reduced
+from granular_contact.config.schema.provenance import Range
 from granular_contact.config.schema.scenario import (
     Elastoplastic,
     Friction,
@@ -28,31 +38,46 @@ from granular_contact.config.schema.scenario import (
     Smooth,
     Solver,
 )
+from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d, RftCoefficients
 
 __all__ = [
     "LAWS",
+    "Albert",
+    "Allen",
+    "AnyLaw",
+    "Bingham",
     "Body",
     "CylinderShape",
     "DiscShape",
+    "Drft",
     "Elastoplastic",
     "Flexible",
     "Friction",
+    "Hill",
     "Hinge",
     "Impact",
     "Joint",
+    "KatsuragiDurian",
     "LeeMarghitu",
+    "LinearDepth",
     "Link",
     "Load",
     "Medium",
     "Method",
     "Model",
     "Output",
+    "Poncelet",
+    "Range",
     "Reduced",
+    "Rft",
+    "Rft3d",
+    "RftCoefficients",
     "Rigid",
     "Scenario",
     "Shape",
     "Smooth",
     "Solver",
+    "TsimringVolfson",
     "VerticalStatic",
     "Weld",
 ]
