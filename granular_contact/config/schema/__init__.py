@@ -1,9 +1,18 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
-`mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them, `drives` and `signals` what moves them,
-`medium` the laws, `method` the choice of solver, `scenario` the run around them.
+`mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them,
+`drives` and `signals` what moves them, `medium` the laws, `method` the choice of solver, `scenario` the run around them.
 """
 
+from granular_contact.config.schema.ball_laws import (
+    Allen,
+    Bingham,
+    KatsuragiDurian,
+    LinearDepth,
+    Poncelet,
+    TsimringVolfson,
+)
+from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
 from granular_contact.config.schema.chain import Chain
 from granular_contact.config.schema.drives import (
     AnyDrive,
@@ -31,9 +40,10 @@ from granular_contact.config.schema.mechanism import (
     Link,
     Rigid,
 )
-from granular_contact.config.schema.medium import LAWS, LeeMarghitu, Medium, VerticalStatic
+from granular_contact.config.schema.medium import LAWS, AnyLaw, Medium
 from granular_contact.config.schema.method import Method, Reduced
 from granular_contact.config.schema.model import Model
+from granular_contact.config.schema.provenance import Range
 from granular_contact.config.schema.scenario import (
     Elastoplastic,
     Friction,
@@ -65,12 +75,17 @@ from granular_contact.config.schema.signals import (
     Sine,
     Table,
 )
+from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d, RftCoefficients
 
 __all__ = [
     "LAWS",
+    "Albert",
+    "Allen",
     "AnyDrive",
+    "AnyLaw",
     "AnySignal",
     "ArcShape",
+    "Bingham",
     "Body",
     "Buehler",
     "Chain",
@@ -79,6 +94,7 @@ __all__ = [
     "Csv",
     "CylinderShape",
     "DiscShape",
+    "Drft",
     "Drive",
     "Elastoplastic",
     "Flexible",
@@ -86,13 +102,16 @@ __all__ = [
     "Force",
     "Free",
     "Friction",
+    "Hill",
     "Hinge",
     "HingeClosure",
     "HingeControl",
     "Initial",
     "Joint",
     "JointStart",
+    "KatsuragiDurian",
     "LeeMarghitu",
+    "LinearDepth",
     "Link",
     "Load",
     "Medium",
@@ -103,8 +122,13 @@ __all__ = [
     "PlateShape",
     "PolygonShape",
     "PolylineShape",
+    "Poncelet",
     "Ramp",
+    "Range",
     "Reduced",
+    "Rft",
+    "Rft3d",
+    "RftCoefficients",
     "Rigid",
     "Scenario",
     "Shape",
@@ -119,6 +143,7 @@ __all__ = [
     "SphereShape",
     "Table",
     "Torque",
+    "TsimringVolfson",
     "VerticalStatic",
     "Weld",
 ]
