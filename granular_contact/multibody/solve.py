@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
@@ -53,11 +54,11 @@ def _size(scene: Scene) -> tuple[float, float]:
     name, point = scene.tip
     motion, tip = scene.body(name).motion, scene.tip_position
     arm = tip - motion.position
-    speeds = [float(np.linalg.norm(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))]
+    speeds = [math.hypot(*(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))]
     if scene.pivot is not None:
-        return float(np.linalg.norm(tip)), speeds[0]
-    lengths = [float(np.linalg.norm(body.motion.position - tip)) for body in scene.bodies]
-    return max(lengths), max(speeds + [float(np.linalg.norm(body.motion.velocity)) for body in scene.bodies])
+        return math.hypot(*tip), speeds[0]
+    lengths = [math.hypot(*(body.motion.position - tip)) for body in scene.bodies]
+    return max(lengths), max(speeds + [math.hypot(*body.motion.velocity) for body in scene.bodies])
 
 
 def settings(scene: Scene) -> Any:
