@@ -11,6 +11,7 @@ import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.multibody.joints import add_joint
+from granular_contact.multibody.settle import add_dampers
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector, rotation
 
@@ -33,6 +34,8 @@ def build(scene: Scene) -> System:
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
+    if scene.settle:
+        add_dampers(system)
     system = replace(system, bed=_add_bed(system))
     mbs.Assemble()
     for load in system.loads.values():
@@ -124,7 +127,11 @@ def _add_bed(system: System) -> Any:
     for link, elements in runs:
         if elements:
             bed.add_cables(
-                elements, link.link.diameter, strips_per_element=load.strips_per_element, free_end=link.link.free
+                elements,
+                link.link.diameter,
+                strips_per_element=load.strips_per_element,
+                free_end=link.link.free,
+                name=link.link.name,
             )
     bed.attach()
     return bed
