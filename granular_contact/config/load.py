@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
+from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, got
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.scalars import resolve
@@ -107,7 +108,7 @@ class Template:
         found = list(faults)
         node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
-        node = _named(node, self._path)
+        node = with_columns(_named(node, self._path), self._path.parent, found)
         scenario = None
         try:
             scenario = Scenario.model_validate(tree.plain(node))

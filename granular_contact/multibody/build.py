@@ -11,6 +11,7 @@ import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.multibody.joints import add_joint
+from granular_contact.multibody.settle import add_dampers
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Shape, rotation
@@ -31,6 +32,8 @@ def build(scene: Scene) -> System:
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
+    if scene.settle:
+        add_dampers(system)
     system = replace(system, bed=_add_bed(system))
     mbs.Assemble()
     for load in system.loads.values():

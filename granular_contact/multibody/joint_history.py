@@ -21,8 +21,8 @@ class JointHistory:
     friction: Vector
 
 
-def joint_history(law: JointLaw, time: Vector, s: Vector, rate: Vector) -> JointHistory:
-    """History of a joint with coordinate s (n,) rad or m and its rate (n,)."""
+def joint_history(law: JointLaw, anchor: float, time: Vector, s: Vector, rate: Vector) -> JointHistory:
+    """History of a joint with coordinate s (n,) rad or m and its rate (n,), its bristle held at the anchor at first."""
     stored = 0.5 * law.stiffness * (s - law.rest) ** 2 if law.stiffness > 0.0 else np.zeros_like(s)
     power = -law.damping * rate**2
     if law.has_stops:
@@ -30,14 +30,14 @@ def joint_history(law: JointLaw, time: Vector, s: Vector, rate: Vector) -> Joint
         stored = stored + 0.5 * law.stop_stiffness * depth**2
         forces = [stop(law, *state) for state in zip(s.tolist(), rate.tolist(), strict=True)]
         power = power + rate * np.array([whole.value - elastic for elastic, whole in forces])
-    return JointHistory(stored, accumulate(time, power), accumulate(time, _friction(law, s, rate) * rate))
+    return JointHistory(stored, accumulate(time, power), accumulate(time, _friction(law, anchor, s, rate) * rate))
 
 
-def _friction(law: JointLaw, s: Vector, rate: Vector) -> Vector:
+def _friction(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Vector:
     """Dry friction (n,), with its anchor led along as in the run."""
     if law.friction == 0.0:
         return np.zeros_like(s)
-    forces, anchor = [], float(s[0])
+    forces = []
     for place, speed in zip(s.tolist(), rate.tolist(), strict=True):
         forces.append(friction(law, place, speed, anchor).value)
         anchor = follow(law, place, anchor)

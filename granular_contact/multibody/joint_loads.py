@@ -55,15 +55,14 @@ def follow(law: JointLaw, s: float, anchor: float) -> float:
 
 
 def drive_force(drive: Drive, t: float, s: float, rate: float) -> Force:
-    """Torque or force of a drive; before t = 0 its clock stands."""
-    t = max(t, 0.0)
+    """Torque or force of a drive; before t = 0 its clock stands, and it wants no speed."""
+    wanted = drive.signal.value(max(t, 0.0))
     if drive.kind == "load":
-        return Force(drive.signal.value(t))
-    wanted, wanted_rate = drive.signal.value(t), drive.signal.rate(t)
+        return Force(wanted)
     if drive.of_rate:
-        error, rate_error = 0.0, wanted - rate
+        error, rate_error = 0.0, (wanted if t >= 0.0 else 0.0) - rate
     else:
-        error, rate_error = wanted - s, wanted_rate - rate
+        error, rate_error = wanted - s, (drive.signal.rate(t) if t >= 0.0 else 0.0) - rate
     force = drive.gain * error + drive.rate_gain * rate_error
     if abs(force) >= drive.limit:
         return Force(math.copysign(drive.limit, force))
@@ -75,7 +74,7 @@ class JointLoad:
 
     def __init__(self, coordinate: Hinge | Slider, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
         self.coordinate, self.nodes, self.law, self.drive = coordinate, nodes, law, drive
-        self.anchor = coordinate.joint.start
+        self.anchor = self.first_anchor = coordinate.joint.start
         self._size = coordinate.parent.size + coordinate.child.size
 
     def add(self, mbs: Any) -> None:

@@ -154,8 +154,9 @@ def _motion_functions(s: Hinge | Slider, drive: Drive) -> tuple[Callable[..., Nu
         q, v = list(q), list(v)
         # The coordinates of a ground node come first, and are not asked for.
         value, rate, _ = s.at(q[len(q) - size :], v[len(v) - size :])
-        t = max(t, 0.0)
-        return [rate - signal.rate(t) if by_velocity else value - signal.value(t)]
+        if by_velocity:
+            return [rate - (signal.rate(t) if t >= 0.0 else 0.0)]
+        return [value - signal.value(max(t, 0.0))]
 
     def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
         q, v = list(q), list(v)

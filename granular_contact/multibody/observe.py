@@ -36,7 +36,8 @@ class Observer:
         if self.scene.body_columns:
             for name in (*self._rigid, *self._links):
                 everything |= self._body(name)
-        return series.tabulate(everything | self._shape() | self._load() | self._energies())
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+            return series.tabulate(everything | self._shape() | self._load() | self._energies())
 
     # ---- motion ----
 
@@ -240,7 +241,10 @@ class Observer:
     def _joint_energies(self) -> dict[str, Vector]:
         """What joints store, and the work done in them; only of what the mechanism has."""
         laws, t = [(joint, joint.law) for joint in self.scene.connections if not joint.law.is_idle], self.trajectory
-        done = [joint_history(law, t.time, *self.coordinate(joint)) for joint, law in laws]
+        held = {name: load.first_anchor for name, load in self.system.loads.items()}
+        done = [
+            joint_history(law, held.get(joint.name, 0.0), t.time, *self.coordinate(joint)) for joint, law in laws
+        ]
         energies = {}
         if any(law.stiffness > 0.0 or law.has_stops for _, law in laws):
             energies["spring_J"] = np.sum([one.stored for one in done], axis=0)

@@ -15,6 +15,7 @@ import exudyn as exu
 import numpy as np
 
 from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.settle import settle
 from granular_contact.multibody.system import System
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
@@ -44,20 +45,7 @@ def force_scale(scene: Scene) -> float:
 
     A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
     """
-    length, speed = _size(scene)
-    return scene.mass * (max(abs(scene.gravity), 9.81) + speed**2 / max(length, 1e-3))
-
-
-def _size(scene: Scene) -> tuple[float, float]:
-    """Length (m) of the mechanism, and the greatest speed (m/s) in it at the start."""
-    name, point = scene.tip
-    motion, tip = scene.body(name).motion, scene.tip_position
-    arm = tip - motion.position
-    speeds = [float(np.linalg.norm(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))]
-    if scene.pivot is not None:
-        return float(np.linalg.norm(tip)), speeds[0]
-    lengths = [float(np.linalg.norm(body.motion.position - tip)) for body in scene.bodies]
-    return max(lengths), max(speeds + [float(np.linalg.norm(body.motion.velocity)) for body in scene.bodies])
+    return scene.mass * (max(abs(scene.gravity), 9.81) + scene.speed**2 / max(scene.length, 1e-3))
 
 
 def settings(scene: Scene) -> Any:
@@ -184,10 +172,12 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
     if simulation is None:
         simulation = settings(scene)
     recorder = _Recorder(system, progress)
-    mbs.SetPostStepUserFunction(recorder)
     solver = exu.MainSolverImplicitSecondOrder()
     problem, success = "", False
     with _on_interrupt(recorder.interrupt), _silent():
+        if scene.settle:
+            settle(system, simulation, recorder.lever)
+        mbs.SetPostStepUserFunction(recorder)
         mass = mbs.ComputeLinearizedSystem(simulation)[0]
         began = time.perf_counter()
         try:
@@ -195,8 +185,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         except (exu.ExudynError, RuntimeError) as error:
             problem = str(error).strip().splitlines()[0]
         seconds = time.perf_counter() - began
-    states = recorder.states[: recorder.rows]
-    size = recorder.size
+    states, count = recorder.states[: recorder.rows], recorder.size
     return Trajectory(
         status=_status(scene, recorder, success, problem, solver),
         cost=Cost(
@@ -207,9 +196,9 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
             load_calls=0 if system.bed is None else system.bed.load_calls,
         ),
         time=states[:, 0],
-        q=states[:, 1 : 1 + size] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
-        v=states[:, 1 + size :],
-        load=None if system.bed is None else system.bed.accepted,
+        q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
+        v=states[:, 1 + count :],
+        load=None if system.bed is None else system.bed.accepted.since(0.0),
         mass=mass,
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
         reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},

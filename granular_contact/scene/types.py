@@ -269,6 +269,24 @@ class Scene:
         return place(self.body(name).motion, point)
 
     @property
+    def length(self) -> float:
+        """Size (m) of the mechanism at the start: from the origin to the tip, or from the tip to the farthest body."""
+        tip = self.tip_position
+        if self.pivot is not None:
+            return math.hypot(*tip)
+        return max(math.hypot(*(body.motion.position - tip)) for body in self.bodies)
+
+    @property
+    def speed(self) -> float:
+        """Greatest speed (m/s) at the start: of the tip, and of bodies that slide or fly."""
+        motion = self.body(self.tip[0]).motion
+        arm = self.tip_position - motion.position
+        of_tip = math.hypot(*(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))
+        if self.pivot is not None:
+            return of_tip
+        return max(of_tip, *(math.hypot(*body.motion.velocity) for body in self.bodies))
+
+    @property
     def pivot(self) -> Connection | None:
         """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""
         on_ground = [c for c in self.connections if c.parent is None]
