@@ -55,8 +55,15 @@ def forces(names: tuple[str, ...], terms: Vector, pivot: Vector) -> Series:
     return series
 
 
-def energies(kinetic: Vector, gravity: Vector, elastic: Vector | None, work: Vector, damping: Vector) -> Series:
-    """Energies, and work done by the medium and by internal damping so far, (n,) J each."""
+def energies(
+    kinetic: Vector,
+    gravity: Vector,
+    elastic: Vector | None,
+    work: Vector,
+    damping: Vector,
+    floor: Vector | None = None,
+) -> Series:
+    """Energies, and work done by the medium, by internal damping and by a floor so far, (n,) J each."""
     total = kinetic + gravity
     series: Series = {
         "kinetic_J": ("kinetic energy", kinetic),
@@ -67,8 +74,11 @@ def energies(kinetic: Vector, gravity: Vector, elastic: Vector | None, work: Vec
         total = total + elastic
     series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
     series["damping_work_J"] = ("work of the links' internal damping so far", damping)
+    if floor is not None:
+        series["floor_work_J"] = ("work of the floor's contact on the mechanism so far", floor)
+        total = total - floor
     series["energy_imbalance_J"] = (
-        "energy less what was done by medium and damping, from the start",
+        "energy less what was done by medium, damping and floor, from the start",
         total - work - damping - total[0],
     )
     return series

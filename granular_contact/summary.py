@@ -71,12 +71,12 @@ def _energy(series: dict[str, Vector]) -> dict[str, float]:
         "final_J": float(stored[-1]),
         "granular_work_J": float(series["granular_work_J"][-1]),
         "damping_work_J": float(series["damping_work_J"][-1]),
-    }
+    } | ({"floor_work_J": float(series["floor_work_J"][-1])} if "floor_work_J" in series else {})
 
 
 def _relative_imbalance(series: dict[str, Vector]) -> float:
     """Largest imbalance over the largest single energy."""
-    terms = ("kinetic_J", "gravity_J", "elastic_J", "granular_work_J", "damping_work_J")
+    terms = ("kinetic_J", "gravity_J", "elastic_J", "granular_work_J", "damping_work_J", "floor_work_J")
     scale = max(float(np.max(np.abs(series[name]))) for name in terms if name in series)
     return float(np.max(np.abs(series["energy_imbalance_J"]))) / scale if scale > 0.0 else 0.0
 

@@ -161,7 +161,7 @@ def _angle(system: System, name: str | None) -> float:
 def _add_bed(system: System) -> Any:
     """Lay the medium over the parts that can reach its surface; None when there are none."""
     scene = system.scene
-    if scene.medium is None or scene.surface is None:
+    if scene.bed is None or not scene.media:
         return None
     cylinders = [
         (h, c) for h in system.rigid.values() for c in h.body.cylinders if _reaches(scene, h.body, c.start, c.end)
@@ -174,12 +174,13 @@ def _add_bed(system: System) -> Any:
     load = scene.load
     bed = GranularBed(
         system.mbs,
-        scene.medium,
-        scene.surface,
+        scene.bed.layers,
+        scene.bed.profile,
         gravity=scene.gravity,
         static=load.static,
         form="resultant" if load.resultant else "distributed",
         end_cap=load.end_cap,
+        floor=scene.bed.floor,
     )
     for handle, c in cylinders:
         bed.add_rigid(

@@ -6,6 +6,8 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
+from granular_contact.limits import Reach
+from granular_contact.media.kinds import term_names
 from granular_contact.multibody.build import RigidHandle, System
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.results import Column, Outline
@@ -120,24 +122,38 @@ class Observer:
 
     def depth(self) -> Vector:
         """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
-        heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
-        heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
-        assert self.scene.surface is not None
-        depth: Vector = self.scene.surface - np.min(heights, axis=0)
+        places = [self.position(n, p)[0] for n, h in self.system.rigid.items() for p in _ends(h)]
+        places += [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
+        assert self.scene.bed is not None
+        depth: Vector = np.max([self.scene.bed.height(place[:, 0]) - place[:, 1] for place in places], axis=0)
         return depth
+
+    def reach(self) -> Reach | None:
+        """Extremes of what was immersed; None where nothing could meet the medium."""
+        load, bed = self.trajectory.load, self.system.bed
+        if load is None:
+            return None
+        return Reach(
+            speed=float(load.speed.max()),
+            depth=float(load.depth.max()),
+            lowest=float(load.lowest.min()),
+            left=float(load.left.min()),
+            right=float(load.right.max()),
+            sizes=tuple(sorted({float(run.run["width"][0]) for run in bed.runs if run.deepest > 0.0})),
+        )
 
     # ---- forces and energies ----
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the terms of the granular force; none in vacuum."""
-        if self.scene.medium is None:
+        if not self.scene.media:
             return ()
         load = self.trajectory.load
-        return self.scene.medium.terms if load is None else load.term_names
+        return term_names(self.scene.media) if load is None else load.term_names
 
     def _load(self) -> series.Series:
-        if self.scene.medium is None:
+        if not self.scene.media:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
@@ -155,7 +171,9 @@ class Observer:
             elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
             damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
         work = np.zeros_like(kinetic) if t.load is None else t.load.work
-        return series.energies(kinetic, gravity - gravity[0], elastic if self._links else None, work, damping)
+        bed = self.system.bed
+        floor = t.load.floor_work if t.load is not None and bed is not None and bed.floor is not None else None
+        return series.energies(kinetic, gravity - gravity[0], elastic if self._links else None, work, damping, floor)
 
     # ---- pictures ----
 

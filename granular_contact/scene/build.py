@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.config import load_medium, schema
+from granular_contact.config import schema
 from granular_contact.errors import Fault, SceneError
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.media.kinds import Kind
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.layout import GROUND, ZERO, Frame, Layout, lay_out, point
 from granular_contact.scene.reducible import check_reducible
@@ -42,8 +43,9 @@ def build(scenario: schema.Scenario) -> Scene:
     links = tuple(flexible_links(layout))
     ends = list(_ends(rigid, links))
     faults = [*_motion_faults(scenario, layout), *_joint_faults(layout)]
+    placed = bed(scenario, [end.world for end in ends], _kinds(ends), faults)
     if rigid or links:
-        faults += _surface_faults(scenario, ends)
+        faults += _nothing_to_act_on(scenario, ends)
     else:
         faults.append(_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
@@ -54,8 +56,7 @@ def build(scenario: schema.Scenario) -> Scene:
         links=links,
         connections=tuple(_connections(layout, rigid)),
         gravity=scenario.gravity_m_s2,
-        surface=_surface(scenario, ends),
-        medium=medium(scenario.medium) if scenario.medium is not None else None,
+        bed=placed,
         load=_load(scenario.load),
         solver=Solver(
             end_time=solver.end_time_s,
@@ -69,7 +70,7 @@ def build(scenario: schema.Scenario) -> Scene:
         impact_speed=initial.impact_speed_rad_s,
         tip=_tip(ends, rigid),
         output_interval=scenario.output.interval_s,
-        method=_method(scenario),
+        method=_method(scenario, placed),
     )
     if scene.method is not None:
         check_reducible(scene, scene.method.modes)
@@ -134,27 +135,14 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...]) -> tuple[str, Vector]:
     return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world) >= farthest * (1 - 1e-12))
 
 
-def _surface(scenario: schema.Scenario, ends: list[_End]) -> float | None:
-    """Height of the free surface (m): as given, or where the lowest end of the mechanism touches it."""
-    if scenario.surface_height_m is not None or scenario.medium is None:
-        return scenario.surface_height_m
-    return min(float(end.world[1]) for end in ends)
+def _kinds(ends: list[_End]) -> set[Kind]:
+    """Kinds of shape that may meet the medium."""
+    return {"round"} if ends else set()
 
 
-def _surface_faults(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
-    if scenario.medium is None:
-        return
-    if not ends:
+def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
+    if scenario.media and not ends:
         yield _fault("model.bodies", "no part is a cylinder or a link, so the medium has nothing to act on")
-        return
-    lowest = min(float(end.world[1]) for end in ends)
-    height = scenario.surface_height_m
-    if height is not None and lowest < height - 1e-12:
-        yield _fault(
-            "surface_height_m",
-            f"got {height:g} m, but at impact_angle_deg {scenario.initial.impact_angle_deg:g} the lowest end is at "
-            f"{lowest:.6g} m, {height - lowest:.3g} m below the sand: allowed is at most {lowest:.6g} m, or no value",
-        )
 
 
 def _connections(layout: Layout, rigid: tuple[RigidBody, ...]) -> Iterator[Connection]:
@@ -174,33 +162,14 @@ def _connections(layout: Layout, rigid: tuple[RigidBody, ...]) -> Iterator[Conne
         yield Connection(name, joint.type, parent, parent_frame.local(pin), child, child_frame.local(pin))
 
 
-def medium(spec: schema.LeeMarghitu) -> LeeMarghitu:
-    """Medium of a checked config; what withdrawing leaves out is as for plunging."""
-    plunging = VerticalResistance(spec.plunging.eta_v, spec.plunging.lambda_)
-    withdrawing = plunging
-    if spec.withdrawing is not None:
-        withdrawing = VerticalResistance(spec.withdrawing.eta_v, spec.withdrawing.lambda_)
-    return LeeMarghitu(spec.density_kg_m3, spec.eta_d, spec.eta_h, plunging, withdrawing, spec.name or spec.law)
-
-
-def preset(name: str) -> LeeMarghitu:
-    """Medium by the name of its preset (`play_sand`) or by the path of a YAML file.
-
-    Raises
-    ------
-    ConfigError
-        There is no such medium; the message lists those there are.
-    """
-    return medium(load_medium(name))
-
-
-def _method(scenario: schema.Scenario) -> Reduced | None:
+def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | None:
     reduced = scenario.method.reduced
     if reduced is None:
         return None
     static = reduced.static
     if static == "auto":
-        static = "true_sign" if reduced.modes == 0 else scenario.load.friction.type
+        has_sign = placed is None or all(medium.by_component for medium in placed.media)
+        static = "true_sign" if reduced.modes == 0 and has_sign else scenario.load.friction.type
     return Reduced(reduced.modes, static, reduced.rtol, reduced.integrator)
 
 

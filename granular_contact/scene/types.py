@@ -14,8 +14,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.lee_marghitu import LeeMarghitu
+from granular_contact.media.kinds import Medium
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.bed import Bed
 
 Vector = NDArray[np.float64]
 
@@ -150,7 +151,7 @@ class Reduced:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum; impact angle rad and speed rad/s.
+    """All that a solver needs. gravity m/s2, downward; bed: None in vacuum; impact angle rad and speed rad/s.
 
     method: None for the engine.
     """
@@ -160,8 +161,7 @@ class Scene:
     links: tuple[FlexibleLink, ...]
     connections: tuple[Connection, ...]
     gravity: float
-    surface: float | None
-    medium: LeeMarghitu | None
+    bed: Bed | None
     load: Load
     solver: Solver
     impact_angle: float
@@ -169,6 +169,16 @@ class Scene:
     tip: tuple[str, Vector]
     output_interval: float | None
     method: Reduced | None = None
+
+    @property
+    def surface(self) -> float | None:
+        """Height of the highest point of the free surface (m); None without one."""
+        return None if self.bed is None else self.bed.top
+
+    @property
+    def media(self) -> tuple[Medium, ...]:
+        """All media of the bed, from the top; none in vacuum."""
+        return () if self.bed is None else self.bed.media
 
     @property
     def bodies(self) -> list[RigidBody | FlexibleLink]:

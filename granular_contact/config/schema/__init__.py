@@ -3,6 +3,16 @@
 `mechanism` holds bodies and joints, `medium` the laws, `method` the choice of solver, `scenario` the run around them.
 """
 
+from granular_contact.config.schema.ball_laws import (
+    Allen,
+    Bingham,
+    KatsuragiDurian,
+    LinearDepth,
+    Poncelet,
+    TsimringVolfson,
+)
+from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
+from granular_contact.config.schema.bed import Bed, BedLayer, FloorContact
 from granular_contact.config.schema.mechanism import (
     Body,
     CylinderShape,
@@ -16,16 +26,7 @@ from granular_contact.config.schema.mechanism import (
     Shape,
     Weld,
 )
-from granular_contact.config.schema.ball_laws import (
-    Allen,
-    Bingham,
-    KatsuragiDurian,
-    LinearDepth,
-    Poncelet,
-    TsimringVolfson,
-)
-from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
-from granular_contact.config.schema.medium import LAWS, AnyLaw, Medium
+from granular_contact.config.schema.medium import LAWS, AnyLaw, Media, Medium
 from granular_contact.config.schema.method import Method, Reduced
 from granular_contact.config.schema.provenance import Range
 from granular_contact.config.schema.scenario import (
@@ -45,6 +46,8 @@ __all__ = [
     "Albert",
     "Allen",
     "AnyLaw",
+    "Bed",
+    "BedLayer",
     "Bingham",
     "Body",
     "CylinderShape",
@@ -52,6 +55,7 @@ __all__ = [
     "Drft",
     "Elastoplastic",
     "Flexible",
+    "FloorContact",
     "Friction",
     "Hill",
     "Hinge",
@@ -62,6 +66,7 @@ __all__ = [
     "LinearDepth",
     "Link",
     "Load",
+    "Media",
     "Medium",
     "Method",
     "Model",
