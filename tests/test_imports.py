@@ -27,6 +27,7 @@ MAY = {
     # Two ways through, which know nothing of each other.
     "multibody": {"multibody", "scene", "limits", "media", "kernels", "energy", "results", "series", "errors"},
     "summary": {"results", "stopping"},
+    "probe": {"media", "kernels"},
     "run": {"config", "scene", "media", "limits", "multibody", "reduced", "results", "stopping", "summary"},
     "reduced": {
         "reduced",
@@ -44,6 +45,7 @@ MAY = {
     "plots": {"plots", "results"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
@@ -94,7 +96,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
-        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare")
+        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare", "compare_media")
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)

@@ -183,6 +183,11 @@ def load_medium(name: str, **values: Any) -> Medium:
     raise ConfigError(sorted(faults, key=by_place))
 
 
+def medium_names() -> list[str]:
+    """Names of all medium presets."""
+    return sorted(path.stem for folder in MEDIA.folders(Path()) for path in folder.glob("*.yaml"))
+
+
 def by_place(fault: Fault) -> tuple[str, int]:
     """Key by which faults are sorted."""
     return fault.file, fault.line or 0

@@ -23,6 +23,7 @@ class Albert:
     name: str = "albert"
     validity: Validity = NOT_STATED
 
+    equation = "F_h = -eta_h g rho z^2 d sgn(v_x)"
     terms = ("horizontal_static",)
     takes = frozenset({"round"})
     by_component = True

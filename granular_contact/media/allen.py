@@ -25,6 +25,7 @@ class Allen:
     name: str = "allen"
     validity: Validity = NOT_STATED
 
+    equation = "F = A v^2 + B v + C"
     terms = ("constant", "viscous", "drag")
     takes = frozenset({"ball"})
     by_component = False

@@ -24,6 +24,7 @@ class Bingham:
     name: str = "bingham"
     validity: Validity = NOT_STATED
 
+    equation = "F = F0 + b v"
     terms = ("yield", "viscous")
     takes = frozenset({"ball"})
     by_component = False

@@ -27,6 +27,7 @@ class Drft:
     name: str = "drft"
     validity: Validity = NOT_STATED
 
+    equation = "stress = zeta alpha(beta, gamma) z - lambda rho v_n |v_n| n"
     terms = ("static", "inertial")
     takes = frozenset({"round", "flat", "outline"})
     by_component = False

@@ -26,6 +26,7 @@ class Hill:
     name: str = "hill"
     validity: Validity = NOT_STATED
 
+    equation = "F_v = -eta (z/l)^lambda g rho V sgn(v_y)"
     terms = ("vertical_static",)
     takes = frozenset({"round"})
     by_component = True

@@ -25,6 +25,7 @@ class KatsuragiDurian:
     name: str = "katsuragi_durian"
     validity: Validity = NOT_STATED
 
+    equation = "F = k z + m v^2 / d1"
     terms = ("static", "inertial")
     takes = frozenset({"ball"})
     by_component = False

@@ -23,6 +23,7 @@ class LinearDepth:
     name: str = "linear_depth"
     validity: Validity = NOT_STATED
 
+    equation = "F = k z"
     terms = ("static",)
     takes = frozenset({"ball"})
     by_component = False

@@ -24,6 +24,7 @@ class Poncelet:
     name: str = "poncelet"
     validity: Validity = NOT_STATED
 
+    equation = "F = F0 + c v^2"
     terms = ("constant", "drag")
     takes = frozenset({"ball"})
     by_component = False

@@ -49,6 +49,7 @@ class Rft:
     name: str = "rft"
     validity: Validity = NOT_STATED
 
+    equation = "stress = zeta alpha(beta, gamma) z"
     terms = ("static",)
     takes = frozenset({"round", "flat", "outline"})
     by_component = False

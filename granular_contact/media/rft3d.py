@@ -24,6 +24,7 @@ class Rft3d:
     name: str = "rft3d"
     validity: Validity = NOT_STATED
 
+    equation = "stress = xi_n [alpha_n + min(mu_surf |alpha_n| / |alpha_t|, 1) alpha_t] z"
     terms = ("static",)
     takes = frozenset({"round", "flat", "outline"})
     by_component = False

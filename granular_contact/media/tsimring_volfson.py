@@ -27,6 +27,7 @@ class TsimringVolfson:
     name: str = "tsimring_volfson"
     validity: Validity = NOT_STATED
 
+    equation = "F = k z^p + c v^2"
     terms = ("friction", "drag")
     takes = frozenset({"ball"})
     by_component = False
