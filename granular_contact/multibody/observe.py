@@ -8,6 +8,8 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
+from granular_contact.limits import Reach
+from granular_contact.media.kinds import term_names
 from granular_contact.multibody.joint_history import drive_history, joint_history
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
@@ -194,30 +196,43 @@ class Observer:
 
     def depth(self) -> Vector:
         """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
-        heights = [
-            self.position(name, point)[0][:, 1] - shape.drop
-            for name, handle in self.system.rigid.items()
-            for shape in handle.body.shapes
-            if shape.in_sand
-            for point in shape.points
-        ]
-        heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
-        assert self.scene.surface is not None
-        depth: Vector = self.scene.surface - np.min(heights, axis=0)
+        assert self.scene.bed is not None
+        height = self.scene.bed.height
+        depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
+        depths = [height(place[:, 0]) - place[:, 1] for place in depths]
+        for name, handle in self.system.rigid.items():
+            for shape in (shape for shape in handle.body.shapes if shape.in_sand):
+                places = [self.position(name, point)[0] for point in shape.points]
+                depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
+        depth: Vector = np.max(depths, axis=0)
         return depth
+
+    def reach(self) -> Reach | None:
+        """Extremes of what was immersed; None where nothing could meet the medium."""
+        load, bed = self.trajectory.load, self.system.bed
+        if load is None:
+            return None
+        return Reach(
+            speed=float(load.speed.max()),
+            depth=float(load.depth.max()),
+            lowest=float(load.lowest.min()),
+            left=float(load.left.min()),
+            right=float(load.right.max()),
+            sizes=tuple(sorted({float(run.run["width"][0]) for run in bed.runs if run.deepest > 0.0})),
+        )
 
     # ---- forces and energies ----
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the terms of the granular force; none in vacuum."""
-        if self.scene.medium is None:
+        if not self.scene.media:
             return ()
         load = self.trajectory.load
-        return self.scene.medium.terms if load is None else load.term_names
+        return term_names(self.scene.media) if load is None else load.term_names
 
     def _load(self) -> series.Series:
-        if self.scene.medium is None:
+        if not self.scene.media:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
@@ -252,6 +267,8 @@ class Observer:
             energies["joint_damping_work_J"] = np.sum([one.damping for one in done], axis=0)
         if any(law.friction > 0.0 for _, law in laws):
             energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
+        if t.load is not None and self.scene.bed is not None and self.scene.bed.floor is not None:
+            energies["floor_work_J"] = t.load.floor_work
         if self.drive_forces:
             power = np.sum([power for _, power in self.drive_forces.values()], axis=0)
             energies["drive_work_J"] = accumulate(t.time, power)
