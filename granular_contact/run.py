@@ -75,6 +75,7 @@ class _Solved:
 def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
     from granular_contact.multibody.build import build
     from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.observe_mechanism import key_numbers
     from granular_contact.multibody.solve import solve
 
     system = build(scene)
@@ -87,7 +88,7 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
         terms=observer.terms,
-        more={},
+        more=key_numbers(observer),
     )
 
 
