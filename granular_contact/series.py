@@ -65,6 +65,19 @@ def body(name: str, center: Vector, angle: Vector, velocity: Vector, spin: Vecto
     }
 
 
+def body_force(name: str, force: Vector, center: Vector) -> Series:
+    """Force of the medium on a body, (n, 3): x, y (N) and moment about the origin (N m); its centre of mass (n, 2) m."""
+    fx, fy, moment = force.T
+    return {
+        f"{name}_granular_x_N": (f"force of the medium on {name}, horizontal", fx),
+        f"{name}_granular_y_N": (f"force of the medium on {name}, upward", fy),
+        f"{name}_granular_moment_Nm": (
+            f"moment of that force about the centre of mass of {name}, counter-clockwise",
+            moment - (center[:, 0] * fy - center[:, 1] * fx),
+        ),
+    }
+
+
 def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, depth: Vector | None) -> Series:
     """Mean rate (n,) rad/s, tip (n, 2) m, deflection of the last flexible link (n,) m, depth (n,) m.
 
