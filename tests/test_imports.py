@@ -30,7 +30,7 @@ MAY = {
     "reduced": {"reduced", "config", "scene", "media", "kernels", "energy", "results", "series", "stopping", "errors"},
     "plots": {"plots", "results"},
     "report": {"results", "plots"},
-    "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }
 

@@ -118,6 +118,10 @@ class Template:
             raise ConfigError(sorted(found, key=by_place))
         return Loaded(scenario, SourceMap(node))
 
+    def read(self, references: tuple[setting.Override, ...]) -> tree.Node:
+        """The tree with these references, which are known to be free of faults, and with model and medium read in."""
+        return self._with_references(references, [])
+
     def _with_references(self, references: tuple[setting.Override, ...], faults: list[Fault]) -> tree.Node:
         """The tree with model and medium read in; read once for the same references, unless there were faults."""
         if references in self._resolved:

@@ -1,4 +1,4 @@
-"""Processes to work in: warm, single-threaded, deaf to Ctrl-C, and gone when the sweep is."""
+"""Processes to work in, on this machine: warm, single-threaded, deaf to Ctrl-C, and gone when the sweep is."""
 
 from __future__ import annotations
 
