@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import dataclasses
 import functools
 import os
 import signal
@@ -16,7 +14,7 @@ from itertools import pairwise, product
 from pathlib import Path
 
 import pytest
-from support_results import make
+from support_sweep import ANGLE, CONFIGS, ROOT, SPEED, TIME, arguments, command, dying, of_speed, read, until, write
 
 from granular_contact import report, scene, sweep
 from granular_contact.config import Scenario, Sweep, load_sweep
@@ -24,34 +22,6 @@ from granular_contact.results import Results
 from granular_contact.sweep import Row, table
 from granular_contact.sweep import local_processes as local
 from granular_contact.sweep.worker import _flat, simulate
-
-ROOT = Path(__file__).parents[1]
-CONFIGS = ROOT / "configs"
-SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
-TIME = "cost.solve_s"  # the only number that is not the same each time
-
-
-def arguments(*words: object) -> list[str]:
-    return [sys.executable, "-m", "granular_contact", *map(str, words)]
-
-
-def command(*words: object, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run(
-        arguments(*words), cwd=folder, env=environment, capture_output=True, text=True, timeout=300, check=False
-    )
-
-
-def read(folder: Path) -> list[dict[str, str]]:
-    with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def write(folder: Path, cases: str, name: str = "many.yaml") -> Path:
-    """A sweep on the rigid pendulum, which is quick."""
-    path = folder / name
-    path.write_text(f"config: {CONFIGS / 'pendulum_rigid.yaml'}\n{cases}")
-    return path
 
 
 def timeless(row: dict[str, str]) -> dict[str, str]:
@@ -128,12 +98,6 @@ def test_twelve_cases_of_sixteen_elements_take_less_than_five_seconds(paper, tmp
 # What cases go through in the workers instead of the engine: the speed says what happens.
 
 
-def of_speed(scenario: Scenario) -> Results:
-    speed = scenario.initial.impact_speed_rad_s
-    # Without NaN, which is not equal to itself.
-    return dataclasses.replace(make(), summary={"status": "rest", "energy": {"initial_J": speed**2}, "speed": speed})
-
-
 def slow_first(scenario: Scenario) -> Results:
     time.sleep(0.4 if scenario.initial.impact_speed_rad_s == 0 else 0.0)
     return of_speed(scenario)
@@ -148,12 +112,6 @@ def raising(scenario: Scenario) -> Results:
 def exiting(scenario: Scenario) -> Results:
     if scenario.initial.impact_speed_rad_s == 3:
         sys.exit("leaving")
-    return of_speed(scenario)
-
-
-def dying(scenario: Scenario) -> Results:
-    if scenario.initial.impact_speed_rad_s in (3, 17):
-        os._exit(1)
     return of_speed(scenario)
 
 
@@ -354,13 +312,6 @@ def under_way(tmp_path) -> Iterator[subprocess.Popen[str]]:
     if process.poll() is None:
         process.kill()
     process.communicate()
-
-
-def until(condition: Callable[[], bool], seconds: float) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 def is_gone(group: int) -> bool:

@@ -74,8 +74,10 @@ def act(chosen: argparse.Namespace) -> int:
 
 def _crew(chosen: argparse.Namespace, folder: Path) -> Crew:
     from granular_contact.sweep import Crew
+    from granular_contact.sweep.pool import prepare
 
     if chosen.scheduler is None:
+        prepare()  # while the file is read
         return Crew(chosen.workers)
     from granular_contact.sweep.cluster import cluster_crew
 
@@ -126,7 +128,7 @@ def _nothing_to_do(folder: Path, quiet: bool) -> int:
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folder: Path) -> int:
-    from granular_contact.sweep import run, sensitivity, table
+    from granular_contact.sweep import CrewError, run, sensitivity, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     if part.done and not chosen.quiet:
@@ -139,6 +141,8 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folde
                 _ask_for_outputs(sweep.sample, row, chosen.file)
                 asked = True
             advance()
+    if missing := count - len(part.journal):
+        raise CrewError(f"{missing} rows did not reach {part.folder}")
     table.write(sweep, part.journal, part.folder)
     found = sensitivity.of_sweep(sweep, part.journal)
     if found:

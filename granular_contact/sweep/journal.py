@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import secrets
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 SYNC_SECONDS = 2.0  # a sync takes milliseconds, as long as a case
 _ENDING = ".jsonl"
+_START = re.compile(rb'{"index": (\d+), ')
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,11 @@ class Row:
 
     def line(self) -> bytes:
         """The row as JSON; raises TypeError for what is no plain data."""
-        return (json.dumps(asdict(self), ensure_ascii=False, default=_plain) + "\n").encode()
+        return (json.dumps(vars(self), ensure_ascii=False, default=_plain) + "\n").encode()
 
     @staticmethod
     def of(line: bytes) -> Row:
-        """The row of a line; raises ValueError or TypeError for a torn one."""
-        if not line.endswith(b"\n"):
-            raise ValueError("the line is torn")
+        """The row of a whole line."""
         return Row(**json.loads(line))
 
 
@@ -119,10 +118,16 @@ class Journal:
             offset = 0
             with path.open("rb") as file:
                 for line in file:
-                    with suppress(ValueError, TypeError):  # torn
-                        places.setdefault(Row.of(line).index, (path, offset))
+                    if (index := _index(line)) is not None:
+                        places.setdefault(index, (path, offset))
                     offset += len(line)
         return places
+
+
+def _index(line: bytes) -> int | None:
+    """Index of the row of a line, which is its first entry; None for a torn line."""
+    found = _START.match(line)
+    return int(found[1]) if found and line.endswith(b"}\n") else None
 
 
 def _plain(value: Any) -> Any:

@@ -27,16 +27,19 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
     """Faults of cases as `case_faults` gives them, found by the crew where there are many."""
     if len(cases) <= FEW:
         return case_faults(sweep, cases, probe)
-    # What a case refers to is a file here, and may be none elsewhere.
-    found = case_faults(sweep, [case for case in cases if case.has_references], probe)
-    others = [case for case in cases if not case.has_references]
-    job, size = Job(sweep, simulate).packed(), max(LARGEST_CHUNK, len(others) // (8 * crew.count))
-    chunks = [others[i : i + size] for i in range(0, len(others), size)]
-    futures = [crew.pool().submit(check, job, chunk, probe) for chunk in chunks]
-    for future, chunk in zip(futures, chunks, strict=True):
+    job, size = Job(sweep, simulate).packed(), max(LARGEST_CHUNK, len(cases) // (8 * crew.count))
+    found: list[Fault] = []
+    shared: list[tuple[Future[list[Fault]], range]] = []
+    for start in range(0, len(cases), size):
+        chunk = cases[start : start + size]
+        # What a case refers to is a file here, and may be none elsewhere.
+        found += case_faults(sweep, [case for case in chunk if case.has_references], probe)
+        others = [case for case in chunk if not case.has_references]
+        shared.append((crew.pool().submit(check, job, others, probe), range(start, start + len(chunk))))
+    for future, places in shared:
         lost = isinstance(future.exception(), BrokenExecutor)
-        found += case_faults(sweep, chunk, probe) if lost else future.result()
-    if any(future.exception() is not None for future in futures):
+        found += case_faults(sweep, [cases[i] for i in places], probe) if lost else future.result()
+    if any(future.exception() is not None for future, _ in shared):
         crew.dismiss()
     return found
 

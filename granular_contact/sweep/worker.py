@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pickle
+import secrets
 import time
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -34,13 +35,14 @@ class Job:
     """What the tasks of a sweep have in common; sent with each of them, and read once in each process.
 
     sweep: without its cases. folder: for the results of each case, None to keep no more than a row. journal: where the
-    process writes its rows, None to leave that to whoever gets them.
+    process writes its rows, None to leave that to whoever gets them. token: of this run, as a process may see several.
     """
 
     sweep: Sweep
     function: Simulate
     folder: Path | None = None
     journal: Path | None = None
+    token: str = field(default_factory=lambda: secrets.token_hex(8))
 
     def packed(self) -> bytes:
         """As `work` and `check` take it."""
