@@ -224,10 +224,11 @@ def _show_sensitivity(found: Iterable[Indices]) -> None:
             continue
         shown = Table(box=None, pad_edge=False)
         shown.add_column(f"Sobol indices of {one.output}", no_wrap=True)
-        for heading in ("first order", "95 %", "total", "95 %"):
-            shown.add_column(heading, justify="right")
+        for heading in ("first order, 95 %", "total, 95 %"):
+            shown.add_column(heading, justify="right", no_wrap=True)
         for i, name in enumerate(one.inputs):
             pairs = ((one.first, one.first_interval), (one.total, one.total_interval))
-            cells = [(f"{v[i]:.3f}", f"{ends[0, i]:.3f} to {ends[1, i]:.3f}") for v, ends in pairs]
-            shown.add_row(name, *(cell for pair in cells for cell in pair))
-        Console(markup=False, highlight=False, emoji=False).print(shown)
+            shown.add_row(name, *(f"{v[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})" for v, ends in pairs))
+        console = Console(markup=False, highlight=False, emoji=False)
+        console.width = max(100, console.width)
+        console.print(shown)
