@@ -21,15 +21,16 @@ import math
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels import strips
-from granular_contact.kernels.friction import direction, direction_slopes
-from granular_contact.kernels.immersion import (
-    GAUSS_HIGH,
-    GAUSS_LOW,
-    depth_integral_gradients,
-    depth_integrals,
-    immersed_interval,
+from granular_contact.kernels import law, strips
+from granular_contact.kernels.bar_statics import (
+    component_return,
+    horizontal_force,
+    horizontal_tangent,
+    vertical_force,
+    vertical_tangent,
 )
+from granular_contact.kernels.friction import direction, direction_slopes
+from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, kinked_interval
 
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2
 TERMS = ("drag", "horizontal_static", "vertical_static")
@@ -52,28 +53,16 @@ RECORD = np.dtype(
 )
 
 
+@law.provide(law.strip_force, "m", RECORD)
 @njit(cache=True)
-def drag_interval(z0, z1, w0, w1):
-    """Immersed part (a, b) of a strip and the point c in it where |t x v| has its kink (c = b when it has none).
-
-    z0, z1 end depths (m), w0, w1 values of c x v at the ends (m^2/s). On either side of c the drag is a cubic in xi,
-    which two Gauss points integrate exactly.
-    """
-    a, b = immersed_interval(z0, z1)
-    c = w0 / (w0 - w1) if w0 * w1 < 0.0 else b
-    return a, min(b, max(a, c)), b
-
-
-@strips.provide(strips.strip_force, "m", RECORD)
-@njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, f):
+def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
     """Add the three force terms at the two ends of a strip to f[term, end, component] (N).
 
-    z0, z1 end depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); (ex, ey) bristle stretch at
-    mid-strip (m); d diameter (m); m medium record.
+    Arguments as in `law.strip_force`; run.width is the diameter d.
     """
+    d = run.width
     if m.eta_d != 0.0:
-        a, c, b = drag_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
+        a, c, b = kinked_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
         for start, end in ((a, c), (c, b)):
             k = m.eta_d * m.rho * d * 0.5 * (end - start)
             if k == 0.0:
@@ -88,67 +77,35 @@ def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, f):
                 f[DRAG, 1, 0] -= xi * kw * vx
                 f[DRAG, 1, 1] -= xi * kw * vy
     if m.eta_h != 0.0:
-        sigma = direction(ex, 0.5 * (v0x + v1x), m)
-        j0, j1 = depth_integrals(z0, z1, 1.0)
-        k = 2.0 * m.eta_h * m.g * m.rho * d * abs(cy) * sigma
-        f[HORIZONTAL, 0, 0] -= k * j0
-        f[HORIZONTAL, 1, 0] -= k * j1
+        horizontal_force(z0, z1, cy, v0x, v1x, ex, m.eta_h * m.g * m.rho * d, m, f[HORIZONTAL])
     sigma = direction(ey, 0.5 * (v0y + v1y), m)
     eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
     if eta != 0.0:
-        j0, j1 = depth_integrals(z0 / d, z1 / d, lam)
-        k = (lam + 1.0) * eta * m.g * m.rho * 0.25 * math.pi * d * d * math.hypot(cx, cy) * sigma
-        f[VERTICAL, 0, 1] -= k * j0
-        f[VERTICAL, 1, 1] -= k * j1
+        vertical_force(z0, z1, cx, cy, sigma, eta * m.g * m.rho * 0.25 * math.pi * d * d, lam, d, f[VERTICAL])
 
 
-@strips.provide(strips.strip_tangent, "m", RECORD)
+@law.provide(law.strip_tangent, "m", RECORD)
 @njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, kp, kv):
-    """Add to kp, kv (4, 4) the derivatives of a strip's end forces (f_0x, f_0y, f_1x, f_1y), summed over the terms,
-    by the end positions (N/m) and end velocities (N s/m); arguments as in `strip_force`.
-    """
+def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
+    """Add the derivatives of `strip_force` to kp, kz and kv; arguments as in `law.strip_tangent`."""
+    d = run.width
     if m.eta_d != 0.0:
-        _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kv)
+        _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv)
     if m.eta_h != 0.0:
-        vx = 0.5 * (v0x + v1x)
-        sigma = direction(ex, vx, m)
-        sigma_p, sigma_v = direction_slopes(ex, vx, m)
-        j0, j1 = depth_integrals(z0, z1, 1.0)
-        g00, g01, g10, g11 = depth_integral_gradients(z0, z1, 1.0)
-        k = 2.0 * m.eta_h * m.g * m.rho * d
-        kcy = k * math.copysign(1.0, cy) * sigma
-        k *= abs(cy)
-        for row, j, gz0, gz1 in ((0, j0, g00, g01), (2, j1, g10, g11)):
-            kp[row, 0] -= 0.5 * k * sigma_p * j
-            kp[row, 2] -= 0.5 * k * sigma_p * j
-            kv[row, 0] -= 0.5 * k * sigma_v * j
-            kv[row, 2] -= 0.5 * k * sigma_v * j
-            kp[row, 1] += k * sigma * gz0 + kcy * j
-            kp[row, 3] += k * sigma * gz1 - kcy * j
+        horizontal_tangent(z0, z1, cy, v0x, v1x, ex, m.eta_h * m.g * m.rho * d, m, kp, kz, kv)
     vy = 0.5 * (v0y + v1y)
     sigma = direction(ey, vy, m)
     eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
     if eta != 0.0:
         sigma_p, sigma_v = direction_slopes(ey, vy, m)
-        j0, j1 = depth_integrals(z0 / d, z1 / d, lam)
-        g00, g01, g10, g11 = depth_integral_gradients(z0 / d, z1 / d, lam)
-        k = (lam + 1.0) * eta * m.g * m.rho * 0.25 * math.pi * d * d
-        length = math.hypot(cx, cy)
-        for row, j, gz0, gz1 in ((1, j0, g00, g01), (3, j1, g10, g11)):
-            stretch = k * sigma * j / length
-            kp[row, 0] += stretch * cx
-            kp[row, 2] -= stretch * cx
-            kp[row, 1] += stretch * cy - 0.5 * k * length * sigma_p * j + k * length * sigma * gz0 / d
-            kp[row, 3] += -stretch * cy - 0.5 * k * length * sigma_p * j + k * length * sigma * gz1 / d
-            kv[row, 1] -= 0.5 * k * length * sigma_v * j
-            kv[row, 3] -= 0.5 * k * length * sigma_v * j
+        k = eta * m.g * m.rho * 0.25 * math.pi * d * d
+        vertical_tangent(z0, z1, cx, cy, sigma, sigma_p, sigma_v, k, lam, d, kp, kz, kv)
 
 
 @njit(cache=True)
-def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kv):
-    """Add the derivatives of the drag term to kp, kv (4, 4)."""
-    a, c, b = drag_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
+def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
+    """Add the derivatives of the drag term to kp, kz, kv."""
+    a, c, b = kinked_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
     k = m.eta_d * m.rho * d
     for start, end in ((a, c), (c, b)):
         if start == end:
@@ -186,24 +143,25 @@ def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kv):
     xi_z1 = z0 / (dz * dz)
     for row, n_e in ((0, 1.0 - xi), (2, xi)):
         for i, v_i in ((0, vx), (1, vy)):
-            kp[row + i, 1] += edge * n_e * v_i * xi_z0
-            kp[row + i, 3] += edge * n_e * v_i * xi_z1
+            kz[row + i, 0] -= edge * n_e * v_i * xi_z0
+            kz[row + i, 1] -= edge * n_e * v_i * xi_z1
 
 
-@strips.provide(strips.cap_force, "m", RECORD)
+@law.provide(law.cap_force, "m", RECORD)
 @njit(cache=True)
-def cap_force(cx, cy, vx, vy, d, m, f):
+def cap_force(cx, cy, vx, vy, run, m, f):
     """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
+    d = run.width
     k = m.eta_d * m.rho * 0.25 * math.pi * d * d * abs(cx * vx + cy * vy) / math.hypot(cx, cy)
     f[DRAG, 1, 0] -= k * vx
     f[DRAG, 1, 1] -= k * vy
 
 
-@strips.provide(strips.cap_tangent, "m", RECORD)
+@law.provide(law.cap_tangent, "m", RECORD)
 @njit(cache=True)
-def cap_tangent(cx, cy, vx, vy, d, m, kp, kv):
+def cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
     """Add the derivatives of `cap_force` to kp, kv (4, 4)."""
-    length = math.hypot(cx, cy)
+    d, length = run.width, math.hypot(cx, cy)
     tx, ty = cx / length, cy / length
     w = tx * vx + ty * vy
     k = m.eta_d * m.rho * 0.25 * math.pi * d * d
@@ -217,3 +175,7 @@ def cap_tangent(cx, cy, vx, vy, d, m, kp, kv):
         kv[row, 2] -= s * v_i * tx
         kv[row, 3] -= s * v_i * ty
         kv[row, row] -= k * abs(w)
+
+
+law.provide(law.drag_anchor, "m", RECORD)(component_return)
+strips.line_law(RECORD)

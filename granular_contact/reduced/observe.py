@@ -34,7 +34,7 @@ class Observer:
         depth = None if self.scene.surface is None else self.depth()
         everything |= series.shape(self.mean_rate(), self.tip(), self.deflection(), depth)
         if self.scene.medium is not None:
-            everything |= series.forces(self.trajectory.terms, self.model.view.pivot)
+            everything |= series.forces(self.scene.medium.terms, self.trajectory.terms, self.model.view.pivot)
         return series.tabulate(everything | self._energies())
 
     def stop(self) -> Stop | None:
@@ -104,8 +104,8 @@ class Observer:
     def outlines(self, instant: int) -> tuple[Outline, ...]:
         """The mechanism as drawn at an instant (index)."""
         outlines = [
-            Outline(part, self.positions(None, center[None, :])[instant], diameter)
-            for part, center, diameter in self.model.discs
+            Outline(shape.part, self.positions(None, shape.points)[instant], shape.thickness)
+            for shape in self.model.others
         ]
         for bar in self.model.bars:
             line = self.positions(bar, bar.places(POINTS if bar.bends else 2))[instant]
