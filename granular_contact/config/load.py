@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
+from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, got
 from granular_contact.config.references import MEDIA, MODELS, Resolver
@@ -120,9 +121,10 @@ class Template:
             raise ConfigError(sorted(found, key=by_place))
         return Loaded(scenario, SourceMap(node))
 
-    def read(self, references: tuple[setting.Override, ...]) -> tree.Node:
-        """The tree with these references, which are known to be free of faults, and with model and medium read in."""
-        return self._with_references(references, [])
+    @property
+    def names_columns(self) -> bool:
+        """Whether the config, overrides aside, may name files of columns."""
+        return any(tree.child(self._root, key) is not None for key in COLUMN_KEYS)
 
     def _with_references(self, references: tuple[setting.Override, ...], faults: list[Fault]) -> tree.Node:
         """The tree with model and medium read in; read once for the same references, unless there were faults."""

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.config import tree
+from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.export import scenario_to_dict
 from granular_contact.config.load import Loaded, Template, by_place
 from granular_contact.config.messages import got, unknown
@@ -64,16 +65,14 @@ class Sweep:
         """Scenario of a case with the places of its keys; raises ConfigError for a case that was not checked."""
         return self.template.make(effective([*self.common, *case.overrides]))
 
-    def standalone(self, case: Case) -> Case:
-        """The same case without names of files: what they stand for is in it, so that it can be sent anywhere."""
-        if not case.has_references:
-            return case
-        overrides = effective([*self.common, *case.overrides])
-        read = self.template.read(tuple(one for one in overrides if one.is_reference))
-        at = overrides[0].position
-        held = [(key, tree.child(read, key)) for key in ("model", "medium")]
-        whole = [Override((key,), node, at) for key, node in held if node is not None]
-        return replace(case, overrides=(*whole, *(one for one in overrides if not one.is_reference)))
+    def needs_files(self, case: Case) -> bool:
+        """Whether the scenario of a case can be made only where the files are that it, or the config, names."""
+        return case.has_references or self._names_columns or any(one.path[0] in COLUMN_KEYS for one in case.overrides)
+
+    def without_cases(self) -> Sweep:
+        """The sweep as it is sent away: the model and the medium of the config are read in."""
+        self.template.make(effective(self.common))
+        return replace(self, cases=())
 
     def values(self, case: Case, scenario: Scenario) -> dict[str, Any]:
         """What the case, of this scenario, has under each of `keys`: as written, else as resolved."""
@@ -88,6 +87,10 @@ class Sweep:
         if not case.has_references:
             return {".".join(one.path): tree.plain(one.value) for one in effective(case.overrides)}
         return dict(_difference(self._resolved_base, scenario_to_dict(self.scenario(case))))
+
+    @cached_property
+    def _names_columns(self) -> bool:
+        return self.template.names_columns or any(one.path[0] in COLUMN_KEYS for one in self.common)
 
     @cached_property
     def _resolved_base(self) -> dict[str, Any]:

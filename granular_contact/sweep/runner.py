@@ -33,8 +33,8 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
     for start in range(0, len(cases), size):
         chunk = cases[start : start + size]
         # What a case refers to is a file here, and may be none elsewhere.
-        found += case_faults(sweep, [case for case in chunk if case.has_references], probe)
-        others = [case for case in chunk if not case.has_references]
+        found += case_faults(sweep, [case for case in chunk if sweep.needs_files(case)], probe)
+        others = [case for case in chunk if not sweep.needs_files(case)]
         shared.append((crew.pool().submit(check, job, others, probe), range(start, start + len(chunk))))
     for future, places in shared:
         lost = isinstance(future.exception(), BrokenExecutor)
@@ -111,7 +111,7 @@ def _without_finished(tasks: Sequence[Task], journal: Journal) -> Generator[Row,
 def _tasks(sweep: Sweep, done: Collection[int]) -> Iterator[Task]:
     for index, case in enumerate(sweep.cases):
         if index not in done:
-            yield Task(index, case, sweep.standalone(case))
+            yield Task(index, case, sweep.scenario(case) if sweep.needs_files(case) else None)
 
 
 class _Deal:

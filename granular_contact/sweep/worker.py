@@ -23,11 +23,11 @@ Simulate = Callable[[Scenario], Results]
 
 @dataclass(frozen=True)
 class Task:
-    """A case to run: its place in the sweep (from 0), and all that it replaces, with no reference to any file."""
+    """A case to run: its place in the sweep (from 0); and its scenario, where that can't be made anywhere."""
 
     index: int
     case: Case
-    standalone: Case
+    scenario: Scenario | None = None
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Job:
 
     def packed(self) -> bytes:
         """As `work` and `check` take it."""
-        return pickle.dumps(replace(self, sweep=replace(self.sweep, cases=())))
+        return pickle.dumps(replace(self, sweep=self.sweep.without_cases()))
 
 
 @lru_cache(maxsize=2)
@@ -88,7 +88,7 @@ def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]
 
 def _line(task: Task, job: Job) -> bytes:
     try:
-        scenario = job.sweep.scenario(task.standalone)
+        scenario = task.scenario or job.sweep.scenario(task.case)
         results = job.function(scenario)
         values = job.sweep.values(task.case, scenario)
         line = Row(task.index, task.case.name, values, dict(_flat(results.summary))).line()
@@ -109,7 +109,7 @@ def _line(task: Task, job: Job) -> bytes:
 def error_row(task: Task, sweep: Sweep, error: BaseException) -> Row:
     """The row of a case that did not come to an end, with the exception in one line."""
     try:
-        values = sweep.values(task.case, sweep.scenario(task.standalone))
+        values = sweep.values(task.case, task.scenario or sweep.scenario(task.case))
     except ConfigError:  # was not checked
         values = task.case.values
     message = " ".join(traceback.format_exception_only(error)[-1].split())

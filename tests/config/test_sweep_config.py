@@ -402,20 +402,25 @@ def test_a_sample_says_itself_again(read):
     assert read(vary(f"  {SPEED}: [1]\n")).sample is None
 
 
-def test_a_case_that_stands_alone_is_the_same_case(read, tmp_path):
-    """Without the files that it names."""
+def test_what_can_be_sent_away_needs_no_file(read, tmp_path):
+    """Of cases that name files themselves the scenario has to be sent."""
     (tmp_path / "arm.yaml").write_text((ROOT / "models" / "compound_pendulum.yaml").read_text().replace("7700", "2700"))
+    (tmp_path / "arm_run.yaml").write_text(f"model: arm.yaml\nmedium: play_sand\ninitial: {{{SPEED[8:]}: 6, {ANGLE[8:]}: 31}}\n")
     sweep = read(
-        "config: run.yaml\nset: {medium.eta_h: 9, gravity_m_s2: 9}\ncases:\n"
-        "  a: {}\n  b: {model: arm.yaml, solver.step_s: 1e-4}\n  c: {medium: null}\n"
-        "  d: {medium: play_sand, medium.eta_d: 7}\n"
+        "config: arm_run.yaml\nset: {medium.eta_h: 9, gravity_m_s2: 9}\ncases:\n"
+        "  a: {}\n  b: {solver.step_s: 1e-4}\n  c: {model.bodies.link.diameter_m: 0.005}\n"
+        "  d: {model: compound_pendulum}\n  e: {medium: null}\n  f: {model.from: arm.yaml}\n"
     )
-    expected = [sweep.scenario(case) for case in sweep.cases]
-    away = [sweep.standalone(case) for case in sweep.cases]
+    assert [sweep.needs_files(case) for case in sweep.cases] == [False, False, False, True, True, True]
+    sent = pickle.dumps((sweep.without_cases(), sweep.cases[:3]))
+    expected = [sweep.scenario(case) for case in sweep.cases[:3]]
     (tmp_path / "arm.yaml").unlink()
-    elsewhere = pickle.loads(pickle.dumps(sweep))
-    assert [elsewhere.scenario(case) for case in pickle.loads(pickle.dumps(away))] == expected
-    assert len({str(scenario) for scenario in expected}) >= 4
+    elsewhere, cases = pickle.loads(sent)
+    assert len(elsewhere.cases) == 0
+    assert [elsewhere.scenario(case) for case in cases] == expected
+    assert len({str(scenario) for scenario in expected}) == 3
+    with pytest.raises(ConfigError, match=r"no file .*arm\.yaml"):
+        read("config: arm_run.yaml\ncases: {a: {}}\n")
 
 
 def test_the_twelve_cases_are_those_of_the_paper():
