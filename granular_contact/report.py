@@ -23,10 +23,11 @@ from granular_contact.results import Results
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
+JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
-    "sweep": (TABLE, SWEEP, CASES),
+    "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES),
     "compare": ("compare.csv", FIGURES),
     "compare-media": ("compare-media.csv", FIGURES),
     "media": (LAW,),
@@ -93,7 +94,7 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
     try:
         making.mkdir()
         yield making
-        _swap(making, target)
+        swap(making, target)
     finally:  # either the unfinished new folder or, after an exchange, the old one
         shutil.rmtree(making, ignore_errors=True)
 
@@ -166,7 +167,7 @@ def _write_series(results: Results, path: Path) -> None:
             file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
-def _swap(making: Path, target: Path) -> None:
+def swap(making: Path, target: Path) -> None:
     """Put the finished folder `making` in the place of `target`; afterwards `making` is absent or the old folder."""
     if not target.exists():
         making.rename(target)

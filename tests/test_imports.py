@@ -44,7 +44,7 @@ MAY = {
     },
     "plots": {"plots", "results"},
     "report": {"results", "plots"},
-    "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }

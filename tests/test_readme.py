@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import shlex
@@ -27,8 +28,23 @@ def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_yaml_is_that_of_the_first_run() -> None:
-    (shown,) = blocks("yaml")
+    shown, _ = blocks("yaml")
     assert yaml.safe_load(shown) == yaml.safe_load((ROOT / "configs" / "pendulum.yaml").read_text(encoding="utf-8"))
+
+
+def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path) -> None:
+    _, shown = blocks("yaml")
+    assert yaml.safe_load(shown) == yaml.safe_load((ROOT / "configs" / "sensitivity.yaml").read_text(encoding="utf-8"))
+    (line,) = (line for line in README.splitlines() if "configs/sensitivity.yaml --out" in line)
+    arguments = shlex.split(line)[1:]
+    arguments[arguments.index("--out") + 1] = str(tmp_path / "out")
+    assert "Sobol indices of stopping_time_s" in command(*arguments, cwd=ROOT).stdout
+    with (tmp_path / "out" / "sensitivity.csv").open(encoding="utf-8") as file:
+        total = {row["input"]: float(row["total"]) for row in csv.DictReader(file)}
+    # validation/sensitivity.py: drag has less than a hundredth of the variance, speed and eta_v nearly all.
+    assert total["medium.eta_d"] < 0.02
+    assert total["initial.impact_speed_rad_s"] > 0.3
+    assert total["medium.plunging.eta_v"] > 0.3
 
 
 def test_the_script_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch) -> None:
