@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from dataclasses import asdict, dataclass
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -93,6 +94,7 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {package: _version(package) for package in packages}
 
 
+@cache  # reading it takes as long as a run of the reduced model
 def _version(package: str) -> str:
     try:
         return metadata.version(package)

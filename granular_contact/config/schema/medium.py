@@ -6,7 +6,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text
+from granular_contact.config.schema.base import NotNegative, Point, Positive, Strict, Tagged, Text
+
+
+class Range(Strict):
+    """What the coefficients were found from, least and greatest; null: not known."""
+
+    speed_m_s: Point | None = None
+    depth_m: Point | None = None
+    diameter_m: Point | None = None
 
 
 class _Medium(Strict):
@@ -15,6 +23,9 @@ class _Medium(Strict):
     """Density of the medium as its law uses it."""
     source: Text | None = None
     """Where the coefficients come from."""
+    provenance: Text | None = None
+    """How they were found, as `fitted`."""
+    range: Range | None = None
 
 
 class VerticalStatic(Strict):
