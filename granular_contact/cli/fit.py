@@ -144,7 +144,8 @@ def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
             runs.append(tree.Mapping(at, dict(held), dict.fromkeys(held, at)))
     if without is not None:
         faults.append(Fault(without, None, "", "has no CSV file behind it; allowed are CONFIG DATA.csv [DATA.csv ...]"))
-    return tree.Items(tree.Position("fit", None), tuple(runs))
+    here = tree.Position("fit", None)
+    return tree.Items(here, tuple(runs)) if runs else tree.Broken(here)
 
 
 def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:
@@ -224,8 +225,8 @@ def _show(found: Fit) -> None:
     good = found.goodness
     words = "the residuals look like noise" if good.status == "fits" else "the residuals are no noise"
     print(
-        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g} of {good.degrees_of_freedom} degrees "
-        f"of freedom, {found.agreeing} of {len(found.solution.starts)} starts agree"
+        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g} of {good.degrees_of_freedom} "
+        f"degrees of freedom, {found.agreeing} of {len(found.solution.starts)} starts agree"
     )
     for warning in found.warnings:
         print(f"warning: {warning}")

@@ -1,4 +1,4 @@
-"""Coefficients from measurements: configs and data of many runs -> parameters with errors, and whether they can be true.
+"""Coefficients from measurements: configs and data of many runs -> parameters, their errors, and doubts about them.
 
 columns, measurements      names and units of what was measured; CSV files
 specification, parameters  what is asked for: fit file or command line; keys with start, bounds and scale

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from granular_contact.errors import Fault
 from granular_contact.fit import noise
-from granular_contact.fit.measurements import Measured, Table
+from granular_contact.fit.measurements import Measured
 from granular_contact.fit.parameters import Choice
-from granular_contact.fit.problem import Problem, Run
+from granular_contact.fit.problem import Problem
 from granular_contact.fit.tracks import ModelFailed
 from granular_contact.results import Results
 
@@ -23,72 +23,61 @@ PROBE = 0.1  # share of the way between the bounds by which a parameter is moved
 FREE_JOINTS = {"hinge", "weld"}  # of mechanisms whose flight is the same backwards
 
 
-def lengths(measured: Measured, first: Results, table: Table) -> Iterator[Fault]:
+def against_run(measured: Measured, first: Results, offset: float, early: float) -> Iterator[Fault]:
+    """What a first run says of data whose clock is `offset` (s) ahead, and that begin `early` (s) before the start."""
+    yield from _too_far(measured, first)
+    yield from _too_early(measured, first, early)
+    yield from _too_long(measured, first, offset)
+    yield from _too_short(measured, first, offset)
+
+
+def _too_far(measured: Measured, first: Results) -> Iterator[Fault]:
     """A fault for each column of lengths that the mechanism can't reach."""
+    reach = float(np.max(np.abs([first[c] for c in ("tip_x_m", "tip_y_m")])))
     for name, values in zip(measured.columns, measured.values.T, strict=True):
-        if not name.endswith("_m"):
-            continue
-        reach = float(np.max(np.abs([first[c] for c in ("tip_x_m", "tip_y_m")])))
         over = np.flatnonzero(np.abs(values) > FARTHEST * reach)
-        if len(over):
+        if len(over) and name.endswith("_m"):
             words = (
                 f"got {values[over[0]]:.4g} m, but the mechanism reaches {reach:.3g} m: is it in another unit than its "
                 "name says?"
             )
-            yield Fault(measured.file, table.lines[over[0]], name, words)
+            yield Fault(measured.file, measured.lines[over[0]], name, words)
 
 
-def run_faults(problem: Problem) -> Iterator[Fault]:
-    """Faults of data that reach beyond the run, or end before the impact does."""
-    start = problem.values(problem.start)
-    for run in problem.runs:
-        offset = run.offset if run.offset_index is None else start[run.offset_index]
-        results = run.simulator.results(tuple(float(start[i]) for i in run.acting))
-        yield from _too_early(run, results)
-        yield from _too_long(run, results, offset)
-        yield from _too_short(run, results, offset)
+def _too_early(measured: Measured, first: Results, early: float) -> Iterator[Fault]:
+    joints = {joint["type"] for joint in first.scenario["model"]["joints"].values()}
+    touches = first.scenario["medium"] is None or first["depth_m"][0] <= 1e-9
+    if early > 0.0 and not (joints <= FREE_JOINTS and touches):
+        words = (
+            f"begins {early:.4g} s before the start of the run (or may, by its offset), where this model can't be "
+            "followed back: leave these rows out, or let the run start earlier"
+        )
+        yield Fault(measured.file, measured.lines[0], "", words)
 
 
-def _too_early(run: Run, results: Results) -> Iterator[Fault]:
-    if run.simulator.early <= 0.0:
-        return
-    joints = {joint["type"] for joint in results.scenario["model"]["joints"].values()}
-    if joints <= FREE_JOINTS and results.scenario["medium"] is not None and _depth(results) <= 1e-9:
-        return
-    words = (
-        f"begins {run.simulator.early:.4g} s before the start of the run (or may, by its offset), where this model "
-        "can't be followed back: leave these rows out, or let the run start earlier"
-    )
-    yield Fault(run.measured.file, None, "", words)
-
-
-def _depth(results: Results) -> float:
-    return float(results["depth_m"][0]) if any(c.name == "depth_m" for c in results.columns) else 0.0
-
-
-def _too_long(run: Run, results: Results, offset: float) -> Iterator[Fault]:
-    end, last = float(results["time_s"][-1]), float(run.measured.time[-1]) - offset
-    if results.status.code != "rest" and last > end + 1e-9:
+def _too_long(measured: Measured, first: Results, offset: float) -> Iterator[Fault]:
+    end, last = float(first["time_s"][-1]), float(measured.time[-1]) - offset
+    if first.status.code != "rest" and last > end + 1e-9:
         words = (
             f"ends {last:.4g} s after the start, but the run at {end:.4g} s: raise solver.end_time_s, or cut the data"
         )
-        yield Fault(run.measured.file, None, "", words)
+        yield Fault(measured.file, measured.lines[-1], "", words)
 
 
-def _too_short(run: Run, results: Results, offset: float) -> Iterator[Fault]:
+def _too_short(measured: Measured, first: Results, offset: float) -> Iterator[Fault]:
     """Data that end while the link still moves, before the model says that it stops."""
-    stop, touch = results.summary["stopping_time_s"], results.summary["touch_time_s"]
-    last = float(run.measured.time[-1]) - offset
+    stop, touch = first.summary["stopping_time_s"], first.summary["touch_time_s"]
+    last = float(measured.time[-1]) - offset
     if stop is None or touch is None or last >= touch + stop:
         return
-    for name, values in zip(run.measured.columns, run.measured.values.T, strict=True):
-        moving = _moving_at_the_end(run.measured.time, values)
+    for name, values in zip(measured.columns, measured.values.T, strict=True):
+        moving = _moving_at_the_end(measured.time, values)
         if moving is not None and name != "deflection_m":
             words = (
                 f"ends {last:.4g} s after the start, when {name} still moves at {100 * moving:.0f} % of its greatest "
                 f"speed: shorter than the impact, which takes about {touch + stop:.3g} s; record until it stands still"
             )
-            yield Fault(run.measured.file, None, "", words)
+            yield Fault(measured.file, measured.lines[-1], "", words)
             return
 
 

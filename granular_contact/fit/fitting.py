@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from granular_contact.fit.goodness import Goodness, goodness
 from granular_contact.fit.jacobian import jacobian
 from granular_contact.fit.problem import Problem
-from granular_contact.fit.solve import SAME, Progress, Solution, solve
+from granular_contact.fit.solve import NOTHING, SAME, Progress, Solution, solve
 from granular_contact.fit.uncertainty import Uncertainty, band, uncertainty
 
 Vector = NDArray[np.float64]
@@ -46,9 +46,9 @@ class Fit:
 
     @property
     def agreeing(self) -> int:
-        """How many starts came to the best end."""
+        """How many starts came to the best end, or as good as there."""
         costs = np.array([start.cost for start in self.solution.starts])
-        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME)))
+        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME) + NOTHING * len(self.solution.residuals)))
 
     @property
     def warnings(self) -> tuple[str, ...]:

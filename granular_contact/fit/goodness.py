@@ -2,7 +2,7 @@
 
 Where the noise is not known the size of the residuals proves nothing, as the noise is estimated from them. Two things
 still do: residuals of noise are independent from row to row (Ljung and Box 1978), and they are no larger than what the
-data themselves change by from row to row.
+data themselves change by from row to row. Residuals as small as the errors of the computation are not judged.
 """
 
 from __future__ import annotations
@@ -65,10 +65,12 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
     free, degrees = len(problem.parameters), degrees_of_freedom(problem)
     f = solution.residuals / solution.sigma[problem.column_of()]
     columns = tuple(_columns(problem, solution, f))
-    at_floor = bool(np.all(solution.sigma <= noise.floors(problem) * (1.0 + 1e-9)))
-    series = list(_series(problem, f))
-    probability = 1.0 if at_floor else ljung_box(series, free)
-    words = [*_size_words(columns, free), *_order_words(probability, series)]
+    tiny = noise.at_floor(problem, solution.sigma)
+    named = zip(_series(problem, f), _names(problem), strict=True)
+    series = [one for one, name in named if not tiny[problem.columns.index(name)]]
+    probability = ljung_box(series, free)
+    told = [one for one, small in zip(columns, tiny, strict=True) if not small]
+    words = [*_size_words(told, free), *_order_words(probability, series)]
     return Goodness(
         status="misfit" if words else "fits",
         words=tuple(words),
@@ -90,12 +92,16 @@ def _series(problem: Problem, f: Vector) -> Iterator[Vector]:
         yield from block.T
 
 
+def _names(problem: Problem) -> list[str]:
+    """Columns of `_series`."""
+    return [name for run in problem.runs for name in run.measured.columns]
+
+
 def _columns(problem: Problem, solution: Solution, f: Vector) -> Iterator[ColumnFit]:
     column = problem.column_of()
     share = min(len(problem.parameters) / len(f), 0.5)
     series = dict[str, list[Vector]]()
-    names = [name for run in problem.runs for name in run.measured.columns]
-    for name, values in zip(names, _series(problem, f), strict=True):
+    for name, values in zip(_names(problem), _series(problem, f), strict=True):
         series.setdefault(name, []).append(values)
     for k, (name, given) in enumerate(problem.noise.items()):
         own = solution.residuals[column == k]

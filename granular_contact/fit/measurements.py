@@ -43,13 +43,14 @@ class Measured:
     """Rows of one run on the clock of the measurement.
 
     time: (n,) s, growing; values: (n, columns), each in the unit of the column of the time series that it is named
-    after; unused: what else the file has.
+    after; lines: of the rows in the file; unused: what else the file has.
     """
 
     file: str
     time: Vector
     columns: tuple[str, ...]
     values: Vector
+    lines: tuple[int, ...] = ()
     unused: tuple[str, ...] = ()
 
 
@@ -130,7 +131,8 @@ def select(
         return None
     names = tuple(column for column in values if column != TIME)
     matrix = np.column_stack([values[name] for name in names])
-    return Measured(table.file, values[TIME], names, matrix, tuple(name for name in table.header if name not in chosen))
+    unused = tuple(name for name in table.header if name not in chosen)
+    return Measured(table.file, values[TIME], names, matrix, table.lines, unused)
 
 
 Chosen = dict[str, tuple[str, float]]  # header -> column of the time series, factor to its unit
@@ -141,10 +143,10 @@ def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | 
     found = {name: hit for name in table.header if (hit := recognise(name, [TIME, *known])) is not None}
     ours = (*known, TIME)
     strange = [name for name in table.header if name not in found and not _is_of_a_run(name)]
-    hint = "or choose columns by name: --columns time_s=NAME,..., or columns: {time_s: NAME, ...} in a fit file"
-    for name in strange:
-        message = f"unknown column; {_nearest(name, ours)}; {hint}"
-        faults.append(Fault(table.file, table.header_line, name, message))
+    hint = "(or say which to take: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
+    faults += [
+        Fault(table.file, table.header_line, name, f"unknown column; {_nearest(name, ours)} {hint}") for name in strange
+    ]
     return None if strange else _complete(table.file, table.header_line, found, known, faults)
 
 
@@ -188,8 +190,8 @@ def _complete(file: str, line: int | None, found: Chosen, known: Sequence[str], 
         )
     if set(columns) <= {TIME}:
         faults.append(Fault(file, line, "", f"has nothing to compare a run with; allowed are {in_words(known)}"))
-    for column in sorted({column for column in columns if columns.count(column) > 1}):
-        faults.append(Fault(file, line, column, "is measured by two columns; choose one of them by name"))
+    twice = sorted({column for column in columns if columns.count(column) > 1})
+    faults += [Fault(file, line, column, "is measured by two columns; choose one of them by name") for column in twice]
     return found if len(faults) == before else None
 
 

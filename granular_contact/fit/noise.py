@@ -71,3 +71,8 @@ def floors(problem: Problem) -> Vector:
     """Least noise (columns,) that is told apart from the errors of the computation."""
     data, column = problem.data(), problem.column_of()
     return np.array([max(FLOOR * float(np.ptp(data[column == k])), 1e-12) for k in range(len(problem.columns))])
+
+
+def at_floor(problem: Problem, sigma: Vector) -> NDArray[np.bool_]:
+    """Whether a noise (columns,) is no more than the errors of the computation."""
+    return np.asarray(sigma <= floors(problem) * (1.0 + 1e-9))

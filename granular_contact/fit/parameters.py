@@ -57,7 +57,7 @@ def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, fault
             if isinstance(found, str):
                 problem = found
             else:
-                low, high, log = found
+                low, high, start, log = found
                 return Choice(Parameter(wanted.key, runs, low, high, start, log, wanted.name + suffix), wanted)
     faults.append(wanted.position.fault((wanted.name,), problem))
     return None
@@ -108,8 +108,11 @@ def _keys(plain: Any, path: str = "") -> Iterator[str]:
             yield from _keys(value, name)
 
 
-def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> tuple[float, float, bool] | str:
-    """Lower and upper bound, and whether the scale is logarithmic; or what is wrong with them."""
+def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> tuple[float, float, float, bool] | str:
+    """Lower and upper bound, start and whether the scale is logarithmic; or what is wrong with them.
+
+    Where the config's own value lies outside given bounds, the start is in the middle of them.
+    """
     if start == 0.0 and (wanted.low is None or wanted.high is None):
         return "starts at 0, from which no bounds follow: give it from and to"
     low = wanted.low if wanted.low is not None else _default(wanted, start, -1, simulators)
@@ -118,14 +121,14 @@ def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> t
         problem = _allowed(wanted, value, simulators)
         if problem is not None and (given is not None or name == "start"):
             return f"{name}: {problem}"
-    if not low <= start <= high:
-        return f"starts at {start:g}, which is not within the bounds from {low:g} to {high:g}; give it a start"
     if not low < high:
         return f"has no room between its bounds, {low:g} and {high:g}; give it from and to"
     log = wanted.scale == "log" or (wanted.scale is None and low > 0.0 and high / low >= LOG_FROM)
     if log and low <= 0.0:
         return f"has the lower bound {low:g}; on a log scale it must be above 0"
-    return low, high, log
+    if not low <= start <= high:
+        start = (low * high) ** 0.5 if log else 0.5 * (low + high)
+    return low, high, start, log
 
 
 def _default(wanted: Wanted, start: float, side: int, simulators: Sequence[Simulator]) -> float:

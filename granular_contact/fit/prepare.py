@@ -41,7 +41,6 @@ def prepare(wanted: Specification) -> Problem:
     problem = _problem(wanted, sources, choices, faults)
     if not faults:
         try:
-            faults += checks.run_faults(problem)
             faults += checks.unused(problem, choices)
         except ModelFailed as error:
             faults.append(Fault(wanted.name, None, "", f"the model fails at the start values: {error}"))
@@ -91,7 +90,17 @@ class _Source:
         known = observables(column.name for column in self.first.columns)
         self.measured = select(table, known, wanted.columns, faults)
         if self.measured is not None:
-            faults += checks.lengths(self.measured, self.first, table)
+            start, latest = _offsets(wanted)
+            self.early = max(0.0, latest - float(self.measured.time[0]))
+            faults += checks.against_run(self.measured, self.first, start, self.early)
+
+
+def _offsets(wanted: RunWanted) -> tuple[float, float]:
+    """Offset of the clock to start from, and the greatest that it may have (s)."""
+    if isinstance(wanted.offset, Wanted):
+        _, high, start = wanted.offset.bounds
+        return start, high
+    return wanted.offset, wanted.offset
 
 
 def _template(wanted: RunWanted, templates: dict[Path, Template | None], faults: list[Fault]) -> Template | None:
@@ -126,14 +135,12 @@ def _problem(
         )
         offset_index, offset = None, 0.0
         if isinstance(one.offset, Wanted):
-            assert one.offset.low is not None and one.offset.high is not None and one.offset.start is not None
             offset_index = len(parameters)
-            bounds = one.offset.low, one.offset.high, one.offset.start
+            bounds = one.offset.bounds
             parameters.append(Parameter(OFFSET, (i,), *bounds, log=False, label=f"{OFFSET[0]} @ {one.name}"))
         else:
             offset = one.offset
-        latest = bounds[1] if offset_index is not None else offset
-        simulator.early = max(0.0, latest - float(source.measured.time[0]))
+        simulator.early = source.early
         runs.append(Run(one.name, simulator, source.measured, acting, offset, offset_index))
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
     return Problem(

@@ -28,7 +28,8 @@ ROUNDS = 8  # of weights and parameters in turn
 SETTLED = 1e-3  # relative change of the noise that ends them
 ROUGHLY = 1e-4  # tolerance of the way from a start into its basin
 FAR = 1e6  # residual of parameters for which the model fails
-SAME = 1e-3  # relative difference of cost between starts that came to the same end
+SAME = 0.02  # relative difference of cost between starts that came to the same end
+NOTHING = 1e-7  # cost for each value of data that are met but for the errors of the computation
 
 
 @dataclass(frozen=True)

@@ -58,6 +58,13 @@ class Wanted:
         """The dotted key."""
         return ".".join(self.key)
 
+    @property
+    def bounds(self) -> tuple[float, float, float]:
+        """Lower and upper bound and start, of one that has all three."""
+        if self.low is None or self.high is None or self.start is None:
+            raise ValueError(f"{self.name} has no bounds")
+        return self.low, self.high, self.start
+
 
 @dataclass(frozen=True)
 class RunWanted:

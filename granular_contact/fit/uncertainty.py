@@ -85,6 +85,8 @@ def _covariance(problem: Problem, solution: Solution) -> Vector:
     inverse = (right.T / np.maximum(singular, LEAST * singular[0]) ** 2) @ right
     pull = float(np.sum(noise.psi(f, problem.loss) ** 2)) / degrees_of_freedom(problem)
     factor = pull / float(np.mean(noise.psi_slope(f, problem.loss))) ** 2
+    if np.any(noise.at_floor(problem, solution.sigma)):  # then the residuals are smaller than what can be believed
+        factor = max(factor, 1.0)
     return np.asarray(factor * inverse / np.outer(length, length))
 
 

@@ -99,6 +99,8 @@ def _curves(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, uni
 def _residuals(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, unit: Unit) -> None:
     noise = column.noise * unit.factor
     axes.axhspan(-column.quantile * noise, column.quantile * noise, color=SKY, alpha=0.3, linewidth=0)
+    fine, sure = run.fine * clock.factor, column.half_width * unit.factor
+    axes.fill_between(fine, -sure, sure, color=BLUE, alpha=0.5, linewidth=0)
     axes.axhline(0.0, color=FAINT, linewidth=0.5)
     axes.plot(run.time * clock.factor, column.residuals * unit.factor, "o", color=VERMILION, markersize=1.8)
     axes.set_ylabel(f"residual ({unit.name})")
