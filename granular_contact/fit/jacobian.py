@@ -20,13 +20,13 @@ Vector = NDArray[np.float64]
 STEP = 3e-3
 
 
-def jacobian(problem: Problem, scaled: Vector, times: Sequence[Vector]) -> Vector:
-    """Derivatives (values, parameters) of `problem.model`; raises ModelFailed."""
+def jacobian(problem: Problem, scaled: Vector, times: Sequence[Vector], rough: bool = False) -> Vector:
+    """Derivatives (values, parameters) of `problem.model`; rough: one-sided, for half the runs. Raises ModelFailed."""
     blocks = [len(time) * len(run.measured.columns) for run, time in zip(problem.runs, times, strict=True)]
     ends = np.cumsum(blocks)
     result = np.zeros((ends[-1], len(problem.parameters)))
     for j, parameter in enumerate(problem.parameters):
-        shifts, weights = _stencil(parameter, float(scaled[j]))
+        shifts, weights = _stencil(parameter, float(scaled[j]), rough)
         for i in parameter.runs:
             run = problem.runs[i]
             block = slice(ends[i] - blocks[i], ends[i])
@@ -37,10 +37,13 @@ def jacobian(problem: Problem, scaled: Vector, times: Sequence[Vector]) -> Vecto
     return result
 
 
-def _stencil(parameter: Parameter, at: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Shifts and weights of a second-order difference that stays within the bounds."""
+def _stencil(parameter: Parameter, at: float, rough: bool) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Shifts and weights of a difference that stays within the bounds, of second order unless rough."""
     low, high = parameter.scaled(parameter.low), parameter.scaled(parameter.high)
     h = min(STEP, 0.25 * (high - low))
+    if rough:
+        h = h if at + h <= high else -h
+        return (0.0, h), (-1.0 / h, 1.0 / h)
     if at - h < low:
         return (0.0, h, 2 * h), (-1.5 / h, 2.0 / h, -0.5 / h)
     if at + h > high:

@@ -26,7 +26,7 @@ Progress = Callable[[int, int], None]
 MOST_EVALUATIONS = 60
 ROUNDS = 8  # of weights and parameters in turn
 SETTLED = 1e-3  # relative change of the noise that ends them
-ROUGHLY = 1e-4  # tolerance of the way from a start into its basin
+ROUGHLY, FINELY = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
 FAR = 1e6  # residual of parameters for which the model fails
 SAME = 0.02  # relative difference of cost between starts that came to the same end
 NOTHING = 1e-7  # cost for each value of data that are met but for the errors of the computation
@@ -118,13 +118,15 @@ def descend(problem: Problem, point: Vector) -> Start:
     spread = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
     try:
         problem.model(point, problem.times())
-        found = minimise(problem, point, spread, "linear", tolerance=ROUGHLY)
+        found = minimise(problem, point, spread, "linear", ROUGHLY, rough=True)
     except ModelFailed as error:
         return Start(point, np.inf, str(error))
     return Start(found.x, float(found.cost))
 
 
-def minimise(problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = 1e-9) -> Any:
+def minimise(
+    problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINELY, rough: bool = False
+) -> Any:
     """`scipy.optimize.least_squares` of residuals in units of sigma (columns,); raises ModelFailed."""
     data, weights, times = problem.data(), 1.0 / sigma[problem.column_of()], problem.times()
 
@@ -137,7 +139,7 @@ def minimise(problem: Problem, point: Vector, sigma: Vector, loss: Loss, toleran
     return least_squares(
         residuals,
         point,
-        jac=lambda scaled: jacobian(problem, scaled, times) * weights[:, None],
+        jac=lambda scaled: jacobian(problem, scaled, times, rough) * weights[:, None],
         bounds=problem.bounds,
         x_scale="jac",
         loss=loss,

@@ -14,11 +14,13 @@ from granular_contact.fit.problem import Parameter, Problem
 from granular_contact.fit.solve import Solution
 
 Vector = NDArray[np.float64]
+# Relative standard error along an axis of the ellipsoid of errors, and the parts of its direction by label.
+Direction = tuple[float, dict[str, float]]
+Directions = tuple[Direction, ...]
 
 LEVEL = 0.95
-LOOSE = 0.10  # relative: a combination known less well than that is one that the data leave open
+LOOSE = 0.10  # relative error from which on a parameter counts as not determined
 CLOSE = 0.95  # correlation of parameters that are hard to tell apart
-MEMBER = 0.25  # share in a direction from which on a parameter is named
 LEAST = 1e-9  # of the largest singular value: less is nothing
 
 
@@ -45,7 +47,7 @@ class Uncertainty:
     estimates: tuple[Estimate, ...]
     covariance: Vector
     correlation: Vector
-    directions: tuple[tuple[float, dict[str, float]], ...]
+    directions: Directions
     words: tuple[str, ...]
     quantile: float
 
@@ -101,7 +103,7 @@ def _unbounded(parameter: Parameter, scaled: float) -> float:
     return float(np.exp(np.clip(scaled, -700, 700))) if parameter.log else scaled * parameter.unit
 
 
-def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Iterator[tuple[float, dict[str, float]]]:
+def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Iterator[Direction]:
     """Axes of the ellipsoid of the shared parameters, relative to their values: loosest first."""
     own = [j for j, p in enumerate(problem.parameters) if p.shared]
     relative = np.array([_relative(problem.parameters[j], float(solution.scaled[j])) for j in own])
@@ -136,31 +138,33 @@ def _bound_words(estimates: Sequence[Estimate], covariance: Vector) -> Iterator[
         yield f"{one.parameter.label} stands at its {side} bound, {bound:g}: {why}"
 
 
-def _words(directions: Sequence[tuple[float, dict[str, float]]]) -> Iterator[str]:
+def _words(directions: Directions) -> Iterator[str]:
     """A sentence for each combination that the data leave open."""
-    for deviation, parts in directions:
-        if deviation <= LOOSE:
-            continue
-        members = {label: part for label, part in parts.items() if abs(part) >= MEMBER}
-        size = "not at all" if deviation > 3.0 else f"only to {100 * deviation:.0f} %"
-        if len(members) == 1:
-            yield f"{next(iter(members))} is determined {size}"
-            continue
+    for members in map(_members, directions):
         names = list(members)
-        together = f"{', '.join(names[:-1])} and {names[-1]}"
-        yield (
-            f"{together}: only their combination is determined, not each alone; changes in the ratio "
-            f"{' : '.join(f'{part:+.2f}' for part in members.values())} (relative) are seen {size}"
-        )
+        errors = [f"{100 * error:.0f} %" if error < 3.0 else "any size" for error in members.values()]
+        if len(names) == 1:
+            yield f"{names[0]} is not determined by these data: its error is {errors[0].replace('any', 'of any')}"
+        elif names:
+            yield (
+                f"{_listed(names)}: only their combination is determined by these data, not each alone; errors of "
+                f"{_listed(errors)} go together"
+            )
 
 
-def _close_words(
-    problem: Problem, correlation: Vector, directions: Sequence[tuple[float, dict[str, float]]]
-) -> Iterator[str]:
+def _members(direction: Direction) -> dict[str, float]:
+    """Parameters that a direction makes uncertain by more than `LOOSE`, and by how much (relative)."""
+    size, parts = direction
+    return {label: size * abs(part) for label, part in parts.items() if size * abs(part) > LOOSE}
+
+
+def _listed(words: Sequence[str]) -> str:
+    return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def _close_words(problem: Problem, correlation: Vector, directions: Directions) -> Iterator[str]:
     """Pairs that are known well enough, and yet vary together."""
-    named = [
-        {label for label, part in parts.items() if abs(part) >= MEMBER} for size, parts in directions if size > LOOSE
-    ]
+    named = [set(_members(direction)) for direction in directions]
     for i, one in enumerate(problem.parameters):
         for j, other in enumerate(problem.parameters[:i]):
             close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= CLOSE
