@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from granular_contact.config.load import Template, by_place
-from granular_contact.config.overrides import Override
+from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
@@ -16,7 +16,7 @@ from granular_contact.fit.measurements import Measured, read_table, select
 from granular_contact.fit.parameters import Choice, choose, own_choices
 from granular_contact.fit.problem import OFFSET, Parameter, Problem, Run
 from granular_contact.fit.specification import RunWanted, Specification, Wanted
-from granular_contact.fit.tracks import ModelFailed, Simulator
+from granular_contact.fit.tracks import ModelFailed, Simulator, filled
 from granular_contact.scene import build
 
 
@@ -63,22 +63,23 @@ class _Source:
         templates: dict[Path, Template | None],
         faults: list[Fault],
     ) -> None:
-        self.overrides = (*common, *wanted.overrides)
         before = len(faults)
         table = read_table(shown(wanted.data), faults)
-        self.template = _template(wanted, templates, faults)
+        template = _template(wanted, templates, faults)
         self.measured: Measured | None = None
-        if self.template is None:
+        if template is None:
             return
-        self.simulator = Simulator(self.template, self.overrides, ())
         try:
-            loaded = self.simulator.load(())
-            try:
-                build(loaded.scenario)
-            except SceneError as error:
-                faults += loaded.sources.place(error.faults)
+            loaded = template.make(effective([*common, *wanted.overrides]))
         except ConfigError as error:
             faults += error.faults
+            return
+        try:
+            build(loaded.scenario)
+        except SceneError as error:
+            faults += loaded.sources.place(error.faults)
+        self.template = filled(loaded.scenario)
+        self.simulator = Simulator(self.template)
         if table is None or len(faults) > before:
             return
         try:
@@ -127,12 +128,9 @@ def _problem(
     parameters: list[Parameter] = [choice.parameter for choice in choices]
     runs = []
     for i, (one, source) in enumerate(zip(wanted.runs, sources, strict=True)):
-        assert source.template is not None  # or there was a fault
-        assert source.measured is not None
+        assert source.measured is not None  # or there was a fault
         acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key != OFFSET)
-        simulator = Simulator(
-            source.template, source.overrides, [parameters[j].key for j in acting], source.measured.columns
-        )
+        simulator = Simulator(source.template, [parameters[j].key for j in acting], source.measured.columns)
         offset_index, offset = None, 0.0
         if isinstance(one.offset, Wanted):
             offset_index = len(parameters)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override, effective
-from granular_contact.config.tree import Position, Scalar
+from granular_contact.config.tree import Items, Mapping, Node, Position, Scalar
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import Results
 from granular_contact.run import run
@@ -51,16 +54,27 @@ class Track:
         return values
 
 
+def filled(scenario: Scenario) -> Template:
+    """Template of a scenario with every default in place, so that each single value can be replaced."""
+    return Template(_node(scenario_to_dict(scenario)), Path(scenario.name or "fit"), [])
+
+
+def _node(plain: Any) -> Node:
+    if isinstance(plain, dict):
+        nodes = {key: _node(value) for key, value in plain.items()}
+        return Mapping(_HERE, nodes, dict.fromkeys(nodes, _HERE))
+    return Items(_HERE, tuple(map(_node, plain))) if isinstance(plain, list) else Scalar(_HERE, plain, repr(plain))
+
+
 class Simulator:
     """The runs of one config, by the values of some of its keys; the latest are remembered.
 
-    columns: which of the time series are kept. early: time (s) before the start for which curves are needed.
+    template: of `filled`. columns: which of the time series are kept. early: time (s) before the start for which
+    curves are needed.
     """
 
-    def __init__(
-        self, template: Template, common: Sequence[Override], keys: Sequence[Key], columns: Sequence[str] = ()
-    ) -> None:
-        self._template, self._common, self._keys = template, tuple(common), tuple(keys)
+    def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
+        self._template, self._keys = template, tuple(keys)
         self.columns, self.early = tuple(columns), 0.0
         self._tracks: dict[tuple[float, ...], Track] = {}
 
@@ -74,7 +88,7 @@ class Simulator:
             Override(key, Scalar(_HERE, float(value), repr(float(value))), _HERE)
             for key, value in zip(self._keys, values, strict=True)
         ]
-        return self._template.make(effective([*self._common, *varied, *_ALL_ROWS, *more]))
+        return self._template.make(effective([*varied, *_ALL_ROWS, *more]))
 
     def results(self, values: Sequence[float], more: Sequence[Override] = ()) -> Results:
         """A whole run.
