@@ -70,6 +70,7 @@ class Results:
     summary: what summary.json holds (JSON types only, SI units in the keys).
     scenario: the scenario with every default resolved, as plain YAML types.
     surface: height of the free surface (m), None in vacuum.
+    terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
     """
 
     name: str
@@ -81,6 +82,7 @@ class Results:
     snapshots: tuple[Snapshot, ...]
     surface: float | None
     warnings: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """Column `name` as an array (rows,); KeyError lists the columns there are."""

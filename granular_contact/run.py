@@ -51,6 +51,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in instants.items()),
         surface=scene.surface if scene.medium is not None else None,
         warnings=tuple(summary["warnings"]),
+        terms=solved.terms,
     )
 
 
@@ -58,7 +59,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    more: what the summary has besides.
+    terms: names of the terms of the granular force; more: what the summary has besides.
     """
 
     status: Status
@@ -67,6 +68,7 @@ class _Solved:
     table: Vector
     stop: Callable[[Touch], Stop | None]
     outlines: Callable[[int], tuple[Outline, ...]]
+    terms: tuple[str, ...]
     more: dict[str, Any]
 
 
@@ -84,6 +86,7 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         *observer.columns(),
         stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
+        terms=observer.terms,
         more={},
     )
 
@@ -102,6 +105,7 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         *observer.columns(),
         stop=lambda _: observer.stop(),
         outlines=observer.outlines,
+        terms=scene.medium.terms if scene.medium is not None else (),
         more={"static_turns": trajectory.turns},
     )
 
