@@ -28,7 +28,7 @@ ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
     "sweep": (TABLE, SWEEP, CASES),
     "compare": ("compare.csv", FIGURES),
-    "fit": ("fit.json", "medium.yaml", "residuals.csv", FIGURES),
+    "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
 }
 CHUNK = 4096  # rows of the table that are Python floats at one time
 

@@ -224,25 +224,28 @@ def subset_table(found: dict[str, Uncertainty]) -> str:
 
 # ---- data of other models ----
 
+# What made the data, what the fit takes for known, and by how much the link is faster than the fit believes.
 OTHERS = {
-    "none: the model itself": ((RIGID,), ()),
-    "beam of 16 elements": (("method=engine", "model.bodies.link.flexible.elements=16"), ()),
-    "end cap that the model leaves out": ((RIGID, "load.end_cap=true"), ()),
-    "lambda 1.3, taken for 1.1": ((RIGID, "medium.plunging.lambda=1.3"), ("medium.plunging.lambda",)),
+    "none: the model itself": ((RIGID,), (), 1.0),
+    "beam of 16 elements": (("method=engine", "model.bodies.link.flexible.elements=16"), (), 1.0),
+    "lambda 1.3, taken for 1.1": ((RIGID, "medium.plunging.lambda=1.3"), ("medium.plunging.lambda",), 1.0),
     "smooth law, reference speed 0.1 m/s": (
         ("method={reduced: {modes: 0, static: smooth}}", "load.friction={type: smooth, reference_speed_m_s: 0.1}"),
         (),
+        1.0,
     ),
-    "resultant in the place of distributed": ((RIGID, "load.form=resultant"), ()),
-    "gravity 5 % larger": ((RIGID, "gravity_m_s2=10.3"), ()),
+    "resultant in the place of distributed": ((RIGID, "load.form=resultant"), (), 1.0),
+    "impact speeds 2 % larger": ((RIGID,), (), 1.02),
+    "gravity 5 % larger": ((RIGID, "gravity_m_s2=10.3"), (), 1.0),
 }
+BLATANT = ("lambda 1.3, taken for 1.1", "smooth law, reference speed 0.1 m/s", "impact speeds 2 % larger")
 
 
 def misfits(count: int) -> tuple[list[list[str]], dict[str, int]]:
     """Rows of the table of other models, and how many of so many draws were called a misfit."""
     rows, seen = [], {}
-    for name, (overrides, fixed) in OTHERS.items():
-        exact = [markers(case, overrides)[1] for case in CASES]
+    for name, (overrides, fixed, faster) in OTHERS.items():
+        exact = [markers((angle, faster * speed), overrides)[1] for angle, speed in CASES]
         problem = problem_of(CASES, fixed=fixed)
         found = draws(problem, exact, range(1000, 1000 + count))
         seen[name] = sum(d.misfit for d in found)
@@ -360,11 +363,10 @@ def study(quick: bool) -> Outcome:
         rows, seen = misfits(10)
         head = ["difference of the data from the model", "called a misfit", *SHORT]
         text += ["Twelve impacts of other models, fitted with the rigid one; means of ten draws.", markdown(head, rows)]
-        blatant = ("lambda 1.3, taken for 1.1", "smooth law, reference speed 0.1 m/s")
         claims.append(
             claim(
                 "other models are called a misfit",
-                all(seen[name] == 10 for name in blatant) and seen["none: the model itself"] == 0,
+                all(seen[name] == 10 for name in BLATANT) and seen["none: the model itself"] == 0,
                 "; ".join(f"{name}: {n} of 10" for name, n in seen.items()),
             )
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,9 @@ Vector = NDArray[np.float64]
 FARTHEST = 10.0  # times what the mechanism reaches: no length of this run
 STILL_MOVING = 0.25  # of the greatest speed in the data
 PROBE = 0.1  # share of the way between the bounds by which a parameter is moved to see whether it moves anything
-FREE_JOINTS = {"hinge", "weld"}  # of mechanisms whose flight is the same backwards
+# Joints of mechanisms whose flight is the same backwards, and what may be said of such joints.
+FREE_JOINTS = {"hinge", "weld"}
+JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "angle_deg"}
 
 
 def against_run(measured: Measured, first: Results, offset: float, early: float) -> Iterator[Fault]:
@@ -45,14 +48,29 @@ def _too_far(measured: Measured, first: Results) -> Iterator[Fault]:
 
 
 def _too_early(measured: Measured, first: Results, early: float) -> Iterator[Fault]:
-    joints = {joint["type"] for joint in first.scenario["model"]["joints"].values()}
-    touches = first.scenario["medium"] is None or first["depth_m"][0] <= 1e-9
-    if early > 0.0 and not (joints <= FREE_JOINTS and touches):
+    if early > 0.0 and not _reversible(measured, first):
         words = (
             f"begins {early:.4g} s before the start of the run (or may, by its offset), where this model can't be "
             "followed back: leave these rows out, or let the run start earlier"
         )
         yield Fault(measured.file, measured.lines[0], "", words)
+
+
+def _reversible(measured: Measured, first: Results) -> bool:
+    """Whether what came before the start is free flight of a mechanism that loses nothing, above a level surface."""
+    scenario = first.scenario
+    joints = scenario["model"]["joints"].values()
+    free = all(j["type"] in FREE_JOINTS and {k for k, v in j.items() if v} <= JOINT_KEYS for j in joints)
+    lossy = any(_damped(body) for body in scenario["model"]["bodies"].values())
+    sloped = bool(scenario.get("bed")) and "depth_m" in measured.columns
+    turning = "impact_speed_rad_s" in scenario["initial"] and not scenario.get("drives")
+    touches = not scenario["medium"] or first["depth_m"][0] <= 1e-9
+    return free and turning and touches and not lossy and not sloped
+
+
+def _damped(body: dict[str, Any]) -> bool:
+    flexible = body.get("flexible") or {}
+    return any(value for key, value in flexible.items() if "damping" in key)
 
 
 def _too_long(measured: Measured, first: Results, offset: float) -> Iterator[Fault]:

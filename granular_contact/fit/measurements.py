@@ -152,7 +152,7 @@ def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | 
 
 def _is_of_a_run(name: str) -> bool:
     """Whether a run's own table has such columns, which no camera sees."""
-    return name.endswith(("_rad_s", "_N", "_Nm", "_J"))
+    return name.endswith(("_rad_s", "_m_s", "_N", "_Nm", "_J", "_W"))
 
 
 def _mapped(

@@ -8,33 +8,45 @@ import numpy as np
 
 from granular_contact.fit.fitting import Fit
 from granular_contact.fit.problem import Run
+from granular_contact.fit.tracks import Key
 from granular_contact.results import Results
 
-PROVENANCE = "fitted"
+MEDIUM, PROVENANCE = "medium", "fitted"
 
 
-def medium(fit: Fit, program: str) -> dict[str, Any] | None:
-    """The medium of the first run with the fitted values, as a config has it; None if nothing of it was fitted."""
-    shared = [p for p in fit.problem.parameters if p.key[0] == "medium" and p.shared]
+def media(fit: Fit, program: str) -> dict[str, dict[str, Any]]:
+    """Media of the first run with the fitted values, as configs have them, by the names of their files.
+
+    Of several media that add up, those of which something was fitted.
+    """
+    shared = [p.key for p in fit.problem.parameters if p.key[0] == "medium" and p.shared]
     if not shared:
-        return None
+        return {}
     runs = [(run, results_of(fit, run)) for run in fit.problem.runs]
-    found: dict[str, Any] = runs[0][1].scenario["medium"]
-    names = ", ".join(".".join(p.key[1:]) for p in shared)
-    files = sorted({run.measured.file for run in fit.problem.runs})
-    listed = ", ".join(files[:4]) + (f" and {len(files) - 4} more" if len(files) > 4 else "")
-    ends = [
-        found.get("name") or "medium",
-        f"{names} fitted by {program} to {len(runs)} run{'s' * (len(runs) > 1)} ({listed})",
-    ]
-    if fit.goodness.status == "misfit":
-        ends.append("misfit: this law does not describe these data")
-    return found | {
-        "name": f"{ends[0]}_fitted",
-        "source": "; ".join(ends[1:]),
-        "provenance": PROVENANCE,
-        "range": seen(runs),
+    held = runs[0][1].scenario["medium"]
+    if not isinstance(held, list):
+        return {f"{MEDIUM}.yaml": _described(fit, held, [key[1:] for key in shared], runs, program)}
+    return {
+        f"{MEDIUM}_{index}.yaml": _described(
+            fit, held[int(index)], [k[2:] for k in shared if k[1] == index], runs, program
+        )
+        for index in sorted({key[1] for key in shared})
     }
+
+
+def _described(
+    fit: Fit, found: dict[str, Any], keys: list[Key], runs: list[tuple[Run, Results]], program: str
+) -> dict[str, Any]:
+    """A medium with its new source and range in the place of the old ones."""
+    names = ", ".join(map(".".join, keys))
+    files = sorted({run.measured.file for run, _ in runs})
+    listed = ", ".join(files[:4]) + (f" and {len(files) - 4} more" if len(files) > 4 else "")
+    source = f"{names} fitted by {program} to {len(runs)} run{'s' * (len(runs) > 1)} ({listed})"
+    if fit.goodness.status == "misfit":
+        source += "; misfit: this law does not describe these data"
+    kept = {key: value for key, value in found.items() if key != "standing"}  # that of the numbers before
+    new = {"name": f"{found.get('name') or MEDIUM}_fitted", "source": source}
+    return kept | new | {"provenance": PROVENANCE, "range": seen(runs)}
 
 
 def results_of(fit: Fit, run: Run) -> Results:
@@ -55,7 +67,7 @@ def seen(runs: list[tuple[Run, Results]]) -> dict[str, list[float]]:
     return {
         "speed_m_s": _span(speeds),
         "depth_m": _span(depths),
-        "diameter_m": _span(diameters),
+        "size_m": _span(diameters),
     }
 
 

@@ -129,8 +129,11 @@ class Simulator:
         turned = {
             ("medium",): None,
             ("initial", "impact_speed_rad_s"): -scenario.initial.impact_speed_rad_s,
-            ("surface_height_m",): build(scenario).surface,
             ("solver", "end_time_s"): max(self.early, 2.0 * scenario.solver.step_s),
             ("solver", "rest_time_s"): None,
         }
+        if "depth_m" in self.columns:
+            turned["surface_height_m",] = build(scenario).surface
+        if "bed" in scenario_to_dict(scenario):
+            turned["bed",] = None
         return self.results(values, [Override(key, Scalar(_HERE, v, repr(v)), _HERE) for key, v in turned.items()])

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from granular_contact.fit.fitting import Fit
-from granular_contact.fit.medium import medium
+from granular_contact.fit.medium import media
 from granular_contact.fit.problem import Parameter
 from granular_contact.report import FIGURES, PROGRAM, version, whole_folder, yaml_text
 from granular_contact.summary import versions
 
-SUMMARY, MEDIUM, RESIDUALS = "fit.json", "medium.yaml", "residuals.csv"
+SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
 
 
 def write(fit: Fit, directory: Path, figures: bool = True) -> None:
@@ -30,9 +30,8 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
     with whole_folder(directory, "fit") as folder:
         text = json.dumps(_plain(summary(fit)), indent=2, allow_nan=False, ensure_ascii=False)
         (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
-        found = medium(fit, f"{PROGRAM} {version()}")
-        if found is not None:
-            (folder / MEDIUM).write_text(_header(fit) + yaml_text(found), encoding="utf-8")
+        for name, found in media(fit, f"{PROGRAM} {version()}").items():
+            (folder / name).write_text(_header(fit, name) + yaml_text(found), encoding="utf-8")
         with (folder / RESIDUALS).open("w", encoding="utf-8") as file:
             file.writelines(_residual_lines(fit))
         if figures:
@@ -42,8 +41,8 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
             draw(figure_data(fit), folder / FIGURES)
 
 
-def _header(fit: Fit) -> str:
-    lines = [f"Written by {PROGRAM} {version()}; in a config: medium: path/to/{MEDIUM}"]
+def _header(fit: Fit, name: str) -> str:
+    lines = [f"Written by {PROGRAM} {version()}; in a config: medium: path/to/{name}"]
     shared = [one for one in fit.uncertainty.estimates if one.parameter.shared]
     lines += [f"{one.parameter.label}: {one.value:.6g} +- {one.error:.2g}" for one in shared]
     lines += fit.warnings

@@ -60,7 +60,7 @@ def test_the_medium_is_ready_to_use_and_says_where_it_is_from(folder: Path, tmp_
     assert "strike.csv" in medium["source"]
     # The tip starts at 6.24 rad/s and 0.2635 m from the pivot, and comes to rest; the only bar that dips is the link.
     assert medium["range"]["speed_m_s"] == pytest.approx([0.0, 6.24 * 0.263525], abs=5e-3)
-    assert medium["range"]["diameter_m"] == [0.00635, 0.00635]
+    assert medium["range"]["size_m"] == [0.00635, 0.00635]
     assert medium["range"]["depth_m"][0] == 0.0
     assert medium["range"]["depth_m"][1] == pytest.approx(0.0163, rel=0.02)
     text = CONFIG.read_text(encoding="utf-8").replace("play_sand", str(folder / "medium.yaml"))

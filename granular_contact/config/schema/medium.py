@@ -14,7 +14,8 @@ class Range(Strict):
 
     speed_m_s: Point | None = None
     depth_m: Point | None = None
-    diameter_m: Point | None = None
+    size_m: Point | None = None
+    """Diameter of bars."""
 
 
 class _Medium(Strict):
