@@ -31,6 +31,7 @@ MAY = {
     "plots": {"plots", "results"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "fit": {"fit", "config", "scene", "run", "report", "results", "summary", "plots", "sweep", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
@@ -81,7 +82,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
-        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare")
+        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare", "fit")
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)
