@@ -31,6 +31,7 @@ ENTRIES = {
     "compare": ("compare.csv", FIGURES),
     "compare-media": ("compare-media.csv", FIGURES),
     "media": (LAW,),
+    "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
 }
 CHUNK = 4096  # rows of the table that are Python floats at one time
 
