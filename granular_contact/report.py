@@ -22,6 +22,7 @@ from granular_contact.results import Results
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
+ANIMATION = "animation"  # .gif or .mp4
 TABLE, SWEEP, CASES = "table.csv", "sweep.yaml", "cases"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
@@ -50,14 +51,16 @@ def check_target(directory: Path, kind: str = "run") -> None:
     if not directory.is_dir():
         raise NotADirectoryError(f"{directory} is a file; results need a folder: give another name")
     entries = sorted(path.name for path in directory.iterdir())
-    foreign = [name for name in entries if name not in ENTRIES[kind] and not name.startswith((".", "animation."))]
+    foreign = [name for name in entries if name not in ENTRIES[kind] and not name.startswith((".", f"{ANIMATION}."))]
     if foreign:
         message = f"{directory} holds {foreign[0]!r}, which no {kind} wrote: give another folder or move it"
         raise FileExistsError(message)
 
 
-def write(results: Results, directory: Path, figures: bool = True) -> None:
+def write(results: Results, directory: Path, figures: bool = True, film: str | None = None) -> None:
     """Write `results` to `directory`, in place of an earlier run's results there.
+
+    film: `gif` or `mp4`, for the frames of results that have some; None for no animation.
 
     The folder is made beside its place under a hidden name and then exchanged for the old one, so that a full disk or
     Ctrl-C leaves the old folder as it was.
@@ -76,6 +79,10 @@ def write(results: Results, directory: Path, figures: bool = True) -> None:
 
             (making / FIGURES).mkdir()
             plots.draw(results, making / FIGURES)
+        if film is not None:
+            from granular_contact.plots.film import write as animate
+
+            animate(results, making / f"{ANIMATION}.{film}")
 
 
 @contextmanager

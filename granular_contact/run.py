@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.types import Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from granular_contact.multibody.observe import Observer
 
 
-def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> Results:
+def run(scene: Scene, scenario: Scenario, progress: Progress | None = None, *, most_frames: int = 0) -> Results:
     """Simulate a scene. However the run ends, what it reached is in the results; look at their status.
 
     Parameters
@@ -29,13 +30,15 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         Kept with the results, with its defaults resolved.
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
+    most_frames : int
+        From 2: the results get at most so many frames, for an animation.
     """
     solved = _by_engine(scene, progress) if scene.method is None else _reduced(scene, scene.method, progress)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(time, series["depth_m"]) if scene.medium is not None else None
     stop = None if touch is None else solved.stop(touch)
-    instants = {
+    moments = {
         "touch": 0 if touch is None else touch.index,
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
@@ -48,9 +51,10 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         table=table[_rows(time, scene.output_interval)],
         summary=summary,
         scenario=scenario_to_dict(scenario),
-        snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in instants.items()),
+        snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in moments.items()),
         surface=scene.surface if scene.medium is not None else None,
         warnings=tuple(summary["warnings"]),
+        frames=_frames(scene, solved, time, most_frames) if most_frames else (),
     )
 
 
@@ -58,7 +62,8 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    more: what the summary has besides.
+    pictures: outlines at given times (k,) s. loads: forces of the medium, see `frames.frames`. more: what the summary
+    has besides.
     """
 
     status: Status
@@ -67,6 +72,8 @@ class _Solved:
     table: Vector
     stop: Callable[[Touch], Stop | None]
     outlines: Callable[[int], tuple[Outline, ...]]
+    pictures: Callable[[Vector], Pictures]
+    loads: dict[str, Vector]
     more: dict[str, Any]
 
 
@@ -84,6 +91,8 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         *observer.columns(),
         stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
+        pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
+        loads={} if trajectory.load is None else {"": trajectory.load.terms.sum(axis=1)},
         more={},
     )
 
@@ -102,8 +111,23 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         *observer.columns(),
         stop=lambda _: observer.stop(),
         outlines=observer.outlines,
+        pictures=lambda at: _pictures(lambda sampled: Observer(reduced, sampled), trajectory, at),
+        loads={"": trajectory.terms.sum(axis=1)},
         more={"static_turns": trajectory.turns},
     )
+
+
+def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pictures:
+    """Outlines at times between the steps of either way's trajectory, as its observer draws them."""
+    q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
+    seen = observer(replace(trajectory, time=at, q=q, v=v))
+    return [seen.outlines(i) for i in range(len(at))]
+
+
+def _frames(scene: Scene, solved: _Solved, time: Vector, most: int) -> tuple[Snapshot, ...]:
+    at = instants(float(time[0]), float(time[-1]), most)
+    loads = {part: resample(time, wrench, at) for part, wrench in solved.loads.items()}
+    return frames(at, solved.pictures(at), loads, scene.surface if scene.medium is not None else None)
 
 
 def _rows(time: Vector, interval: float | None) -> Any:

@@ -25,10 +25,11 @@ MAY = {
     "series": {"media", "results"},
     # Two ways through, which know nothing of each other.
     "multibody": {"multibody", "scene", "media", "kernels", "energy", "results", "series", "errors"},
+    "frames": {"results"},
     "summary": {"results", "stopping"},
-    "run": {"config", "scene", "multibody", "reduced", "results", "stopping", "summary"},
+    "run": {"config", "scene", "multibody", "reduced", "results", "frames", "stopping", "summary"},
     "reduced": {"reduced", "config", "scene", "media", "kernels", "energy", "results", "series", "stopping", "errors"},
-    "plots": {"plots", "results"},
+    "plots": {"plots", "frames", "results"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},

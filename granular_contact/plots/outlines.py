@@ -10,17 +10,34 @@ from granular_contact.plots.hinges import hinges_of
 from granular_contact.plots.units import Array
 from granular_contact.results import Outline, Results, Snapshot
 
+SHARPEST = 3.0  # a corner sticks out by at most so many half diameters
+
 
 def edge(outline: Outline) -> Array:
-    """Closed edge (m, 2) m of a bar: its centre line moved to either side by half the diameter; a disc's is a ring."""
+    """Closed edge (m, 2) m of an outline; a bar's is its line moved to either side by half the diameter."""
     points, radius = outline.points, outline.diameter / 2
     if len(points) == 1:
         turn = np.linspace(0, 2 * np.pi, 65)[:-1]
         return np.asarray(points + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
-    tangent = np.gradient(points, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
-    normal = radius * np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    return np.concatenate([points + normal, (points - normal)[::-1]])
+    if is_closed(outline):
+        return points[:-1]
+    aside = radius * _normals(points)
+    return np.concatenate([points + aside, (points - aside)[::-1]])
+
+
+def is_closed(outline: Outline) -> bool:
+    """Whether an outline is that of an area."""
+    return len(outline.points) > 3 and bool(np.array_equal(outline.points[0], outline.points[-1]))
+
+
+def _normals(points: Array) -> Array:
+    """Left normals (n, 2) of a line, longer at its corners so that the bar keeps its width on both sides of them."""
+    along = np.diff(points, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+    left = np.column_stack([-along[:, 1], along[:, 0]])
+    before, after = np.vstack([left[:1], left]), np.vstack([left, left[-1:]])
+    mitre = (before + after) / np.maximum(1 + np.sum(before * after, axis=1, keepdims=True), 2 / SHARPEST**2)
+    return np.asarray(mitre)
 
 
 def _dense(ring: Array) -> Array:
