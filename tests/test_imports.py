@@ -20,6 +20,7 @@ MAY = {
     "config": {"config", "errors"},
     "scene": {"scene", "config", "media", "errors"},
     "energy": set(),
+    "examples": set(),
     "stopping": set(),
     "results": set(),
     "series": {"media", "results"},

@@ -46,7 +46,7 @@ class _Film:
         self.stage = stage_of(results)
         self.largest = max((float(np.linalg.norm(f.force)) for s in results.frames for f in s.forces), default=0.0)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
-        self.canvas: Any = FigureCanvasAgg(figure)  # whose methods have no types
+        self.canvas = _canvas(figure)
         self.axes = figure.add_axes((0, 0, 1, 1))
         self.axes.set_axis_off()
         extent = (self.stage.left, self.stage.right, self.stage.bottom, self.stage.top)
@@ -155,6 +155,11 @@ _PIN: dict[str, Any] = {
     "markeredgewidth": 1.2,
     "linestyle": "none",
 }
+
+
+def _canvas(figure: Figure) -> Any:
+    """An Agg canvas, whose methods have no types."""
+    return FigureCanvasAgg(figure)
 
 
 def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
