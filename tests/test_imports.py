@@ -30,7 +30,9 @@ MAY = {
     "summary": {"results", "stopping"},
     "run": {"config", "scene", "multibody", "reduced", "results", "frames", "stopping", "summary"},
     "reduced": {"reduced", "config", "scene", "media", "kernels", "energy", "results", "series", "stopping", "errors"},
-    "plots": {"plots", "frames", "results"},
+    "plots": {"plots", "frames", "results", "units"},
+    "units": set(),
+    "html": {"html", "report", "plots", "units"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
@@ -77,13 +79,13 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         if library in libraries and home is not None:
             assert part(path) == home
     if "matplotlib" in libraries:
-        assert part(path) in ("plots", "animate")
+        assert part(path) == "plots"
 
 
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
-        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare")
+        assert part(path) in ("plots", "report", "cli", "html", "sweep", "compare")
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)

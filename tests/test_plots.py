@@ -22,8 +22,8 @@ from support_results import REACH, make
 from granular_contact import plots
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.panels import thin
-from granular_contact.plots.units import unit_for
 from granular_contact.results import Column, Outline, Results, Snapshot
+from granular_contact.units import unit_for
 
 CASES: dict[str, dict[str, Any]] = {
     "rigid": {},

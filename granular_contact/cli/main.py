@@ -11,11 +11,11 @@ import os
 import sys
 from collections.abc import Sequence
 
-from granular_contact.cli import check, compare, examples, run, schema, sweep, validate
+from granular_contact.cli import check, compare, examples, report, run, schema, sweep, validate
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, complain
 from granular_contact.errors import ConfigError, SceneError, SolveError
 
-COMMANDS = (run, sweep, compare, check, examples, validate, schema)
+COMMANDS = (run, sweep, compare, report, check, examples, validate, schema)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 
 from granular_contact.frames import pace
 from granular_contact.plots.outlines import edge, fixed_points
-from granular_contact.plots.stage import FOOTER, SIDE, Stage, backdrop, stage_of
+from granular_contact.plots.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, stage_of, strongest
 from granular_contact.plots.style import INK, SAND, VERMILION
-from granular_contact.plots.units import Array, minus, unit_for
 from granular_contact.results import Force, Results, Snapshot
+from granular_contact.units import Array, minus, unit_for
 
 Picture = NDArray[np.uint8]
 
 DPI = 100
 STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
-LONGEST_ARROW, HEAD, SHAFT = 0.25, 12.0, 4.0  # of the height; px
+HEAD, SHAFT, LEAST_ARROW = 12.0, 4.0, 2.0  # px
 FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 
 
@@ -44,7 +44,7 @@ class _Film:
     def __init__(self, results: Results) -> None:
         self.results = results
         self.stage = stage_of(results)
-        self.largest = max((float(np.linalg.norm(f.force)) for s in results.frames for f in s.forces), default=0.0)
+        self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
         self.canvas = _canvas(figure)
         self.axes = figure.add_axes((0, 0, 1, 1))
@@ -82,16 +82,13 @@ class _Film:
     def _force_key(self) -> list[Artist]:
         """An arrow of a round force, with its number."""
         newton = _round_below(self.largest * 0.5)
-        length = self._arrow_length(newton)
         tail = _at(self.stage, SIDE, 0.45 * FOOTER)
-        shown = _arrows([arrow(tail, tail + np.array([length / self.stage.scale, 0.0]), self.stage)])
+        way = arrow_way(np.array([newton, 0.0]), self.largest, self.stage)
+        shown = _arrows([arrow(tail, tail + way, self.stage)])
         self.axes.add_collection(shown)
         unit = unit_for(np.array([newton]), "N")
         words = f"{newton * unit.factor:g} {unit.name} from the medium"
-        return [shown, _pixels(self.axes, self.stage, SIDE + length + 8, 0.45 * FOOTER, words)]
-
-    def _arrow_length(self, newton: float) -> float:
-        return LONGEST_ARROW * self.stage.height * newton / self.largest
+        return [shown, _pixels(self.axes, self.stage, SIDE + way[0] * self.stage.scale + 8, 0.45 * FOOTER, words)]
 
     def _moving(self) -> list[Artist]:
         axes, stage = self.axes, self.stage
@@ -124,18 +121,17 @@ class _Film:
         self.bodies.set_verts([edge(outline) for outline in frame.outlines])
         time, tip = self.trace
         self.line.set_data(*tip[: np.searchsorted(time, frame.time, side="right")].T)
-        self.forces.set_verts([self._arrow(force) for force in frame.forces if self._is_seen(force)])
+        self.forces.set_verts([one for force in frame.forces if (one := self._arrow(force)) is not None])
         self.clock.set_text(self._time(frame.time))
         frames = self.results.frames
         share = (frame.time - frames[0].time) / max(frames[-1].time - frames[0].time, 1e-300)
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
-    def _is_seen(self, force: Force) -> bool:
-        return self._arrow_length(float(np.linalg.norm(force.force))) >= 2.0
-
-    def _arrow(self, force: Force) -> Array:
-        """From where the force acts, as long as it is strong."""
-        way = force.force * (self._arrow_length(1.0) / self.stage.scale)
+    def _arrow(self, force: Force) -> Array | None:
+        """From where the force acts, as long as it is strong; None for one too weak to be seen."""
+        way = arrow_way(force.force, self.largest, self.stage)
+        if float(np.linalg.norm(way)) * self.stage.scale < LEAST_ARROW:
+            return None
         return arrow(force.point, force.point + way, self.stage)
 
     def _time(self, seconds: float) -> str:

@@ -14,9 +14,10 @@ from matplotlib.patches import Circle, Patch, Polygon, Rectangle
 from granular_contact.plots.hinges import hinges_of
 from granular_contact.plots.outlines import deepest_point, edge, fixed_points
 from granular_contact.plots.style import GRAINS, INK, SAND, SAND_EDGE, VERMILION
-from granular_contact.plots.units import Unit, instant, minus, unit_for
+from granular_contact.plots.units import instant
 from granular_contact.plots.views import View, side_by_side, tip_view, whole_view
 from granular_contact.results import Results, Snapshot
+from granular_contact.units import Unit, minus, unit_for
 
 _POSES: dict[str, dict[str, Any]] = {
     "touch": {"facecolor": "#D4D4D4", "edgecolor": "#7A7A7A", "zorder": 3},

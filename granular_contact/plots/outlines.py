@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from granular_contact.plots.hinges import hinges_of
-from granular_contact.plots.units import Array
 from granular_contact.results import Outline, Results, Snapshot
+from granular_contact.units import Array
 
 SHARPEST = 3.0  # a corner sticks out by at most so many half diameters
 

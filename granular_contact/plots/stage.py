@@ -10,11 +10,12 @@ from matplotlib.colors import to_rgb
 
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.style import SAND, SAND_EDGE
-from granular_contact.plots.units import Array
 from granular_contact.results import Results, Snapshot
+from granular_contact.units import Array
 
 WIDTH, LEAST_HEIGHT, MOST_HEIGHT = 640, 340, 640  # px
 HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
+LONGEST_ARROW = 0.25  # of the height
 SKY, DEEP = "#F6F8FA", "#D8C091"
 SPECKS = (("#CDB27B", 0.055), ("#FBF3E0", 0.04), ("#B4975B", 0.02))  # colours of single grains, and their share
 
@@ -41,21 +42,17 @@ class Stage:
 
 
 def stage_of(results: Results) -> Stage:
-    """The stage that holds the mechanism in all frames, the surface and some sand."""
+    """The stage that holds the mechanism and the arrows in all frames, the surface and some sand."""
     low, high = _bounds(results.frames)
     if results.surface is not None:
         size = float(np.max(high - low))
         if results.surface > low[1] - 2 * size:
             low[1] = min(low[1], results.surface - 0.1 * size)
             high[1] = max(high[1], results.surface)
-    wide, high_ = np.maximum(high - low, 1e-9)
-    across = WIDTH - 2 * SIDE
-    height = int(np.clip(across * high_ / wide + HEADER + FOOTER, LEAST_HEIGHT, MOST_HEIGHT)) // 2 * 2  # MP4 needs even
-    scale = min(across / wide, (height - HEADER - FOOTER) / high_)
-    middle = (low + high) / 2
-    left = middle[0] - WIDTH / 2 / scale
-    bottom = middle[1] - (height + FOOTER - HEADER) / 2 / scale
-    return Stage(float(left), float(bottom), float(scale), WIDTH, height)
+    stage = _around(low, high)
+    largest = strongest(results.frames)
+    tips = [force.point + arrow_way(force.force, largest, stage) for one in results.frames for force in one.forces]
+    return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0)) if tips else stage
 
 
 def _bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
@@ -63,6 +60,27 @@ def _bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
     low = np.min([ring.min(axis=0) for ring in rings], axis=0)
     high = np.max([ring.max(axis=0) for ring in rings], axis=0)
     return low, high
+
+
+def _around(low: Array, high: Array) -> Stage:
+    wide, tall = np.maximum(high - low, 1e-9)
+    across = WIDTH - 2 * SIDE
+    height = int(np.clip(across * tall / wide + HEADER + FOOTER, LEAST_HEIGHT, MOST_HEIGHT)) // 2 * 2  # MP4 needs even
+    scale = min(across / wide, (height - HEADER - FOOTER) / tall)
+    middle = (low + high) / 2
+    left = middle[0] - WIDTH / 2 / scale
+    bottom = middle[1] - (height + FOOTER - HEADER) / 2 / scale
+    return Stage(float(left), float(bottom), float(scale), WIDTH, height)
+
+
+def strongest(frames: Sequence[Snapshot]) -> float:
+    """The largest force (N) in any frame."""
+    return max((float(np.linalg.norm(force.force)) for frame in frames for force in frame.forces), default=0.0)
+
+
+def arrow_way(force: Array, largest: float, stage: Stage) -> Array:
+    """From tail to tip (2,) m of the arrow of a force (2,) N, given the largest of all (N)."""
+    return np.asarray(force * (LONGEST_ARROW * stage.height / stage.scale / largest))
 
 
 def backdrop(stage: Stage, surface: float | None) -> Array:
