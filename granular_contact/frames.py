@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.results import Force, Outline, Snapshot
 
@@ -49,7 +49,9 @@ def resample(time: Vector, values: Vector, at: Vector) -> Vector:
     return resampled
 
 
-def frames(at: Vector, pictures: Pictures, loads: Mapping[str, Vector], surface: float | None) -> tuple[Snapshot, ...]:
+def frames(
+    at: Vector, pictures: Pictures, loads: Mapping[str, Vector], surface: ArrayLike | None
+) -> tuple[Snapshot, ...]:
     """A snapshot for each time (k,).
 
     Parameters
@@ -57,10 +59,10 @@ def frames(at: Vector, pictures: Pictures, loads: Mapping[str, Vector], surface:
     at, pictures
         Times (k,) s and the outlines at each.
     loads
-        Forces of the medium on parts by their names, or on all together under an empty name: (k, 3) x, y (N) and
-        moment about the origin (N m, counter-clockwise).
+        Forces of the medium on bodies, (k, 3) x, y (N) and moment about the origin (N m, counter-clockwise), by their
+        names: those of their parts with a + between; an empty one is all parts together.
     surface
-        Height of the free surface (m), None in vacuum.
+        The free surface, see `height`; None in vacuum.
     """
     return tuple(
         Snapshot("frame", float(t), outlines, tuple(_forces(outlines, {p: w[i] for p, w in loads.items()}, surface)))
@@ -68,17 +70,25 @@ def frames(at: Vector, pictures: Pictures, loads: Mapping[str, Vector], surface:
     )
 
 
-def _forces(outlines: tuple[Outline, ...], wrenches: Mapping[str, Vector], surface: float | None) -> list[Force]:
+def _forces(outlines: tuple[Outline, ...], wrenches: Mapping[str, Vector], surface: ArrayLike | None) -> list[Force]:
     found = []
-    for part, wrench in wrenches.items():
-        own = [outline for outline in outlines if part in ("", outline.part)]
-        under = immersed(own, surface)
+    for body, wrench in wrenches.items():
+        own = [outline for outline in outlines if outline.part in body.split("+")]
+        under = immersed(own or outlines, surface)
         if len(under) and np.any(wrench[:2]):
-            found.append(Force(part, point_of_action(wrench, under), wrench[:2].copy()))
+            found.append(Force(body, point_of_action(wrench, under), wrench[:2].copy()))
     return found
 
 
-def immersed(outlines: Sequence[Outline], surface: float | None) -> Vector:
+def height(surface: ArrayLike, x: ArrayLike) -> Vector:
+    """Height (n,) m of the free surface at x (n,) m: level at a number, or straight between corners (k, 2) m."""
+    corners = np.asarray(surface, dtype=float)
+    if corners.ndim == 0:
+        return np.full(np.shape(x), float(corners))
+    return np.asarray(np.interp(x, corners[:, 0], corners[:, 1]), dtype=float)
+
+
+def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
     """Points (k, 2) m along the lines of outlines, and on the rims of discs, that are below the surface."""
     if surface is None or not outlines:
         return np.zeros((0, 2))
@@ -91,7 +101,7 @@ def immersed(outlines: Sequence[Outline], surface: float | None) -> Vector:
             line = line + 0.5 * outline.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
         found.append((line[:-1, None] * (1.0 - share) + line[1:, None] * share).reshape(-1, 2))
     points = np.concatenate(found)
-    return np.asarray(points[points[:, 1] <= surface])
+    return np.asarray(points[points[:, 1] <= height(surface, points[:, 0])])
 
 
 def point_of_action(wrench: Vector, under: Vector) -> Vector:

@@ -56,9 +56,9 @@ class Outline:
 
 @dataclass(frozen=True)
 class Force:
-    """Force (2,) N of the medium, and where it acts, point (2,) m; on all parts together if `part` is empty."""
+    """Force (2,) N of the medium, and where it acts, point (2,) m; `body` empty: on all together."""
 
-    part: str
+    body: str
     point: NDArray[np.float64]
     force: NDArray[np.float64]
 
@@ -81,6 +81,7 @@ class Results:
     summary: what summary.json holds (JSON types only, SI units in the keys).
     scenario: the scenario with every default resolved, as plain YAML types.
     surface: height of the free surface (m), None in vacuum.
+    terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
     frames: snapshots evenly spaced in time, for an animation; none unless the run was asked for them.
     """
 
@@ -93,6 +94,7 @@ class Results:
     snapshots: tuple[Snapshot, ...]
     surface: float | None
     warnings: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()
     frames: tuple[Snapshot, ...] = ()
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:

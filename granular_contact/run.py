@@ -16,6 +16,7 @@ from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import Touch, find_touch, summarise
 
 if TYPE_CHECKING:
+    from granular_contact.multibody.history import LoadHistory
     from granular_contact.multibody.observe import Observer
 
 
@@ -55,6 +56,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None, *, m
         surface=scene.surface if scene.medium is not None else None,
         warnings=tuple(summary["warnings"]),
         frames=_frames(scene, solved, time, most_frames) if most_frames else (),
+        terms=solved.terms,
     )
 
 
@@ -62,8 +64,8 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None, *, m
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    pictures: outlines at given times (k,) s. loads: forces of the medium, see `frames.frames`. more: what the summary
-    has besides.
+    pictures: outlines at given times (k,) s. loads: forces of the medium, see `frames.frames`. terms: names of the
+    terms of the granular force. more: what the summary has besides.
     """
 
     status: Status
@@ -74,6 +76,7 @@ class _Solved:
     outlines: Callable[[int], tuple[Outline, ...]]
     pictures: Callable[[Vector], Pictures]
     loads: dict[str, Vector]
+    terms: tuple[str, ...]
     more: dict[str, Any]
 
 
@@ -92,7 +95,8 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
         pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
-        loads={} if trajectory.load is None else {"": trajectory.load.terms.sum(axis=1)},
+        loads={} if trajectory.load is None else _by_body(trajectory.load),
+        terms=observer.terms,
         more={},
     )
 
@@ -113,8 +117,13 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         outlines=observer.outlines,
         pictures=lambda at: _pictures(lambda sampled: Observer(reduced, sampled), trajectory, at),
         loads={"": trajectory.terms.sum(axis=1)},
+        terms=scene.medium.terms if scene.medium is not None else (),
         more={"static_turns": trajectory.turns},
     )
+
+
+def _by_body(load: LoadHistory) -> dict[str, Vector]:
+    return {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
 
 def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pictures:

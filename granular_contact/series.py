@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.lee_marghitu import TERMS
 from granular_contact.results import Column
 
 Vector = NDArray[np.float64]
@@ -41,10 +40,10 @@ def shape(mean_rate: Vector, tip: Vector, deflection: Vector | None, depth: Vect
     return series
 
 
-def forces(terms: Vector, pivot: Vector) -> Series:
-    """Forces of the medium, (n, 3, 3): resultant x, y (N) and moment about the origin (N m) of each term."""
+def forces(names: tuple[str, ...], terms: Vector, pivot: Vector) -> Series:
+    """Forces of the medium, (n, terms, 3): resultant x, y (N) and moment about the origin (N m) of each named term."""
     series: Series = {}
-    for i, term in enumerate(TERMS):
+    for i, term in enumerate(names):
         fx, fy, moment = terms[:, i].T
         what = f"{term.replace('_', ' ')} force of the medium"
         series[f"{term}_force_x_N"] = (f"{what}, horizontal", fx)

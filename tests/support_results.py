@@ -156,6 +156,7 @@ def make(case: Case | None = None, **changes: Any) -> Results:
         },
         snapshots=tuple(shots),
         surface=-REACH * np.sin(np.radians(case.angle_deg)) if case.medium else None,
+        terms=TERMS if case.medium else (),
         warnings=("a warning",),
     )
 

@@ -15,7 +15,7 @@ from PIL import Image
 from support_runs import CONFIGS, scenario_of
 
 from granular_contact import cli, report
-from granular_contact.frames import RATE, instants, pace, point_of_action, resample
+from granular_contact.frames import RATE, height, immersed, instants, pace, point_of_action, resample
 from granular_contact.plots import animation, film
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.stage import stage_of
@@ -110,6 +110,15 @@ def test_forces_are_those_of_the_table_and_act_on_their_line(way: str) -> None:
     assert checked > 10
 
 
+def test_height_is_level_or_straight_between_corners() -> None:
+    np.testing.assert_array_equal(height(-0.1, [0.0, 5.0]), [-0.1, -0.1])
+    corners = [[0.0, 0.0], [1.0, 0.5], [2.0, 0.5]]
+    np.testing.assert_allclose(height(corners, [-3.0, 0.5, 1.5, 9.0]), [0.0, 0.25, 0.5, 0.5])
+    inclined = Outline("bar", np.array([[0.0, 0.2], [1.0, 0.2]]), 0.01)
+    under = immersed([inclined], corners)
+    assert 0.4 <= under[:, 0].min() < 0.44  # it enters the slope at 0.4; points are 1/32 apart
+
+
 def test_point_of_action_stays_within_reach_of_the_immersed_part() -> None:
     under = np.array([[0.1, -0.02], [0.14, -0.01]])
     far = np.array([1e-9, 2e-9, -3e-2])
@@ -157,6 +166,16 @@ def test_pictures_are_to_scale(overrides: tuple[str, ...]) -> None:
         assert np.all(corners > [stage.left, stage.bottom])
         assert np.all(corners < [stage.right, stage.top])
     assert stage.height % 2 == 0
+
+
+def test_a_slope_is_drawn_where_it_is() -> None:
+    results = dataclasses.replace(filmed(), surface=np.array([[0.0, -0.2], [0.3, -0.1]]))
+    stage = stage_of(results)
+    picture = next(animation.pictures(results))
+    for x, aside in ((0.05, -6), (0.05, 6), (0.28, -6), (0.28, 6)):  # px above and below, left and right of the link
+        row = int((stage.top - height(results.surface, x)) * stage.scale) + aside
+        is_sand = picture[row, int((x - stage.left) * stage.scale), 2] < 225  # blue; of the sky 250
+        assert is_sand == (aside > 0)
 
 
 def test_arrows_are_as_long_as_forces_are_strong() -> None:

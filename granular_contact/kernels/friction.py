@@ -39,6 +39,6 @@ def direction_slopes(stretch: float, v: float, m) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def drag_anchor(p: float, anchor: float, m) -> float:
-    """Anchor after an accepted step that ended at p: within u_y of p (m)."""
+def drag_component(p: float, anchor: float, m) -> float:
+    """One component of an anchor after an accepted step that ended at p: within u_y of p (m)."""
     return p - min(m.u_y, max(-m.u_y, p - anchor))

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.strips import provide
+from granular_contact.kernels.law import provide
 
 RIGID_STATION = np.dtype([("x", "f8"), ("y", "f8")])
 CABLE_STATION = np.dtype([("first", "i8"), ("shape", "f8", (4,))])
@@ -32,11 +32,25 @@ def scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
     raise NotImplementedError
 
 
-def rigid_stations(start: NDArray[np.float64], end: NDArray[np.float64], strips: int) -> NDArray[np.void]:
-    """Stations of `strips` equal strips from start to end, (2,) each, in the body frame (m)."""
-    points = np.linspace(start, end, strips + 1)
-    stations = np.zeros(strips + 1, RIGID_STATION)
-    stations["x"], stations["y"] = points[:, 0], points[:, 1]
+def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]:
+    """Stations of about `strips` strips of like length along the polyline points (k, 2) m of the body frame.
+
+    Every piece of the line has at least one strip.
+    """
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    shares = np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
+    pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(points, points[1:], shares, strict=False)]
+    return _at_places(np.vstack([*pieces, points[-1:]]))
+
+
+def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
+    """Stations of a ball with its centre (2,) m in the body frame; see `balls`."""
+    return _at_places(np.stack([center, center]))
+
+
+def _at_places(places: NDArray[np.float64]) -> NDArray[np.void]:
+    stations = np.zeros(len(places), RIGID_STATION)
+    stations["x"], stations["y"] = places.T
     return stations
 
 

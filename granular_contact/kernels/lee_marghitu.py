@@ -21,8 +21,8 @@ import math
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels import strips
-from granular_contact.kernels.friction import direction, direction_slopes
+from granular_contact.kernels import law, strips
+from granular_contact.kernels.friction import direction, direction_slopes, drag_component
 from granular_contact.kernels.immersion import (
     GAUSS_HIGH,
     GAUSS_LOW,
@@ -64,14 +64,14 @@ def drag_interval(z0, z1, w0, w1):
     return a, min(b, max(a, c)), b
 
 
-@strips.provide(strips.strip_force, "m", RECORD)
+@law.provide(law.strip_force, "m", RECORD)
 @njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, f):
+def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
     """Add the three force terms at the two ends of a strip to f[term, end, component] (N).
 
-    z0, z1 end depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); (ex, ey) bristle stretch at
-    mid-strip (m); d diameter (m); m medium record.
+    Arguments as in `law.strip_force`; run.width is the diameter d.
     """
+    d = run.width
     if m.eta_d != 0.0:
         a, c, b = drag_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
         for start, end in ((a, c), (c, b)):
@@ -102,14 +102,13 @@ def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, f):
         f[VERTICAL, 1, 1] -= k * j1
 
 
-@strips.provide(strips.strip_tangent, "m", RECORD)
+@law.provide(law.strip_tangent, "m", RECORD)
 @njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, kp, kv):
-    """Add to kp, kv (4, 4) the derivatives of a strip's end forces (f_0x, f_0y, f_1x, f_1y), summed over the terms,
-    by the end positions (N/m) and end velocities (N s/m); arguments as in `strip_force`.
-    """
+def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
+    """Add the derivatives of `strip_force` to kp, kz and kv; arguments as in `law.strip_tangent`."""
+    d = run.width
     if m.eta_d != 0.0:
-        _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kv)
+        _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv)
     if m.eta_h != 0.0:
         vx = 0.5 * (v0x + v1x)
         sigma = direction(ex, vx, m)
@@ -124,8 +123,10 @@ def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, kp, kv):
             kp[row, 2] -= 0.5 * k * sigma_p * j
             kv[row, 0] -= 0.5 * k * sigma_v * j
             kv[row, 2] -= 0.5 * k * sigma_v * j
-            kp[row, 1] += k * sigma * gz0 + kcy * j
-            kp[row, 3] += k * sigma * gz1 - kcy * j
+            kp[row, 1] += kcy * j
+            kp[row, 3] -= kcy * j
+            kz[row, 0] -= k * sigma * gz0
+            kz[row, 1] -= k * sigma * gz1
     vy = 0.5 * (v0y + v1y)
     sigma = direction(ey, vy, m)
     eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
@@ -139,15 +140,17 @@ def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, kp, kv):
             stretch = k * sigma * j / length
             kp[row, 0] += stretch * cx
             kp[row, 2] -= stretch * cx
-            kp[row, 1] += stretch * cy - 0.5 * k * length * sigma_p * j + k * length * sigma * gz0 / d
-            kp[row, 3] += -stretch * cy - 0.5 * k * length * sigma_p * j + k * length * sigma * gz1 / d
+            kp[row, 1] += stretch * cy - 0.5 * k * length * sigma_p * j
+            kp[row, 3] += -stretch * cy - 0.5 * k * length * sigma_p * j
+            kz[row, 0] -= k * length * sigma * gz0 / d
+            kz[row, 1] -= k * length * sigma * gz1 / d
             kv[row, 1] -= 0.5 * k * length * sigma_v * j
             kv[row, 3] -= 0.5 * k * length * sigma_v * j
 
 
 @njit(cache=True)
-def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kv):
-    """Add the derivatives of the drag term to kp, kv (4, 4)."""
+def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
+    """Add the derivatives of the drag term to kp, kz, kv."""
     a, c, b = drag_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
     k = m.eta_d * m.rho * d
     for start, end in ((a, c), (c, b)):
@@ -186,24 +189,25 @@ def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kv):
     xi_z1 = z0 / (dz * dz)
     for row, n_e in ((0, 1.0 - xi), (2, xi)):
         for i, v_i in ((0, vx), (1, vy)):
-            kp[row + i, 1] += edge * n_e * v_i * xi_z0
-            kp[row + i, 3] += edge * n_e * v_i * xi_z1
+            kz[row + i, 0] -= edge * n_e * v_i * xi_z0
+            kz[row + i, 1] -= edge * n_e * v_i * xi_z1
 
 
-@strips.provide(strips.cap_force, "m", RECORD)
+@law.provide(law.cap_force, "m", RECORD)
 @njit(cache=True)
-def cap_force(cx, cy, vx, vy, d, m, f):
+def cap_force(cx, cy, vx, vy, run, m, f):
     """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
+    d = run.width
     k = m.eta_d * m.rho * 0.25 * math.pi * d * d * abs(cx * vx + cy * vy) / math.hypot(cx, cy)
     f[DRAG, 1, 0] -= k * vx
     f[DRAG, 1, 1] -= k * vy
 
 
-@strips.provide(strips.cap_tangent, "m", RECORD)
+@law.provide(law.cap_tangent, "m", RECORD)
 @njit(cache=True)
-def cap_tangent(cx, cy, vx, vy, d, m, kp, kv):
+def cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
     """Add the derivatives of `cap_force` to kp, kv (4, 4)."""
-    length = math.hypot(cx, cy)
+    d, length = run.width, math.hypot(cx, cy)
     tx, ty = cx / length, cy / length
     w = tx * vx + ty * vy
     k = m.eta_d * m.rho * 0.25 * math.pi * d * d
@@ -217,3 +221,13 @@ def cap_tangent(cx, cy, vx, vy, d, m, kp, kv):
         kv[row, 2] -= s * v_i * tx
         kv[row, 3] -= s * v_i * ty
         kv[row, row] -= k * abs(w)
+
+
+@law.provide(law.drag_anchor, "m", RECORD)
+@njit(cache=True)
+def drag_anchor(px, py, ax, ay, m):
+    """Anchor after an accepted step: each component within u_y of the strip."""
+    return drag_component(px, ax, m), drag_component(py, ay, m)
+
+
+strips.line_law(RECORD)

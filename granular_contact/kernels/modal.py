@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels.kinematics import scatter, stations
-from granular_contact.kernels.strips import provide
+from granular_contact.kernels.law import provide
 
 MOST_MODES = 20
 

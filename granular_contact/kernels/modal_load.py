@@ -12,21 +12,23 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels.kinematics import scatter, stations
-from granular_contact.kernels.runs import drag_anchors, forces
+from granular_contact.kernels.law import forces
+from granular_contact.kernels.runs import drag_anchors
 
 
 class World(NamedTuple):
     """What the kernels of the modal pendulum read.
 
     pendulum: (1,) record of `pendulum`; geometry: stations of all runs, one after another; starts: (runs + 1,) first
-    station of each run; runs: (runs,) records of `kernels.runs`; medium: (1,) record of the law; anchors: (stations,
-    2) m, of which those of the last station of a run stand empty.
+    station of each run; runs: (runs,) records of `kernels.law`; profile: (k, 2) of `kernels.surface`; medium: (1,)
+    record of the law; anchors: (stations, 2) m, of which those of the last station of a run stand empty.
     """
 
     pendulum: Any
     geometry: Any
     starts: Any
     runs: Any
+    profile: Any
     medium: Any
     anchors: Any
 
@@ -50,7 +52,7 @@ def aim(P, pivot, modes, sigma, anchors):
 
 @njit(cache=True)
 def load(q, v, sigma, w, totals, Q):
-    """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `strips`; sigma as in `aim`."""
+    """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
     pendulum = w.pendulum[0]
     Q[:] = 0.0
     totals[:] = 0.0
@@ -62,7 +64,7 @@ def load(q, v, sigma, w, totals, Q):
         stations(q, v, geometry, P, V)
         if pendulum.true_sign:
             aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
-        forces(P, V, anchors, w.runs[r], w.medium[0], F, totals)
+        forces(P, V, anchors, w.runs[r], w.profile, w.medium[0], F, totals)
         scatter(q, geometry, P, F, Q)
 
 
@@ -74,4 +76,4 @@ def drag(q, v, w):
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
         stations(q, v, geometry, P, V)
-        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1] - 1], w.runs[r].surface, w.medium[0])
+        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1] - 1], w.runs[r], w.profile, w.medium[0])

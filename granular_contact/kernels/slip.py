@@ -20,6 +20,7 @@ from granular_contact.kernels.kinematics import scatter, stations
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate
 from granular_contact.kernels.strips import at, immersed_segment
+from granular_contact.kernels.surface import depth
 
 NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
 
@@ -36,12 +37,15 @@ def middle(q, w):
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
         stations(q, np.zeros_like(q), geometry, P, V)
-        first, last = immersed_segment(P, w.runs[r].surface)
+        Z = np.empty(n)
+        for i in range(n):
+            Z[i] = depth(w.profile, P[i, 0], P[i, 1])
+        first, last = immersed_segment(Z)
         if last > first:
             return r, 0.5 * (first + last), True
         for i in range(n):
-            if w.runs[r].surface - P[i, 1] > deepest:
-                run, place, deepest = r, float(i), w.runs[r].surface - P[i, 1]
+            if Z[i] > deepest:
+                run, place, deepest = r, float(i), Z[i]
     return run, place, False
 
 

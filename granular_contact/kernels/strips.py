@@ -1,70 +1,18 @@
 """From the motion of a line of stations to the granular forces on it, in two forms.
 
-A run is a line of stations with positions P (n, 2) in m and velocities V (n, 2) in m/s, world frame, y up; between two
-neighbours lies a strip of a cylinder. `distributed` integrates a law along every strip. `resultant` is the source
-paper's form: the immersed part is one straight piece that moves with the velocity of its middle, and the whole force
-acts there.
-
-Both forms fill F (n, 2), the forces at the stations
-(N), and add to totals (3, 3): for each term of the law its resultant F_x, F_y and its moment about the world origin
-(N m, counter-clockwise).
+Between two neighbouring stations of a run lies a straight strip. `distributed` integrates a law along every strip.
+`resultant` is the source paper's form: the immersed part is one straight piece that moves with the velocity of its
+middle, and the whole force acts there. Arguments are those of `law.forces` and `law.tangents`.
 """
 
 from __future__ import annotations
 
-import inspect
-
 import numpy as np
-from numba import from_dtype, njit
-from numba.extending import overload
+from numba import njit
 
+from granular_contact.kernels import law
 from granular_contact.kernels.immersion import immersed_interval
-
-
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, f):
-    """Add the end forces of a strip to f[term, end, xy] (N); each law overloads it for the type of its record m.
-
-    z0, z1 end depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); (ex, ey) stretch of the
-    bristle at mid-strip (m), see `friction`; d diameter (m).
-    """
-    raise NotImplementedError
-
-
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, d, m, kp, kv):
-    """Add to kp, kv (4, 4) the derivatives of end forces (f_0x, f_0y, f_1x, f_1y) by end positions and velocities."""
-    raise NotImplementedError
-
-
-def cap_force(cx, cy, vx, vy, d, m, f):
-    """Add the force on a free end face at end 1 of a strip, which moves with (vx, vy), to f[term, 1, xy] (N)."""
-    raise NotImplementedError
-
-
-def cap_tangent(cx, cy, vx, vy, d, m, kp, kv):
-    """Add the derivatives of `cap_force` to kp, kv (4, 4)."""
-    raise NotImplementedError
-
-
-def provide(stub, argument: str, dtype: np.dtype):
-    """Decorate a compiled function to be what `stub` means where its `argument` has the record type `dtype`.
-
-    The choice is made when a caller is compiled, from types alone, so one set of kernels serves every law and every
-    kind of body, at no cost per call and with numba's cache on disk.
-    """
-    wanted = from_dtype(dtype)
-
-    def decorate(implementation):
-        names = tuple(inspect.signature(stub).parameters)
-
-        def choose(*arguments):
-            given = arguments[names.index(argument)]
-            return implementation.py_func if getattr(given, "dtype", given) == wanted else None
-
-        choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
-        overload(stub)(choose)
-        return implementation
-
-    return decorate
+from granular_contact.kernels.surface import depth, height
 
 
 @njit(cache=True)
@@ -72,7 +20,7 @@ def collect(f, i, P, F, totals):
     """Add the end forces f[term, end, xy] of strip i to the station forces F and to the totals."""
     for end in range(2):
         x, y = P[i + end, 0], P[i + end, 1]
-        for term in range(3):
+        for term in range(law.TERMS):
             fx, fy = f[term, end, 0], f[term, end, 1]
             F[i + end, 0] += fx
             F[i + end, 1] += fy
@@ -82,54 +30,67 @@ def collect(f, i, P, F, totals):
 
 
 @njit(cache=True)
-def distributed_forces(P, V, anchors, run, m, F, totals):
-    """Integrate the law strip by strip: fill F, add to totals."""
-    diameter, surface = run.diameter, run.surface
-    f = np.zeros((3, 2, 2))
+def distributed_forces(P, V, anchors, run, profile, m, F, totals):
+    """Integrate the law strip by strip."""
+    f = np.zeros((law.TERMS, 2, 2))
     F[:] = 0.0
     last = P.shape[0] - 1
+    z1 = depth(profile, P[0, 0], P[0, 1])
     for i in range(last):
-        z0, z1 = surface - P[i, 1], surface - P[i + 1, 1]
+        z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
         if z0 <= 0.0 and z1 <= 0.0:
             continue
         cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
         ex, ey = P[i, 0] + 0.5 * cx - anchors[i, 0], P[i, 1] + 0.5 * cy - anchors[i, 1]
         f[:] = 0.0
-        strip_force(z0, z1, cx, cy, V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1], ex, ey, diameter, m, f)
+        law.strip_force(z0, z1, cx, cy, V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1], ex, ey, run, m, f)
         collect(f, i, P, F, totals)
-    if run.cap and P[last, 1] < surface:
+    if run.cap and z1 > 0.0:
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
         f[:] = 0.0
-        cap_force(cx, cy, V[last, 0], V[last, 1], diameter, m, f)
+        law.cap_force(cx, cy, V[last, 0], V[last, 1], run, m, f)
         collect(f, last - 1, P, F, totals)
 
 
 @njit(cache=True)
-def distributed_tangents(P, V, anchors, run, m, KP, KV):
-    """Fill KP, KV (n - 1, 4, 4): derivatives of a strip's end forces by its end positions and velocities."""
-    diameter, surface = run.diameter, run.surface
+def distributed_tangents(P, V, anchors, run, profile, m, KP, KV):
+    """Derivatives of the end forces of every strip."""
     KP[:] = 0.0
     KV[:] = 0.0
+    kz = np.zeros((4, 2))
     last = P.shape[0] - 1
+    y1, slope1 = height(profile, P[0, 0])
     for i in range(last):
-        z0, z1 = surface - P[i, 1], surface - P[i + 1, 1]
+        y0, slope0 = y1, slope1
+        y1, slope1 = height(profile, P[i + 1, 0])
+        z0, z1 = y0 - P[i, 1], y1 - P[i + 1, 1]
         if z0 <= 0.0 and z1 <= 0.0:
             continue
         cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
         ex, ey = P[i, 0] + 0.5 * cx - anchors[i, 0], P[i, 1] + 0.5 * cy - anchors[i, 1]
-        strip_tangent(z0, z1, cx, cy, V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1], ex, ey, diameter, m, KP[i], KV[i])
-    if run.cap and P[last, 1] < surface:
+        kp = KP[i]
+        kz[:] = 0.0
+        law.strip_tangent(z0, z1, cx, cy, V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1], ex, ey, run, m, kp, kz, KV[i])
+        for row in range(4):
+            kp[row, 0] += slope0 * kz[row, 0]
+            kp[row, 1] -= kz[row, 0]
+            kp[row, 2] += slope1 * kz[row, 1]
+            kp[row, 3] -= kz[row, 1]
+    if run.cap and y1 > P[last, 1]:
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
-        cap_tangent(cx, cy, V[last, 0], V[last, 1], diameter, m, KP[last - 1], KV[last - 1])
+        law.cap_tangent(cx, cy, V[last, 0], V[last, 1], run, m, KP[last - 1], KV[last - 1])
 
 
 @njit(cache=True)
-def immersed_segment(P, surface):
-    """First and last immersed point of a run as positions i + xi along its stations; (0, 0) when none is immersed."""
+def immersed_segment(Z):
+    """First and last immersed point of a run with depths Z (n,) m as positions i + xi along its stations.
+
+    (0, 0) when none is immersed.
+    """
     first, last = 0.0, 0.0
     found = False
-    for i in range(P.shape[0] - 1):
-        a, b = immersed_interval(surface - P[i, 1], surface - P[i + 1, 1])
+    for i in range(Z.shape[0] - 1):
+        a, b = immersed_interval(Z[i], Z[i + 1])
         if b > a:
             if not found:
                 first = i + a
@@ -147,11 +108,13 @@ def at(A, position):
 
 
 @njit(cache=True)
-def resultant_forces(P, V, anchors, run, m, F, totals):
+def resultant_forces(P, V, anchors, run, profile, m, F, totals):
     """Law for the immersed part as one straight piece; the strip that holds its middle lends it the bristle."""
-    diameter, surface = run.diameter, run.surface
     F[:] = 0.0
-    first, last = immersed_segment(P, surface)
+    Z = np.empty(P.shape[0])
+    for i in range(P.shape[0]):
+        Z[i] = depth(profile, P[i, 0], P[i, 1])
+    first, last = immersed_segment(Z)
     if last == first:
         return
     middle = 0.5 * (first + last)
@@ -161,16 +124,44 @@ def resultant_forces(P, V, anchors, run, m, F, totals):
     vx, vy = at(V, middle)
     ex = 0.5 * (P[i, 0] + P[i + 1, 0]) - anchors[i, 0]
     ey = 0.5 * (P[i, 1] + P[i + 1, 1]) - anchors[i, 1]
-    f = np.zeros((3, 2, 2))
+    f = np.zeros((law.TERMS, 2, 2))
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
-    z0, z1 = max(0.0, surface - y0), max(0.0, surface - y1)
-    strip_force(z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, diameter, m, f)
-    if run.cap and P[P.shape[0] - 1, 1] < surface:
-        cap_force(x1 - x0, y1 - y0, vx, vy, diameter, m, f)
+    z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
+    law.strip_force(z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, run, m, f)
+    if run.cap and Z[-1] > 0.0:
+        law.cap_force(x1 - x0, y1 - y0, vx, vy, run, m, f)
     xi = middle - i
-    for term in range(3):
+    for term in range(law.TERMS):
         for xy in range(2):
             total = f[term, 0, xy] + f[term, 1, xy]
             f[term, 0, xy] = (1.0 - xi) * total
             f[term, 1, xy] = xi * total
     collect(f, i, P, F, totals)
+
+
+@njit(cache=True)
+def strip_forces(P, V, anchors, run, profile, m, F, totals):
+    """`law.forces` in the form that the run asks for."""
+    if run.resultant:
+        resultant_forces(P, V, anchors, run, profile, m, F, totals)
+    else:
+        distributed_forces(P, V, anchors, run, profile, m, F, totals)
+
+
+@njit(cache=True)
+def _no_cap_force(cx, cy, vx, vy, run, m, f):
+    pass
+
+
+@njit(cache=True)
+def _no_cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
+    pass
+
+
+def line_law(dtype: np.dtype, caps: bool = True) -> None:
+    """Let runs use the law with this record type on strips; caps: whether it provides forces on end faces."""
+    if not caps:
+        law.provide(law.cap_force, "m", dtype)(_no_cap_force)
+        law.provide(law.cap_tangent, "m", dtype)(_no_cap_tangent)
+    law.provide(law.forces, "m", dtype)(strip_forces)
+    law.provide(law.tangents, "m", dtype)(distributed_tangents)

@@ -37,6 +37,9 @@ class LeeMarghitu:
     withdrawing: VerticalResistance
     name: str = "lee_marghitu"
 
+    terms = TERMS
+    takes = frozenset({"round"})
+
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """Coefficients as the (1,) record that the kernels read; gravity in m/s2, its sense does not matter.
 

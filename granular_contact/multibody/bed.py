@@ -1,6 +1,6 @@
 """The plugin door: a granular bed that acts on bodies of any Exudyn model.
 
-    bed = GranularBed(mbs, play_sand(), surface=-0.14)
+    bed = GranularBed(mbs, preset("play_sand"), surface=-0.14)
     bed.add_cables(elements, diameter=0.006)
     bed.attach()                      # before mbs.Assemble()
     ...
@@ -24,26 +24,27 @@ from exudyn import itemInterface as items
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
-from granular_contact.kernels.runs import DEPTH, POWER, ROW, TIME, TOTALS, WORK
-from granular_contact.media.lee_marghitu import TERMS, LeeMarghitu
+from granular_contact.media.kinds import WORDS, Medium, term_names, what_it_takes
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.multibody import shapes
 from granular_contact.multibody.history import LoadHistory
-from granular_contact.multibody.runs import ELEMENTS_PER_RUN, Run, cable_run, rigid_run
+from granular_contact.multibody.ledger import Ledger
+from granular_contact.multibody.runs import Acting, Run, named
 
 Vector = NDArray[np.float64]
 
 
 class GranularBed:
-    """Bed of one medium under one level surface, acting on the bodies named to it.
+    """Bed of one medium, or of several whose forces add, acting on the bodies named to it.
 
     Parameters
     ----------
     mbs : exudyn.MainSystem
         System whose bodies move in its x-y plane, y up.
-    medium : LeeMarghitu
-        For example `play_sand()`.
-    surface : float
-        Height y of the free surface (m).
+    medium : Medium or sequence of Medium
+        For example `preset("play_sand")`.
+    surface : float or (k, 2) array
+        Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
     gravity : float
         Magnitude of gravity (m/s2) in the static resistance of the medium.
     static : Elastoplastic or Smooth
@@ -61,8 +62,8 @@ class GranularBed:
     def __init__(
         self,
         mbs: Any,
-        medium: LeeMarghitu,
-        surface: float,
+        medium: Medium | Sequence[Medium],
+        surface: ArrayLike,
         *,
         gravity: float = 9.81,
         static: Elastoplastic | Smooth | None = None,
@@ -71,65 +72,143 @@ class GranularBed:
     ) -> None:
         if form not in ("distributed", "resultant"):
             raise ValueError(f"form: got {form!r}, allowed are 'distributed' and 'resultant'")
-        for name, value in (("surface", surface), ("gravity", gravity)):
-            if not np.isfinite(value):
-                raise ValueError(f"{name}: got {value}, allowed is a finite number")
+        if not np.isfinite(gravity):
+            raise ValueError(f"gravity: got {gravity}, allowed is a finite number")
         self.mbs = mbs
-        self.surface = float(surface)
-        self.medium = medium.record(Elastoplastic() if static is None else static, gravity)
+        self.profile = _profile(surface)
+        self.media: tuple[Medium, ...] = tuple(medium) if isinstance(medium, Sequence) else (medium,)
+        static = Elastoplastic() if static is None else static
+        self.records = [one.record(static, gravity) for one in self.media]
         self.resultant = form == "resultant"
         self.end_cap = end_cap
         self.runs: list[Run] = []
         self.load_calls = 0
-        self._attached = False
+        self._ledger: Ledger | None = None
         self._time: float | None = None  # time of the step for which forces were last asked
         self._accepted: float | None = None  # time of the last accepted state
-        self._history = np.zeros((256, ROW))
-        self._rows = 0
 
     # ---- what the medium acts on ----
 
     def add_rigid(
-        self, body: Any, start: ArrayLike, end: ArrayLike, diameter: float, *, strips: int = 16, free_end: bool = True
+        self,
+        body: Any,
+        start: ArrayLike,
+        end: ArrayLike,
+        diameter: float,
+        *,
+        strips: int = 16,
+        free_end: bool = True,
+        name: str | None = None,
     ) -> None:
-        """Let the medium act on a straight cylinder fixed to a RigidBody2D.
+        """Let the medium act on a straight cylinder fixed to a rigid body.
 
         start, end: axis of the cylinder, (2,) m in the body's frame; diameter in m; strips: how finely the static law
-        is resolved along it; free_end: whether the face at `end` is free (for end caps).
+        is resolved along it; free_end: whether the face at `end` is free (for end caps); name: under which the forces
+        on the body are kept, that of the body unless given.
 
         Raises
         ------
         SceneError
-            The body is of another kind, or the cylinder has no length or no diameter.
+            The body is of another kind, the cylinder has no length or no diameter, or no medium here takes such shapes.
         """
-        self._open()
-        a, b = np.asarray(start, float)[:2], np.asarray(end, float)[:2]
-        self.runs.append(rigid_run(self.mbs, body, a, b, diameter, strips, self._flags(free_end)))
+        axis = np.stack([np.asarray(start, float)[:2], np.asarray(end, float)[:2]])
+        kind, flags = shapes.section("bed.add_rigid", diameter, None)
+        flags |= self._flags(free_end)
+        self._take("bed.add_rigid", name, lambda at: [shapes.line_run(at, self.mbs, body, axis, kind, strips, flags)])
+
+    def add_line(
+        self,
+        body: Any,
+        points: ArrayLike,
+        *,
+        diameter: float | None = None,
+        width: float | None = None,
+        strips: int = 16,
+        free_end: bool = True,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on a thin bar or plate along a polyline fixed to a rigid body.
+
+        points: (k, 2) m in the body's frame, k >= 2; a plate's `width` (m) is normal to the plane of motion, a round
+        bar has a `diameter` (m); give one of the two. Other arguments and errors as for `add_rigid`.
+        """
+        kind, flags = shapes.section("bed.add_line", diameter, width)
+        flags |= self._flags(free_end)
+        self._take("bed.add_line", name, lambda at: [shapes.line_run(at, self.mbs, body, points, kind, strips, flags)])
+
+    def add_outline(
+        self, body: Any, points: ArrayLike, width: float, *, strips: int = 32, name: str | None = None
+    ) -> None:
+        """Let the medium act on the outside of a solid with a polygon as its section, fixed to a rigid body.
+
+        points: corners (k, 2) m in the body's frame, in either sense of turning; width (m) normal to the plane of
+        motion. Other arguments and errors as for `add_rigid`.
+        """
+        flags = {"width": shapes.positive("bed.add_outline", "width", width)}
+        self._take("bed.add_outline", name, lambda at: [shapes.outline_run(at, self.mbs, body, points, strips, flags)])
+
+    def add_ball(self, body: Any, center: ArrayLike, diameter: float, *, name: str | None = None) -> None:
+        """Let the medium act on a sphere fixed to a rigid body; center (2,) m in its frame, diameter in m.
+
+        Errors as for `add_rigid`.
+        """
+        self._take("bed.add_ball", name, lambda at: [shapes.ball_run(at, self.mbs, body, center, diameter, {})])
 
     def add_cables(
-        self, elements: Sequence[Any], diameter: float, *, strips_per_element: int = 4, free_end: bool = True
+        self,
+        elements: Sequence[Any],
+        diameter: float | None = None,
+        *,
+        width: float | None = None,
+        strips_per_element: int = 4,
+        free_end: bool = True,
+        name: str | None = None,
     ) -> None:
-        """Let the medium act on ANCFCable2D elements that follow one another, a round beam of this diameter (m).
+        """Let the medium act on ANCFCable2D elements that follow one another: a round beam, or a strip of this width.
 
         Raises
         ------
         SceneError
-            An item is no ANCFCable2D, or two neighbours in the list share no node.
+            An item is no ANCFCable2D, two neighbours in the list share no node, or no medium here takes such shapes.
         """
-        self._open()
-        items = list(elements)
-        size = len(items) if self.resultant else ELEMENTS_PER_RUN
-        # Runs are counted from the tip, where the beam meets the medium first.
-        for stop in range(len(items), 0, -size):
-            chunk = items[max(0, stop - size) : stop]
-            flags = self._flags(free_end and stop == len(items))
-            self.runs.append(cable_run(self.mbs, chunk, diameter, strips_per_element, flags))
+        cables = list(elements)
+        kind, flags = shapes.section("bed.add_cables", diameter, width)
+        size = len(cables) if self.resultant else shapes.ELEMENTS_PER_RUN
+
+        def runs(at: str) -> list[Run]:
+            # Runs are counted from the tip, where the beam meets the medium first.
+            stops = range(len(cables), 0, -size) if cables else ()
+            return [
+                shapes.cable_run(
+                    at,
+                    self.mbs,
+                    cables[max(0, stop - size) : stop],
+                    kind,
+                    strips_per_element,
+                    flags | self._flags(free_end and stop == len(cables)),
+                )
+                for stop in stops
+            ]
+
+        self._take("bed.add_cables", name, runs)
 
     def _flags(self, free_end: bool) -> dict[str, Any]:
-        return {"surface": self.surface, "cap": self.end_cap and free_end, "resultant": self.resultant}
+        return {"cap": self.end_cap and free_end, "resultant": self.resultant}
+
+    def _take(self, where: str, name: str | None, make: Callable[[str], list[Run]]) -> None:
+        """Add runs, each with the media that act on its kind of shape left to `attach`."""
+        self._open()
+        made = make(where)
+        for run in made:
+            if not any(run.kind in medium.takes for medium in self.media):
+                raise scene_error(
+                    where, f"nothing acts on {WORDS[run.kind]}: {'; '.join(map(what_it_takes, self.media))}"
+                )
+            run.body = run.body if name is None else name
+        self.runs += made
 
     def _open(self) -> None:
-        if self._attached:
+        if self._ledger is not None:
             raise scene_error("bed", "it is attached already; name every body before attach()")
 
     def attach(self) -> None:
@@ -143,8 +222,14 @@ class GranularBed:
         self._open()
         if not self.runs:
             raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
-        self._attached = True
+        bodies = named(self.runs)
+        self._ledger = self._new_ledger()
         for run in self.runs:
+            run.media = [
+                Acting(record, len(run.geometry) - 1, self._ledger.columns(i, bodies.index(run.body)))
+                for i, (medium, record) in enumerate(zip(self.media, self.records, strict=True))
+                if run.kind in medium.takes
+            ]
             self.mbs.AddObject(
                 items.ObjectGenericODE2(
                     nodeNumbers=[exu.NodeIndex(node) for node in run.nodes],
@@ -153,6 +238,9 @@ class GranularBed:
                     visualization=items.VObjectGenericODE2(show=False),
                 )
             )
+
+    def _new_ledger(self) -> Ledger:
+        return Ledger([len(medium.terms) for medium in self.media], len(named(self.runs)))
 
     # ---- what the engine calls ----
 
@@ -193,7 +281,7 @@ class GranularBed:
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             self._accept(t, self._q, self._v)
-        elif start_time != self._accepted or self._rows == 1:
+        elif start_time != self._accepted or self._rows.length == 1:
             if start_time == self._accepted:  # the first step: bodies may have been moved since forces were first asked
                 self._accepted = None
             start = exu.ConfigurationType.StartOfStep
@@ -208,34 +296,27 @@ class GranularBed:
         data = self.mbs.systemData
         self._accept(data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False))
 
+    @property
+    def _rows(self) -> Ledger:
+        assert self._ledger is not None  # the engine asks for forces only once the bed is attached
+        return self._ledger
+
     def _accept(self, t: float, q: Vector, v: Vector) -> None:
         if t == self._accepted:
             return
         if self._accepted is None or t < self._accepted:
             self._restart(q, v)
-        row = self._new_row()
+        row = self._rows.new_row()
         for run in self.runs:
             run.accept(q, v, row)
-        row[TIME] = t
-        if self._rows > 1:
-            last = self._history[self._rows - 2]
-            row[WORK] = last[WORK] + 0.5 * (row[POWER] + last[POWER]) * (t - last[TIME])
+        self._rows.close_row(t)
         self._accepted = t
 
     def _restart(self, q: Vector, v: Vector) -> None:
         """A new solve begins: forget the history, rest the bristles."""
-        self._rows = 0
+        self._rows.length = 0
         for run in self.runs:
-            run.start(self.mbs, q, v, self.medium)
-
-    def _new_row(self) -> Vector:
-        if self._rows == len(self._history):
-            self._history = np.vstack([self._history, np.zeros_like(self._history)])
-        self._rows += 1
-        row: Vector = self._history[self._rows - 1]
-        row[:] = 0.0
-        row[DEPTH] = -np.inf
-        return row
+            run.start(self.mbs, q, v, self.profile)
 
     # ---- what is read afterwards ----
 
@@ -244,11 +325,11 @@ class GranularBed:
         """All steps up to the system's current state, which counts as accepted; reading it changes nothing."""
         if self._accepted is None or not self.mbs.systemData.GetTime() > self._accepted:
             return self.accepted
-        rows, accepted = self._rows, self._accepted
+        length, accepted = self._rows.length, self._accepted
         kept = [run.remember() for run in self.runs]
         self.accept()
         history = self.accepted
-        self._rows, self._accepted = rows, accepted
+        self._rows.length, self._accepted = length, accepted
         for run, memory in zip(self.runs, kept, strict=True):
             run.recall(memory)
         return history
@@ -256,23 +337,44 @@ class GranularBed:
     @property
     def accepted(self) -> LoadHistory:
         """The steps accepted so far; safe to read while a solve is under way."""
-        rows = self._history[: self._rows]
-        time, work, power, depth = rows[:, (TIME, WORK, POWER, DEPTH)].T
-        return LoadHistory(time, work, power, depth, rows[:, TOTALS:].reshape(-1, len(TERMS), 3).copy())
+        ledger = self._new_ledger() if self._ledger is None else self._ledger
+        return ledger.history(term_names(self.media), named(self.runs))
 
     @property
     def work(self) -> float:
         """Work done by the medium on the bodies (J); its negative is the energy dissipated in the medium."""
-        return float(self.history.work[-1]) if self._rows else 0.0
+        work = self.history.work
+        return float(work[-1]) if len(work) else 0.0
 
     @property
     def terms(self) -> dict[str, Vector]:
         """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each."""
-        last = self.history.terms[-1] if self._rows else np.zeros((len(TERMS), 3))
-        return dict(zip(TERMS, last, strict=True))
+        return _last(self.history.terms, term_names(self.media))
+
+    @property
+    def bodies(self) -> dict[str, Vector]:
+        """Resultant x, y (N) and moment about the origin (N m) on each named body at the end, (3,) each."""
+        return _last(self.history.bodies, named(self.runs))
 
     @property
     def force(self) -> Vector:
         """Resultant (2,) N of the medium on all named bodies at the end."""
         total: Vector = sum(self.terms.values(), np.zeros(3))[:2]
         return total
+
+
+def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:
+    return dict(zip(names, rows[-1] if len(rows) else np.zeros((len(names), 3)), strict=True))
+
+
+def _profile(surface: ArrayLike) -> Vector:
+    """Corners (k, 2) m of a surface given as a height or as corners."""
+    given = np.asarray(surface, float)
+    profile = np.array([[0.0, float(given)]]) if given.ndim == 0 else given
+    if profile.ndim != 2 or profile.shape[1] != 2 or len(profile) == 0:
+        raise ValueError(f"surface: got an array of shape {given.shape}, allowed are a number and (k, 2) corners")
+    if not np.isfinite(profile).all():
+        raise ValueError(f"surface: got {given.tolist()}, allowed are finite numbers")
+    if (np.diff(profile[:, 0]) <= 0.0).any():
+        raise ValueError("surface: x of the corners must rise from one to the next")
+    return np.ascontiguousarray(profile)

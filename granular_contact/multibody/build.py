@@ -188,7 +188,11 @@ def _add_bed(system: System) -> Any:
     for link, elements in runs:
         if elements:
             bed.add_cables(
-                elements, link.link.diameter, strips_per_element=load.strips_per_element, free_end=link.link.free
+                elements,
+                link.link.diameter,
+                strips_per_element=load.strips_per_element,
+                free_end=link.link.free,
+                name=link.link.name,
             )
     bed.attach()
     return bed

@@ -128,12 +128,21 @@ class Observer:
 
     # ---- forces and energies ----
 
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Names of the terms of the granular force; none in vacuum."""
+        if self.scene.medium is None:
+            return ()
+        load = self.trajectory.load
+        return self.scene.medium.terms if load is None else load.term_names
+
     def _load(self) -> series.Series:
         if self.scene.medium is None:
             return {}
         load = self.trajectory.load
-        terms = np.zeros((len(self.trajectory.time), 3, 3)) if load is None else load.terms
-        return series.forces(terms, np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point)
+        terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
+        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
+        return series.forces(self.terms, terms, pivot)
 
     def _energies(self) -> series.Series:
         t = self.trajectory

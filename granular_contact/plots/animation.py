@@ -15,10 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from granular_contact.frames import pace
+from granular_contact.frames import height, pace
 from granular_contact.plots.outlines import edge, fixed_points
 from granular_contact.plots.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, stage_of, strongest
 from granular_contact.plots.style import INK, SAND, VERMILION
@@ -103,9 +103,10 @@ class _Film:
         moving: list[Artist] = [self.bodies, self.line, self.pins, self.forces, self.clock, self.elapsed]
         if self.results.surface is not None:
             # The sand in front of what is immersed.
-            depth = self.results.surface - stage.bottom
-            veil = Rectangle((stage.left, stage.bottom), stage.right - stage.left, depth, color=SAND, alpha=0.22, lw=0)
-            moving.insert(2, veil)
+            x = np.linspace(stage.left, stage.right, stage.width)
+            line = np.column_stack([x, height(self.results.surface, x)])
+            corners = np.vstack([[stage.left, stage.bottom], line, [stage.right, stage.bottom]])
+            moving.insert(2, Polygon(corners, color=SAND, alpha=0.22, linewidth=0))
         for artist in moving:
             if artist is not self.clock:
                 axes.add_artist(artist)

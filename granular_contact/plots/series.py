@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,11 +15,13 @@ from granular_contact.plots.units import instant
 from granular_contact.results import Results
 from granular_contact.units import Array, minus, unit_for
 
-_TERMS = {  # of the granular force: words, colour, kind of line
-    "drag": ("drag", BLUE, "-"),
-    "horizontal_static": ("horizontal static", VERMILION, (0, (4, 1.2))),
-    "vertical_static": ("vertical static", GREEN, (0, (4, 1.2, 1, 1.2))),
-}
+_LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
+    (BLUE, "-"),
+    (VERMILION, (0, (4, 1.2))),
+    (GREEN, (0, (4, 1.2, 1, 1.2))),
+    (PURPLE, (0, (1, 1))),
+    (ORANGE, (0, (2, 1))),
+)
 
 
 def deflection(results: Results) -> Figure:
@@ -39,9 +43,9 @@ def deflection(results: Results) -> Figure:
 def forces(results: Results) -> Figure:
     """The terms of the granular force and their sum over time: horizontal, vertical, moment about the pivot."""
     figure, panels, time = stacked(results, 118.0, (1, 1, 1))
-    both = [results[f"{term}_force_{axis}_N"] for term in _TERMS for axis in "xy"]
+    both = [results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]
     newton = unit_for(np.concatenate(both), "N")
-    moment = unit_for(np.concatenate([results[f"{term}_moment_Nm"] for term in _TERMS]), "N·m")
+    moment = unit_for(np.concatenate([results[f"{term}_moment_Nm"] for term in results.terms]), "N·m")
     rows = (
         ("force_x_N", newton, "horizontal force"),
         ("force_y_N", newton, "vertical force"),
@@ -49,10 +53,10 @@ def forces(results: Results) -> Figure:
     )
     for axes, (column, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)
-        parts = [results[f"{term}_{column}"] * unit.factor for term in _TERMS]
+        parts = [results[f"{term}_{column}"] * unit.factor for term in results.terms]
         curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
-        for part, (label, colour, kind) in zip(parts, _TERMS.values(), strict=True):
-            curve(axes, time, part, colour, label, linestyle=kind)
+        for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
+            curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
         finish(axes, f"{words} ({unit.name})", columns=4 if axes is panels[0] else 0)
     mark_events(results, panels)
     return figure

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.colors import to_rgb
+from numpy.typing import ArrayLike
 
+from granular_contact.frames import height
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.style import SAND, SAND_EDGE
 from granular_contact.results import Results, Snapshot
@@ -46,9 +48,10 @@ def stage_of(results: Results) -> Stage:
     low, high = _bounds(results.frames)
     if results.surface is not None:
         size = float(np.max(high - low))
-        if results.surface > low[1] - 2 * size:
-            low[1] = min(low[1], results.surface - 0.1 * size)
-            high[1] = max(high[1], results.surface)
+        sand = height(results.surface, np.linspace(low[0], high[0], 65))
+        if sand.max() > low[1] - 2 * size:
+            low[1] = min(low[1], sand.min() - 0.1 * size)
+            high[1] = max(high[1], sand.max())
     stage = _around(low, high)
     largest = strongest(results.frames)
     tips = [force.point + arrow_way(force.force, largest, stage) for one in results.frames for force in one.forces]
@@ -83,13 +86,14 @@ def arrow_way(force: Array, largest: float, stage: Stage) -> Array:
     return np.asarray(force * (LONGEST_ARROW * stage.height / stage.scale / largest))
 
 
-def backdrop(stage: Stage, surface: float | None) -> Array:
+def backdrop(stage: Stage, surface: ArrayLike | None) -> Array:
     """Sky, and under the surface sand that darkens downwards: (height, width, 3) from 0 to 1, the upper row first."""
     picture = np.full((stage.height, stage.width, 3), to_rgb(SKY))
     if surface is None:
         return picture
+    x = stage.left + (np.arange(stage.width) + 0.5) / stage.scale
     y = stage.top - (np.arange(stage.height) + 0.5) / stage.scale
-    depth = np.broadcast_to((surface - y)[:, None] * stage.scale, picture.shape[:2])  # px
+    depth = (height(surface, x)[None, :] - y[:, None]) * stage.scale  # px
     cover = np.clip(depth + 0.5, 0.0, 1.0)[:, :, None]
     edge_line = np.clip(1.6 - np.abs(depth - 0.8), 0.0, 1.0)[:, :, None]
     sand = _sand(depth, stage.height)

@@ -34,7 +34,7 @@ class Observer:
         depth = None if self.scene.surface is None else self.depth()
         everything |= series.shape(self.mean_rate(), self.tip(), self.deflection(), depth)
         if self.scene.medium is not None:
-            everything |= series.forces(self.trajectory.terms, self.model.view.pivot)
+            everything |= series.forces(self.scene.medium.terms, self.trajectory.terms, self.model.view.pivot)
         return series.tabulate(everything | self._energies())
 
     def stop(self) -> Stop | None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.kernels.law import RUN
 from granular_contact.kernels.lee_marghitu import RECORD
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
 from granular_contact.kernels.pendulum import PENDULUM
-from granular_contact.kernels.runs import RUN
 from granular_contact.media.static_friction import Elastoplastic
 from granular_contact.reduced.model import Bar, Model
 
@@ -31,7 +31,7 @@ def world(reduced: Model) -> World:
         stations["along"], stations["across"] = places.T
         stations["phi"][:, : reduced.method.modes] = reduced.shapes(bar, places)
         stations["pivot"] = reduced.view.pivot
-        run["surface"], run["diameter"] = scene.surface, bar.diameter
+        run["width"] = bar.diameter
         run["cap"], run["resultant"] = scene.load.end_cap and bar.free, scene.load.resultant
         geometry.append(stations)
         runs.append(run)
@@ -40,7 +40,9 @@ def world(reduced: Model) -> World:
     record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
     static = AIMED if reduced.method.static == "true_sign" else scene.load.static
     medium = np.zeros(1, RECORD) if scene.medium is None else scene.medium.record(static, scene.gravity)
-    return World(record, np.concatenate(geometry), starts, np.concatenate(runs), medium, np.zeros((starts[-1], 2)))
+    profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
+    anchors = np.zeros((starts[-1], 2))
+    return World(record, np.concatenate(geometry), starts, np.concatenate(runs), profile, medium, anchors)
 
 
 def _pendulum(reduced: Model) -> NDArray[np.void]:

@@ -130,8 +130,12 @@ def medium(law: LeeMarghitu = TWO_WAYS, static: Elastoplastic | Smooth = TRUE_SI
 
 def run_record(link: Link, cap: bool = False, resultant: bool = False) -> NDArray[np.void]:
     run = np.zeros(1, runs.RUN)
-    run["surface"], run["diameter"], run["cap"], run["resultant"] = link.surface, link.diameter, cap, resultant
+    run["width"], run["cap"], run["resultant"] = link.diameter, cap, resultant
     return run
+
+
+def profile(link: Link) -> Array:
+    return np.array([[0.0, link.surface]])
 
 
 def stations_of(link: Link, strips_: int) -> tuple[Array, Array]:
@@ -156,7 +160,8 @@ def kernel(
     F, totals = np.full_like(P, np.nan), np.zeros((3, 3))
     form = strips.resultant_forces if resultant else strips.distributed_forces
     m = (medium() if record is None else record)[0]
-    form(P, V, middles(P) if anchors is None else anchors, run_record(link, cap, resultant)[0], m, F, totals)
+    run, bristles = run_record(link, cap, resultant)[0], middles(P) if anchors is None else anchors
+    form(P, V, bristles, run, profile(link), m, F, totals)
     return F, totals
 
 

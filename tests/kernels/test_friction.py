@@ -10,7 +10,7 @@ import pytest
 from support_slow import Link, kernel, medium, middles
 
 from granular_contact.kernels import runs
-from granular_contact.kernels.friction import direction, direction_slopes, drag_anchor
+from granular_contact.kernels.friction import direction, direction_slopes, drag_component
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 
@@ -18,6 +18,7 @@ U_Y = 1e-5
 PLASTIC = medium(static=Elastoplastic(U_Y, 0.0))[0]
 DAMPED = medium(static=Elastoplastic(U_Y, 1e-3))[0]
 SMOOTH = medium(static=Smooth(1e-3))[0]
+RUN, LEVEL = np.zeros(1, runs.RUN)[0], np.zeros((1, 2))
 
 
 def cycle(path: np.ndarray, m: np.void) -> tuple[np.ndarray, np.ndarray]:
@@ -25,7 +26,7 @@ def cycle(path: np.ndarray, m: np.void) -> tuple[np.ndarray, np.ndarray]:
     sigma, anchors, anchor = np.zeros(len(path)), np.zeros(len(path)), path[0]
     for i, p in enumerate(path):
         sigma[i] = direction(p - anchor, 0.0, m)
-        anchor = drag_anchor(p, anchor, m)
+        anchor = drag_component(p, anchor, m)
         anchors[i] = anchor
     return sigma, anchors
 
@@ -52,10 +53,10 @@ def test_saturates_at_one() -> None:
 
 
 def test_anchor_is_mapped_back_to_the_yield_displacement() -> None:
-    assert drag_anchor(0.3 * U_Y, 0.0, PLASTIC) == pytest.approx(0.0, abs=1e-20)
+    assert drag_component(0.3 * U_Y, 0.0, PLASTIC) == pytest.approx(0.0, abs=1e-20)
     # Round-off of 1e-5 m.
-    assert drag_anchor(3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(2.0 * U_Y, rel=1e-14)
-    assert drag_anchor(-3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(-2.0 * U_Y, rel=1e-14)
+    assert drag_component(3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(2.0 * U_Y, rel=1e-14)
+    assert drag_component(-3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(-2.0 * U_Y, rel=1e-14)
 
 
 def test_return_mapping_is_the_incremental_one() -> None:
@@ -71,7 +72,7 @@ def test_no_creep_under_a_constant_load() -> None:
     p = anchor = 0.7 * U_Y
     p += 0.6 * U_Y  # a load of 0.6 of the bound is carried here
     for _ in range(10_000):
-        anchor = drag_anchor(p, anchor, DAMPED)
+        anchor = drag_component(p, anchor, DAMPED)
     # p - (p - anchor) may round once, in the last place of 1e-5 m; a millionth of u_y would be creep.
     assert anchor == pytest.approx(0.7 * U_Y, abs=1e-20)
     assert direction(p - anchor, 0.0, DAMPED) == pytest.approx(0.6, rel=1e-12)
@@ -127,7 +128,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
     for i, x in enumerate(path):
         P = P0 + np.array([x, 0.0])
         force[i] = kernel(P, V, link, record, anchors)[0][:, 0].sum()
-        runs.drag_anchors(P, anchors, 0.0, record[0])
+        runs.drag_anchors(P, anchors, RUN, LEVEL, record[0])
     # Closed expression of the bound, round-off (stretches of 1e-5 m next to positions of 1e-2 m: 1e-13).
     assert np.abs(force).max() == pytest.approx(bound, rel=1e-11)
     done = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(path)))
@@ -142,7 +143,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
 def test_anchors_are_free_above_the_surface() -> None:
     P = np.array([[0.0, 0.2], [0.1, 0.1], [0.2, -0.1]])
     anchors = np.full((2, 2), 0.5)
-    runs.drag_anchors(P, anchors, 0.0, PLASTIC)
+    runs.drag_anchors(P, anchors, RUN, LEVEL, PLASTIC)
     # Its own middle, and dragged along at the yield displacement; round-off of 0.1 m.
     np.testing.assert_allclose(anchors, [[0.05, 0.15], [0.15 + U_Y, 0.0 + U_Y]], atol=1e-15)
 

@@ -25,7 +25,7 @@ def place(geometry: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarra
 
 
 def cases() -> list[tuple[np.ndarray, int]]:
-    return [(rigid_stations(np.array([-0.1, 0.02]), np.array([0.2, -0.05]), 6), 3), (cable_stations(LENGTHS, 4), 16)]
+    return [(rigid_stations(np.array([[-0.1, 0.02], [0.2, -0.05]]), 6), 3), (cable_stations(LENGTHS, 4), 16)]
 
 
 def test_hermite_meets_values_and_slopes_at_the_ends() -> None:
@@ -45,7 +45,7 @@ def test_hermite_reproduces_cubics() -> None:
 
 
 def test_rigid_stations_turn_with_the_body() -> None:
-    geometry = rigid_stations(np.array([0.0, 0.0]), np.array([0.2, 0.0]), 2)
+    geometry = rigid_stations(np.array([[0.0, 0.0], [0.2, 0.0]]), 2)
     P, V = place(geometry, np.array([1.0, 2.0, np.pi / 2]), np.array([0.3, -0.4, 5.0]))
     # By hand; round-off of cos(pi / 2).
     np.testing.assert_allclose(P, [[1.0, 2.0], [1.0, 2.1], [1.0, 2.2]], atol=1e-15)
@@ -91,17 +91,18 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     v, n = rng.uniform(-1, 1, size), len(geometry)
     P, V = place(geometry, q, v)
     run, anchors = np.zeros(1, runs.RUN), np.zeros((n - 1, 2))
-    run["diameter"], run["surface"] = 0.01, P[:, 1].mean()
-    F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, float(run["surface"][0])), medium(TWO_WAYS, TRUE_SIGN))
-    out, row = np.zeros(size), np.zeros(runs.ROW)
-    args = (np.arange(size), np.zeros(size), geometry, run, medium(TWO_WAYS, TRUE_SIGN), anchors)
+    run["width"], surface = 0.01, float(P[:, 1].mean())
+    F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, surface), medium(TWO_WAYS, TRUE_SIGN))
+    out, row = np.zeros(size), np.zeros(runs.FIRST + 13)
+    level, sand = np.array([[0.0, surface]]), medium(TWO_WAYS, TRUE_SIGN)
+    args = (np.arange(size), np.zeros(size), geometry, run, level, sand, anchors)
     runs.force(q, v, *args, np.zeros((3, 3)), out)
-    depth, speed = runs.accept(q, v, *args, np.zeros((3, 3)), row)
+    depth, speed = runs.accept(q, v, *args, np.zeros((3, 3)), row, runs.FIRST + np.array([0, 1, 10]))
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
-    assert row[runs.POWER] == pytest.approx(out @ v, rel=1e-12)
-    np.testing.assert_allclose(row[runs.TOTALS :].reshape(3, 3), totals, rtol=1e-12, atol=1e-12)
-    assert depth == row[runs.DEPTH] == run["surface"][0] - P[:, 1].min()
+    assert row[runs.FIRST] == pytest.approx(out @ v, rel=1e-12)
+    np.testing.assert_allclose(row[runs.FIRST + 1 : -3].reshape(3, 3), totals, rtol=1e-12, atol=1e-12)
+    assert depth == row[runs.DEPTH] == surface - P[:, 1].min()
     assert speed == np.abs(V[:, 1]).max()
 
 

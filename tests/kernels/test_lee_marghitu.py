@@ -15,6 +15,7 @@ from support_slow import (
     medium,
     middles,
     midpoint,
+    profile,
     random_link,
     resultants,
     run_record,
@@ -395,7 +396,7 @@ def test_strip_and_cap_tangents(cap: bool) -> None:
     yielding = 0
     for link, P, V, anchors in smooth_states(np.random.default_rng(13), 300):
         KP, KV = np.full((1, 4, 4), np.nan), np.full((1, 4, 4), np.nan)
-        strips.distributed_tangents(P, V, anchors, run_record(link, cap)[0], record[0], KP, KV)
+        strips.distributed_tangents(P, V, anchors, run_record(link, cap)[0], profile(link), record[0], KP, KV)
 
         def of_ends(x: np.ndarray, link: Link = link, anchors: np.ndarray = anchors) -> np.ndarray:
             return kernel(x[:4].reshape(2, 2), x[4:].reshape(2, 2), link, record, anchors, cap)[0].ravel()
@@ -412,7 +413,7 @@ def test_strip_and_cap_tangents(cap: bool) -> None:
 
 
 def rigid_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    geometry = kinematics.rigid_stations(np.array([-0.12, 0.01]), np.array([0.13, -0.02]), 5)
+    geometry = kinematics.rigid_stations(np.array([[-0.12, 0.01], [0.13, -0.02]]), 5)
     q = np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(-2.5, -0.4)])
     return geometry, q, rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, 4.0]
 
@@ -450,9 +451,9 @@ def test_tangents_of_whole_runs(case: object, resultant: bool) -> None:
             rng.uniform(0.2, 0.8, (n - 1, 2)) * rng.choice([-1, 1], (n - 1, 2)) * YIELD - TAU * middles(V)
         )
         link = Link(P[:2], V[:2], 0.008)
-        args = (geometry, run_record(link, True, resultant), record, anchors)
+        args = (geometry, run_record(link, True, resultant), profile(link), record, anchors)
         fq, fv = rng.uniform(-2.0, 2.0, 2)
-        got = np.full((size, size), np.nan)
+        got = np.zeros((size, size))
         runs.tangent(q, v, np.arange(size), np.zeros(size), *args, fq, fv, got)
         want = central(lambda x, args=args: generalised(x, args), np.concatenate([q, v]), 1e-6)
         want = fq * want[:, :size] + fv * want[:, size:]

@@ -280,16 +280,16 @@ def test_bristles_rest_where_a_solve_starts() -> None:
 
 def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     """Power (n,) W at the accepted states, anchors dragged along from one to the next."""
-    geometry = kinematics.rigid_stations(np.array([-HALF, 0.0]), np.array([HALF, 0.0]), 16)
+    geometry = kinematics.rigid_stations(np.array([[-HALF, 0.0], [HALF, 0.0]]), 16)
     run, power, anchors = np.zeros(1, runs.RUN), np.zeros(len(table)), None
-    run["surface"], run["diameter"] = surface, DIAMETER
+    run["width"], profile = DIAMETER, np.array([[0.0, surface]])
     P, V, F = (np.zeros((17, 2)) for _ in range(3))
     for i, state in enumerate(table):
         kinematics._rigid_stations(state[1:4] + START, state[4:7], geometry, P, V)
         anchors = 0.5 * (P[1:] + P[:-1]) if anchors is None else anchors
-        strips.distributed_forces(P, V, anchors, run[0], bed.medium[0], F, np.zeros((3, 3)))
+        strips.distributed_forces(P, V, anchors, run[0], profile, bed.records[0][0], F, np.zeros((3, 3)))
         power[i] = (F * V).sum()
-        runs.drag_anchors(P, anchors, surface, bed.medium[0])
+        runs.drag_anchors(P, anchors, run[0], profile, bed.records[0][0])
     return power
 
 

@@ -16,8 +16,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.friction import ELASTOPLASTIC, drag_anchor
-from granular_contact.kernels.lee_marghitu import RECORD, strip_force
+from granular_contact.kernels.friction import ELASTOPLASTIC
+from granular_contact.kernels.law import RUN
+from granular_contact.kernels.lee_marghitu import RECORD, drag_anchor, strip_force
 
 GRAVITY = 9.81  # m/s^2
 DENSITY = 7700.0  # kg/m^3
@@ -45,6 +46,9 @@ ROOT_INERTIA = (  # RB1 and RB2 about the pivot, kg m^2
     + CLAMP_MASS * (CLAMP_CENTRE**2 + CLAMP_LENGTH**2 / 12.0 + CLAMP_DIAMETER**2 / 16.0)
 )
 
+BAR = np.zeros(1, RUN)
+BAR["width"] = DIAMETER
+BAR = BAR[0]
 SAND = np.array(
     [(GRAVITY, 2500.0, 6.5, 8.0, 22.0, 1.1, 22.0, 1.1, ELASTOPLASTIC, 1e-5, 1e-3, 1.0)],
     dtype=RECORD,
@@ -68,12 +72,12 @@ def segment_inertia(length: float, rotary: bool = True) -> float:
 
 
 @njit
-def sand_on_strip(p0, p1, v0, v1, anchor, follow, surface, d, m, f):
+def sand_on_strip(p0, p1, v0, v1, anchor, follow, surface, run, m, f):
     """Overwrite f (3, 2, 2) with the sand's force terms at the two ends of one strip (N); True if it is immersed.
 
     p0, p1 end positions (2,) (m); v0, v1 end velocities (2,) (m/s); anchor (2,) of the bristle at mid-strip (m). It
     moves only when `follow` holds, at the start of a step, which closes the previous step; a strip that is wholly above
-    the surface takes it along. d diameter (m); m medium record. Not cached: the cache would miss a change of the law.
+    the surface takes it along. run, m records of the kernels. Not cached: the cache would miss a change of the law.
     """
     f[:] = 0.0
     z0, z1 = surface - p0[1], surface - p1[1]
@@ -83,7 +87,7 @@ def sand_on_strip(p0, p1, v0, v1, anchor, follow, surface, d, m, f):
             anchor[0], anchor[1] = x, y
         return False
     if follow:
-        anchor[0], anchor[1] = drag_anchor(x, anchor[0], m), drag_anchor(y, anchor[1], m)
+        anchor[0], anchor[1] = drag_anchor(x, y, anchor[0], anchor[1], m)
     cx, cy = p1[0] - p0[0], p1[1] - p0[1]
-    strip_force(z0, z1, cx, cy, v0[0], v0[1], v1[0], v1[1], x - anchor[0], y - anchor[1], d, m, f)
+    strip_force(z0, z1, cx, cy, v0[0], v0[1], v1[0], v1[1], x - anchor[0], y - anchor[1], run, m, f)
     return True

@@ -25,6 +25,7 @@ from numba import njit
 from . import (
     ANGLE,
     AREA,
+    BAR,
     CLAMP_CENTRE,
     CLAMP_MASS,
     DENSITY,
@@ -101,7 +102,7 @@ def weight_and_sand(x, v, mass, anchors, surface, m, forces, f):
     """Add weight and sand to the nodal forces (3, n + 1) (N), once per step; node 0 belongs to the root."""
     for k in range(1, mass.shape[0]):
         forces[1, k] -= GRAVITY * mass[k]
-        if sand_on_strip(x[:, k - 1], x[:, k], v[:, k - 1], v[:, k], anchors[k - 1], True, surface, DIAMETER, m, f):
+        if sand_on_strip(x[:, k - 1], x[:, k], v[:, k - 1], v[:, k], anchors[k - 1], True, surface, BAR, m, f):
             for end in range(2):
                 for term in range(3):
                     forces[0, k - 1 + end] += f[term, end, 0]

@@ -22,11 +22,11 @@ from numba.extending import intrinsic
 from . import (
     ANGLE,
     AREA,
+    BAR,
     BENDING_STIFFNESS,
     CLAMP_CENTRE,
     CLAMP_MASS,
     DENSITY,
-    DIAMETER,
     DISC_MASS,
     GRAVITY,
     LENGTH,
@@ -93,7 +93,7 @@ def sand_on_chain(table):
     for k in range(n - 1, -1, -1):
         if sand_on_strip(
             nodes[k, :2], nodes[k + 1, :2], nodes[k, 2:], nodes[k + 1, 2:],
-            anchors[k], first, surface, DIAMETER, SAND, forces,
+            anchors[k], first, surface, BAR, SAND, forces,
         ):  # fmt: skip
             fx += forces[0, 1, 0] + forces[1, 1, 0] + forces[2, 1, 0]
             fy += forces[0, 1, 1] + forces[1, 1, 1] + forces[2, 1, 1]

@@ -1,0 +1,56 @@
+"""A ball in the medium: one force at its centre, by a law of its depth and velocity.
+
+For the kernels of runs it is a strip of no length: two stations, both at its centre; the first takes the force.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import law
+from granular_contact.kernels.surface import height
+
+
+@njit(cache=True)
+def ball_forces(P, V, anchors, run, profile, m, F, totals):
+    """`law.forces` of a ball."""
+    F[:] = 0.0
+    x, y = P[0, 0], P[0, 1]
+    z = height(profile, x)[0] - y + run.drop
+    if z <= 0.0:
+        return
+    f = np.zeros((law.TERMS, 2))
+    law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, m, f)
+    for term in range(law.TERMS):
+        fx, fy = f[term, 0], f[term, 1]
+        F[0, 0] += fx
+        F[0, 1] += fy
+        totals[term, 0] += fx
+        totals[term, 1] += fy
+        totals[term, 2] += x * fy - y * fx
+
+
+@njit(cache=True)
+def ball_tangents(P, V, anchors, run, profile, m, KP, KV):
+    """`law.tangents` of a ball."""
+    KP[:] = 0.0
+    KV[:] = 0.0
+    x, y = P[0, 0], P[0, 1]
+    surface, slope = height(profile, x)
+    z = surface - y + run.drop
+    if z <= 0.0:
+        return
+    kz = np.zeros(2)
+    law.ball_tangent(
+        z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, m, KP[0, :2, :2], kz, KV[0, :2, :2]
+    )
+    for row in range(2):
+        KP[0, row, 0] += slope * kz[row]
+        KP[0, row, 1] -= kz[row]
+
+
+def ball_law(dtype: np.dtype) -> None:
+    """Let runs use the law with this record type on balls."""
+    law.provide(law.forces, "m", dtype)(ball_forces)
+    law.provide(law.tangents, "m", dtype)(ball_tangents)

@@ -1,0 +1,105 @@
+"""Runs on the bodies of an Exudyn system: which bodies can carry them, and whether a shape has a size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.errors import scene_error
+from granular_contact.kernels import kinematics
+from granular_contact.media.kinds import Kind
+from granular_contact.multibody.runs import Run
+
+Vector = NDArray[np.float64]
+
+# Most elements under one overlay. The engine copies all coordinates of an overlay into lists at every call, so a long
+# beam is cheaper in pieces of which only those near the surface are evaluated; each piece costs a call of its own.
+ELEMENTS_PER_RUN = 12
+
+
+def section(where: str, diameter: float | None, width: float | None) -> tuple[Kind, dict[str, Any]]:
+    """Kind of a thin line and its run's width, from exactly one of the two sizes (m)."""
+    if (diameter is None) == (width is None):
+        raise scene_error(where, "got both diameter and width; one is allowed" if width else "give diameter or width")
+    kind: Kind = "flat" if diameter is None else "round"
+    name, size = ("width", width) if diameter is None else ("diameter", diameter)
+    return kind, {"width": positive(where, name, size)}
+
+
+def positive(where: str, name: str, size: float | None) -> float:
+    """The size, which must be a finite number above 0."""
+    if size is None or not (np.isfinite(size) and size > 0.0):
+        raise scene_error(where, f"{name}: got {size}, allowed is a number above 0 (m)")
+    return float(size)
+
+
+def line_run(where: str, mbs: Any, body: Any, points: ArrayLike, kind: Kind, strips: int, flags: dict[str, Any]) -> Run:
+    """Run along the polyline points (k, 2) m, fixed to a rigid body."""
+    line = _points(where, points, 2)
+    return _rigid_run(where, mbs, body, kinematics.rigid_stations(line, strips), kind, flags)
+
+
+def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int, flags: dict[str, Any]) -> Run:
+    """Run around the closed polygon points (k, 2) m, fixed to a rigid body; the first corner need not be repeated."""
+    corners = _points(where, points, 3)
+    if not np.array_equal(corners[0], corners[-1]):
+        corners = np.vstack([corners, corners[:1]])
+    (x0, y0), (x1, y1) = corners[:-1].T, corners[1:].T
+    area = 0.5 * float(np.sum(x0 * y1 - x1 * y0))
+    if abs(area) < 1e-9 * float(np.ptp(corners, axis=0).max()) ** 2:
+        raise scene_error(where, "the outline encloses no area")
+    # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
+    sided = {**flags, "side": -1.0 if area > 0.0 else 1.0}
+    return _rigid_run(where, mbs, body, kinematics.rigid_stations(corners, strips), "outline", sided)
+
+
+def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, flags: dict[str, Any]) -> Run:
+    """Run of a ball that is fixed to a rigid body."""
+    size = positive(where, "diameter", diameter)
+    place = np.asarray(center, float)[:2]
+    return _rigid_run(
+        where, mbs, body, kinematics.ball_stations(place), "ball", {**flags, "width": size, "drop": 0.5 * size}
+    )
+
+
+def _points(where: str, points: ArrayLike, least: int) -> Vector:
+    line = np.atleast_2d(np.asarray(points, float))[:, :2]
+    if len(line) < least:
+        raise scene_error(where, f"got {len(line)} points, allowed are at least {least}")
+    if not np.isfinite(line).all():
+        raise scene_error(where, "a point is not finite")
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    if not steps.all():
+        i = int(np.argmin(steps))
+        raise scene_error(where, f"points {i} and {i + 1} are the same, {line[i].tolist()}")
+    return line
+
+
+def _rigid_run(where: str, mbs: Any, body: Any, geometry: NDArray[np.void], kind: Kind, flags: dict[str, Any]) -> Run:
+    item = mbs.GetObject(body)
+    if item["objectType"] != "RigidBody2D":
+        raise scene_error(where, f"object {item['name']} is a {item['objectType']}, allowed is RigidBody2D")
+    run = Run([item["nodeNumber"]], 3, geometry, kind, flags)
+    run.body = item["name"]
+    return run
+
+
+def cable_run(where: str, mbs: Any, elements: Sequence[Any], kind: Kind, strips: int, flags: dict[str, Any]) -> Run:
+    """Run on consecutive ANCFCable2D elements, `strips` strips in each."""
+    nodes: list[int] = []
+    lengths = []
+    for element in elements:
+        item = mbs.GetObject(element)
+        if item["objectType"] != "ANCFCable2D":
+            raise scene_error(where, f"object {item['name']} is a {item['objectType']}, allowed is ANCFCable2D")
+        first, second = (int(node) for node in item["nodeNumbers"])
+        if nodes and nodes[-1] != first:
+            raise scene_error(where, f"{item['name']} does not start at the node where its neighbour ends")
+        nodes += [second] if nodes else [first, second]
+        lengths.append(item["length"])
+    run = Run(nodes, 4 * len(nodes), kinematics.cable_stations(np.array(lengths), strips), kind, flags)
+    run.body = mbs.GetObject(elements[0])["name"]
+    return run
