@@ -62,7 +62,7 @@ def frames(
         Forces of the medium on bodies, (k, 3) x, y (N) and moment about the origin (N m, counter-clockwise), by their
         names: those of their parts with a + between; an empty one is all parts together.
     surface
-        The free surface, see `height`; None in vacuum.
+        The free surface, see `surface_height`; None in vacuum.
     """
     return tuple(
         Snapshot("frame", float(t), outlines, tuple(_forces(outlines, {p: w[i] for p, w in loads.items()}, surface)))
@@ -80,12 +80,12 @@ def _forces(outlines: tuple[Outline, ...], wrenches: Mapping[str, Vector], surfa
     return found
 
 
-def height(surface: ArrayLike, x: ArrayLike) -> Vector:
+def surface_height(surface: ArrayLike, x: ArrayLike) -> Vector:
     """Height (n,) m of the free surface at x (n,) m: level at a number, or straight between corners (k, 2) m."""
-    corners = np.asarray(surface, dtype=float)
+    corners, x = np.asarray(surface, dtype=np.float64), np.asarray(x, dtype=np.float64)
     if corners.ndim == 0:
         return np.full(np.shape(x), float(corners))
-    return np.asarray(np.interp(x, corners[:, 0], corners[:, 1]), dtype=float)
+    return np.asarray(np.interp(x, corners[:, 0], corners[:, 1]), dtype=np.float64)
 
 
 def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
@@ -101,7 +101,7 @@ def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
             line = line + 0.5 * outline.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
         found.append((line[:-1, None] * (1.0 - share) + line[1:, None] * share).reshape(-1, 2))
     points = np.concatenate(found)
-    return np.asarray(points[points[:, 1] <= height(surface, points[:, 0])])
+    return np.asarray(points[points[:, 1] <= surface_height(surface, points[:, 0])])
 
 
 def point_of_action(wrench: Vector, under: Vector) -> Vector:

@@ -5,7 +5,7 @@ All that stands still is drawn once; each picture starts from a copy of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,9 +18,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from granular_contact.frames import height, pace
+from granular_contact.frames import pace, surface_height
 from granular_contact.plots.outlines import edge, fixed_points
-from granular_contact.plots.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, stage_of, strongest
+from granular_contact.plots.stage import FOOTER, HEADER, SIDE, Stage, arrow_way, backdrop, stage_of, strongest
 from granular_contact.plots.style import INK, SAND, VERMILION
 from granular_contact.results import Force, Results, Snapshot
 from granular_contact.units import Array, minus, unit_for
@@ -29,21 +29,45 @@ Picture = NDArray[np.uint8]
 
 DPI = 100
 STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
-HEAD, SHAFT, LEAST_ARROW = 12.0, 4.0, 2.0  # px
+HEAD, SHAFT, LEAST_ARROW, GAP = 12.0, 4.0, 2.0, 8  # px
 FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 
 
 def pictures(results: Results) -> Iterator[Picture]:
     """A picture (height, width, 3) of each frame."""
-    return _Film(results).pictures()
+    return _Film(results, stage_of(results)).pictures(results.frames)
+
+
+def strip(results: Results, count: int, width: int) -> Picture:
+    """Pictures of `count` frames as one of so many px, beside each other or, of what is long and low, one over another.
+
+    Between each and the next the mechanism moves as far, which is seldom as long.
+    """
+    stage = stage_of(results, width // count, 0.75)
+    ratio = (stage.right - stage.left) * stage.scale / (stage.height - HEADER - FOOTER)
+    beside = ratio < 2.0 or len(results.frames) < 2
+    if not beside:
+        stage = stage_of(results, width, 0.2)
+    shown = list(_Film(results, stage, words=False).pictures(_evenly_moved(results.frames, count)))
+    gap = np.full((stage.height, GAP, 3) if beside else (GAP, stage.width, 3), 255, np.uint8)
+    parts = [part for one in shown for part in (gap, one)][1:]
+    return np.concatenate(parts, axis=1 if beside else 0)
+
+
+def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
+    """Frames between which the mechanism's points move equally far."""
+    points = np.array([np.concatenate([outline.points for outline in frame.outlines]) for frame in frames])
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    return [frames[i] for i in np.searchsorted(way, np.linspace(0.0, way[-1], count) * (1 - 1e-12))]
 
 
 class _Film:
     """A figure whose moving artists are drawn over a copy of the ones that stand still."""
 
-    def __init__(self, results: Results) -> None:
-        self.results = results
-        self.stage = stage_of(results)
+    def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:
+        """words: whether name, pace and what the arrows mean stand in the picture too."""
+        self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
         self.canvas = _canvas(figure)
@@ -55,14 +79,15 @@ class _Film:
         self.axes.set_xlim(*extent[:2])
         self.axes.set_ylim(*extent[2:])
         self.trace = self._trace_points()
-        self.moving = [*self._moving(), *self._words()]
+        self.moving = [*self._moving(), *_scale_bar(self.axes, stage), *(self._words() if words else ())]
         for artist in self.moving:
             artist.set_animated(True)
         self.canvas.draw()
         self.background = self.canvas.copy_from_bbox(figure.bbox)
 
-    def pictures(self) -> Iterator[Picture]:
-        for frame in self.results.frames:
+    def pictures(self, frames: Sequence[Snapshot]) -> Iterator[Picture]:
+        """Pictures of some of the frames."""
+        for frame in frames:
             self.canvas.restore_region(self.background)
             self._show(frame)
             for artist in self.moving:
@@ -70,14 +95,14 @@ class _Film:
             yield np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 
     def _words(self) -> list[Artist]:
-        """Name, pace and scales; drawn in each picture, as the sand in front of immersed bodies would cover them."""
+        """Name, pace and scale of forces; drawn in each picture, or the sand in front of bodies would cover them."""
         stage, axes = self.stage, self.axes
         name = self.results.name.replace("_", " ")
         words = [
             _pixels(axes, stage, SIDE, stage.height - 18, name, weight="bold"),
             _pixels(axes, stage, stage.width - SIDE, stage.height - 18, _pace_words(self.results), ha="right"),
         ]
-        return [*words, *_scale_bar(axes, stage), *(self._force_key() if self.largest > 0.0 else ())]
+        return [*words, *(self._force_key() if self.largest > 0.0 else ())]
 
     def _force_key(self) -> list[Artist]:
         """An arrow of a round force, with its number."""
@@ -104,7 +129,7 @@ class _Film:
         if self.results.surface is not None:
             # The sand in front of what is immersed.
             x = np.linspace(stage.left, stage.right, stage.width)
-            line = np.column_stack([x, height(self.results.surface, x)])
+            line = np.column_stack([x, surface_height(self.results.surface, x)])
             corners = np.vstack([[stage.left, stage.bottom], line, [stage.right, stage.bottom]])
             moving.insert(2, Polygon(corners, color=SAND, alpha=0.22, linewidth=0))
         for artist in moving:

@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import ArrayLike
 
-from granular_contact.frames import height
+from granular_contact.frames import surface_height
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.style import SAND, SAND_EDGE
 from granular_contact.results import Results, Snapshot
 from granular_contact.units import Array
 
-WIDTH, LEAST_HEIGHT, MOST_HEIGHT = 640, 340, 640  # px
+WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
 HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
 LONGEST_ARROW = 0.25  # of the height
 SKY, DEEP = "#F6F8FA", "#D8C091"
@@ -43,19 +43,24 @@ class Stage:
         return self.bottom + self.height / self.scale
 
 
-def stage_of(results: Results) -> Stage:
-    """The stage that holds the mechanism and the arrows in all frames, the surface and some sand."""
+def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -> Stage:
+    """The stage that holds the mechanism and the arrows in all frames, the surface and some sand.
+
+    width in px; its height is at least `flattest` times that.
+    """
     low, high = _bounds(results.frames)
     if results.surface is not None:
         size = float(np.max(high - low))
-        sand = height(results.surface, np.linspace(low[0], high[0], 65))
+        sand = surface_height(results.surface, np.linspace(low[0], high[0], 65))
         if sand.max() > low[1] - 2 * size:
             low[1] = min(low[1], sand.min() - 0.1 * size)
             high[1] = max(high[1], sand.max())
-    stage = _around(low, high)
+    stage = _around(low, high, width, flattest)
     largest = strongest(results.frames)
     tips = [force.point + arrow_way(force.force, largest, stage) for one in results.frames for force in one.forces]
-    return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0)) if tips else stage
+    if not tips:
+        return stage
+    return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0), width, flattest)
 
 
 def _bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
@@ -65,15 +70,16 @@ def _bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
     return low, high
 
 
-def _around(low: Array, high: Array) -> Stage:
+def _around(low: Array, high: Array, width: int, flattest: float) -> Stage:
     wide, tall = np.maximum(high - low, 1e-9)
-    across = WIDTH - 2 * SIDE
-    height = int(np.clip(across * tall / wide + HEADER + FOOTER, LEAST_HEIGHT, MOST_HEIGHT)) // 2 * 2  # MP4 needs even
+    across = width - 2 * SIDE
+    height = np.clip(across * tall / wide + HEADER + FOOTER, flattest * width, TALLEST * width)
+    height = height // 2 * 2  # MP4 needs even numbers
     scale = min(across / wide, (height - HEADER - FOOTER) / tall)
     middle = (low + high) / 2
-    left = middle[0] - WIDTH / 2 / scale
+    left = middle[0] - width / 2 / scale
     bottom = middle[1] - (height + FOOTER - HEADER) / 2 / scale
-    return Stage(float(left), float(bottom), float(scale), WIDTH, height)
+    return Stage(float(left), float(bottom), float(scale), width, int(height))
 
 
 def strongest(frames: Sequence[Snapshot]) -> float:
@@ -93,7 +99,7 @@ def backdrop(stage: Stage, surface: ArrayLike | None) -> Array:
         return picture
     x = stage.left + (np.arange(stage.width) + 0.5) / stage.scale
     y = stage.top - (np.arange(stage.height) + 0.5) / stage.scale
-    depth = (height(surface, x)[None, :] - y[:, None]) * stage.scale  # px
+    depth = (surface_height(surface, x)[None, :] - y[:, None]) * stage.scale  # px
     cover = np.clip(depth + 0.5, 0.0, 1.0)[:, :, None]
     edge_line = np.clip(1.6 - np.abs(depth - 0.8), 0.0, 1.0)[:, :, None]
     sand = _sand(depth, stage.height)
