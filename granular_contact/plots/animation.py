@@ -43,7 +43,7 @@ def strip(results: Results, count: int, width: int) -> Picture:
 
     Between each and the next the mechanism moves as far, which is seldom as long.
     """
-    stage = stage_of(results, width // count, 0.75)
+    stage = stage_of(results, width // count, 0.6)
     ratio = (stage.right - stage.left) * stage.scale / (stage.height - HEADER - FOOTER)
     beside = ratio < 2.0 or len(results.frames) < 2
     if not beside:

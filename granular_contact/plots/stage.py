@@ -19,7 +19,7 @@ WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
 HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
 LONGEST_ARROW = 0.25  # of the height
 SKY, DEEP = "#F6F8FA", "#D8C091"
-SPECKS = (("#CDB27B", 0.055), ("#FBF3E0", 0.04), ("#B4975B", 0.02))  # colours of single grains, and their share
+SPECKS = (("#CDB27B", 0.03), ("#FBF3E0", 0.02), ("#B4975B", 0.012))  # colours of single grains, and their share
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,9 @@ def _around(low: Array, high: Array, width: int, flattest: float) -> Stage:
     height = np.clip(across * tall / wide + HEADER + FOOTER, flattest * width, TALLEST * width)
     height = height // 2 * 2  # MP4 needs even numbers
     scale = min(across / wide, (height - HEADER - FOOTER) / tall)
-    middle = (low + high) / 2
-    left = middle[0] - width / 2 / scale
-    bottom = middle[1] - (height + FOOTER - HEADER) / 2 / scale
+    left = (low[0] + high[0]) / 2 - width / 2 / scale
+    spare = height - HEADER - FOOTER - tall * scale  # px, a third of it for more sand
+    bottom = low[1] - (FOOTER + spare / 3) / scale
     return Stage(float(left), float(bottom), float(scale), width, int(height))
 
 
