@@ -16,11 +16,20 @@ from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import Touch, find_touch, summarise
 
 if TYPE_CHECKING:
+    from granular_contact.multibody.build import System
     from granular_contact.multibody.history import LoadHistory
     from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.solve import Trajectory
 
 
-def run(scene: Scene, scenario: Scenario, progress: Progress | None = None, *, most_frames: int = 0) -> Results:
+def run(
+    scene: Scene,
+    scenario: Scenario,
+    progress: Progress | None = None,
+    *,
+    most_frames: int = 0,
+    inspect: Callable[[System, Trajectory], None] | None = None,
+) -> Results:
     """Simulate a scene. However the run ends, what it reached is in the results; look at their status.
 
     Parameters
@@ -33,8 +42,10 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None, *, m
         Called now and then with the simulated time and the end time (s).
     most_frames : int
         From 2: the results get at most so many frames, for an animation.
+    inspect : callable, optional
+        Called with the engine's own system and trajectory after the solve; never for a reduced model, which has none.
     """
-    solved = _by_engine(scene, progress) if scene.method is None else _reduced(scene, scene.method, progress)
+    solved = _by_engine(scene, progress, inspect) if scene.method is None else _reduced(scene, scene.method, progress)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(time, series["depth_m"]) if scene.medium is not None else None
@@ -80,7 +91,9 @@ class _Solved:
     more: dict[str, Any]
 
 
-def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
+def _by_engine(
+    scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None
+) -> _Solved:
     from granular_contact.multibody.build import build
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.solve import solve
@@ -88,6 +101,8 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
     system = build(scene)
     trajectory = solve(system, progress)
     observer = Observer(system, trajectory)
+    if inspect is not None:
+        inspect(system, trajectory)
     return _Solved(
         trajectory.status,
         trajectory.cost,

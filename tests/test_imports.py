@@ -25,7 +25,7 @@ MAY = {
     "results": set(),
     "series": {"media", "results"},
     # Two ways through, which know nothing of each other.
-    "multibody": {"multibody", "scene", "media", "kernels", "energy", "results", "series", "errors"},
+    "multibody": {"multibody", "frames", "scene", "media", "kernels", "energy", "results", "series", "errors"},
     "frames": {"results"},
     "summary": {"results", "stopping"},
     "run": {"config", "scene", "multibody", "reduced", "results", "frames", "stopping", "summary"},
