@@ -81,6 +81,15 @@ def test_the_first_run_leaves_what_the_table_names(tmp_path: Path) -> None:
     assert summary["energy"]["imbalance_relative"] < 1e-3
 
 
+def test_the_film_the_report_and_the_examples_are_made(tmp_path: Path) -> None:
+    run, report, examples = (shlex.split(line.split("#")[0])[1:] for line in blocks("sh")[2].splitlines())
+    command(*examples, cwd=tmp_path)
+    command(*run, cwd=tmp_path / examples[-1])
+    command(*report, cwd=tmp_path / examples[-1])
+    made = {path.name for path in (tmp_path / examples[-1] / report[-1]).iterdir()}
+    assert {"animation.gif", "report.html"} <= made
+
+
 def test_the_other_commands_run(tmp_path: Path) -> None:
     run, check, schema = (line.split("#")[0].strip() for line in blocks("sh")[1].splitlines())
     arguments = shlex.split(run)[1:]
