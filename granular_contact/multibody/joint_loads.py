@@ -1,4 +1,4 @@
-"""What acts in a joint by its coordinate: spring, damper, stops, dry friction, and a drive that is no prescribed motion.
+"""What acts in a joint by its coordinate: spring, damper, stops, dry friction, and drives but for prescribed motions.
 
 Laid over the joint's two nodes as a massless `ObjectGenericODE2` with an analytic tangent, as the granular bed is. The
 same functions tell afterwards, from the accepted steps, what work each did.
@@ -55,7 +55,7 @@ def follow(law: JointLaw, s: float, anchor: float) -> float:
 
 
 def wanted(drive: Drive, t: float) -> tuple[float, float]:
-    """What a drive's signal is at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
+    """Signal of a drive at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
     if t < 0.0:
         return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
     value = drive.signal.value(t)

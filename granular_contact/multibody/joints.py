@@ -39,7 +39,10 @@ def _constrain(system: System, ground: Any, joint: Connection) -> None:
     if joint.kind == "free":
         return
     mbs = system.mbs
-    ends = (_seat(system, ground, joint.parent, joint.parent_point), _seat(system, ground, joint.child, joint.child_point))
+    ends = (
+        _seat(system, ground, joint.parent, joint.parent_point),
+        _seat(system, ground, joint.child, joint.child_point),
+    )
     if joint.kind == "hinge":
         markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
         mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))

@@ -202,7 +202,9 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         load=None if system.bed is None else system.bed.accepted.since(0.0),
         mass=mass,
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-        reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},
+        reactions={
+            name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
+        },
     )
 
 

@@ -62,7 +62,9 @@ def rigid_body(layout: Layout, group: list[str]) -> RigidBody:
             cylinders.append(replace(shape, start=start, end=end, free=layout.is_free(shape.part, shape.end)))
     root = layout.tethers[group[0]]
     tether = Tether(own.local(frames[group[0]].world(root.point)), root.length)
-    return RigidBody("+".join(group), mass, inertia, tuple(cylinders), tuple(discs), layout.motion(group[0], own), tether)
+    return RigidBody(
+        "+".join(group), mass, inertia, tuple(cylinders), tuple(discs), layout.motion(group[0], own), tether
+    )
 
 
 def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:

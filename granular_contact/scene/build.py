@@ -121,8 +121,8 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout) -> float:
         return 0.0  # which is refused
     rigid, links = _bodies(layout)
     name, at = _tip(list(_ends(rigid, links)), rigid, layout)
-    body = next(body for body in (*rigid, *links) if body.name == name)
-    return speed / float(np.linalg.norm(place(body.motion, at) - pins[0]))
+    motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
+    return speed / float(np.linalg.norm(place(motions[name], at) - pins[0]))
 
 
 def _pins(model: schema.Model) -> list[Vector]:
@@ -204,9 +204,7 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
     return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world) >= farthest * (1 - 1e-12))
 
 
-def _has_body_columns(
-    scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]
-) -> bool:
+def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
     """Whether the motion of every body is reported."""
     if scenario.output.bodies != "auto":
         return scenario.output.bodies == "all"

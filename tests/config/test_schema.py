@@ -18,7 +18,15 @@ def test_json_schema_takes_names_and_mappings():
 
 
 def test_every_class_is_closed_and_frozen():
-    classes = [schema.Scenario, schema.Model, schema.Solver, schema.Load, schema.Initial, schema.Output, schema.Flexible]
+    classes = [
+        schema.Scenario,
+        schema.Model,
+        schema.Solver,
+        schema.Load,
+        schema.Initial,
+        schema.Output,
+        schema.Flexible,
+    ]
     for choices in (BODIES, JOINTS, CLOSURES, DRIVES, SIGNALS, SHAPES, FRICTIONS, schema.LAWS):
         classes += choices.values()
     for one in classes:

@@ -52,7 +52,8 @@ def hanging(count: int, mode: int) -> str:
     bends = [90.0 - lean[0], *(-np.diff(lean))]
     joints = ", ".join(f"hinge_{i + 1}: {{angle_deg: {bend!r}}}" for i, bend in enumerate(map(float, bends)))
     quarter = np.pi / 2 / (0.5 * root * np.sqrt(9.81))
-    rest = f"initial: {{joints: {{{joints}}}}}\nsolver: {{end_time_s: {1.3 * quarter}, tolerance: 1e-9, rest_time_s: null}}"
+    rest = f"initial: {{joints: {{{joints}}}}}\n"
+    rest += f"solver: {{end_time_s: {1.3 * quarter}, tolerance: 1e-9, rest_time_s: null}}"
     return chain(count, 1.0 / count, rest=rest)
 
 
@@ -89,7 +90,10 @@ def test_beams_that_stiffen_become_rigid_links() -> None:
 
 def test_several_links_meet_the_sand_at_once() -> None:
     run = simulate(
-        chain(6, 0.05), "medium=play_sand", "initial={impact_angle_deg: 10, impact_tip_speed_m_s: 2}", "solver.step_s=1e-4"
+        chain(6, 0.05),
+        "medium=play_sand",
+        "initial={impact_angle_deg: 10, impact_tip_speed_m_s: 2}",
+        "solver.step_s=1e-4",
     )
     contacts = run.summary["contacts"]
     assert sum(bool(intervals) for intervals in contacts.values()) >= 3

@@ -1,7 +1,7 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
-`mechanism` holds the bodies, `joints`, `chain` and `model` what becomes of them, `drives` and `signals` what moves them,
-`medium` the laws, `method` the choice of solver, `scenario` the run around them.
+`mechanism` holds the bodies, `joints`, `chain` and `model` what becomes of them, `initial`, `drives` and `signals` what
+moves them, `medium` the laws, `method` the choice of solver, `scenario` the run around them.
 """
 
 from granular_contact.config.schema.chain import Chain
@@ -59,6 +59,7 @@ from granular_contact.config.schema.signals import (
 )
 
 __all__ = [
+    "LAWS",
     "AnyDrive",
     "AnySignal",
     "Body",
@@ -81,7 +82,6 @@ __all__ = [
     "Initial",
     "Joint",
     "JointStart",
-    "LAWS",
     "LeeMarghitu",
     "Link",
     "Load",
