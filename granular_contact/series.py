@@ -11,11 +11,12 @@ Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
 SPRING = "spring_J"
-JOINT_ENERGIES = {  # columns that a mechanism has if its joints have such things
+JOINT_ENERGIES = {  # columns that a run has if its joints or its bed have such things
     SPRING: "energy in the springs and stops of joints",
     "joint_damping_work_J": "work of dampers and stops in joints so far",
     "friction_work_J": "work of dry friction in joints so far",
     "drive_work_J": "work of the drives so far",
+    "floor_work_J": "work of the floor's contact on the mechanism so far",
 }
 
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
+from granular_contact.limits import Reach
+from granular_contact.media.kinds import term_names
 from granular_contact.multibody import observe_mechanism as mechanism
 from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import RigidHandle, System
+from granular_contact.multibody.system import System
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
 
@@ -30,7 +32,8 @@ class Observer:
         """All columns, with the table (instants, columns)."""
         everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
         everything |= mechanism.joint_columns(self) | mechanism.drive_columns(self) | mechanism.body_columns(self)
-        return series.tabulate(everything | self._shape() | self._load() | self._energies())
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+            return series.tabulate(everything | self._shape() | self._load() | self._energies())
 
     # ---- motion ----
 
@@ -160,25 +163,44 @@ class Observer:
         return deflection
 
     def depth(self) -> Vector:
-        """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
-        heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
-        heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
-        assert self.scene.surface is not None
-        depth: Vector = self.scene.surface - np.min(heights, axis=0)
+        """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
+        assert self.scene.bed is not None
+        height = self.scene.bed.height
+        depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
+        depths = [height(place[:, 0]) - place[:, 1] for place in depths]
+        for name, handle in self.system.rigid.items():
+            for shape in (shape for shape in handle.body.shapes if shape.in_sand):
+                places = [self.position(name, point)[0] for point in shape.points]
+                depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
+        depth: Vector = np.max(depths, axis=0)
         return depth
+
+    def reach(self) -> Reach | None:
+        """Extremes of what was immersed; None where nothing could meet the medium."""
+        load, bed = self.trajectory.load, self.system.bed
+        if load is None:
+            return None
+        return Reach(
+            speed=float(load.speed.max()),
+            depth=float(load.depth.max()),
+            lowest=float(load.lowest.min()),
+            left=float(load.left.min()),
+            right=float(load.right.max()),
+            sizes=tuple(sorted({float(run.run["width"][0]) for run in bed.runs if run.deepest > 0.0})),
+        )
 
     # ---- forces and energies ----
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the terms of the granular force; none in vacuum."""
-        if self.scene.medium is None:
+        if not self.scene.media:
             return ()
         load = self.trajectory.load
-        return self.scene.medium.terms if load is None else load.term_names
+        return term_names(self.scene.media) if load is None else load.term_names
 
     def _load(self) -> series.Series:
-        if self.scene.medium is None:
+        if not self.scene.media:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
@@ -205,17 +227,10 @@ class Observer:
         """The mechanism as drawn at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            outlines += [
-                Outline(d.part, self.position(name, d.center)[0][[instant]], d.diameter) for d in handle.body.discs
-            ]
-            for c in handle.body.cylinders:
-                ends = np.stack([self.position(name, p)[0][instant] for p in (c.start, c.end)])
-                outlines.append(Outline(c.part, ends, c.diameter))
+            for shape in handle.body.shapes:
+                points = np.array([self.position(name, p)[0][instant] for p in shape.points])
+                outlines.append(Outline(shape.part, points, shape.thickness))
         for name, nodes in self._links.items():
             line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
-            outlines.append(Outline(name, line, self.system.links[name].link.diameter))
+            outlines.append(Outline(name, line, self.system.links[name].link.thickness))
         return tuple(outlines)
-
-
-def _ends(handle: RigidHandle) -> list[Vector]:
-    return [p for c in handle.body.cylinders for p in (c.start, c.end)]

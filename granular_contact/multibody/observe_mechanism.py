@@ -54,7 +54,7 @@ def drive_columns(observer: Observer) -> series.Series:
 
 
 def body_columns(observer: Observer) -> series.Series:
-    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the medium's force on it."""
+    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it."""
     columns: series.Series = {}
     if not observer.scene.body_columns:
         return columns
@@ -87,6 +87,9 @@ def joint_energies(observer: Observer) -> dict[str, Vector]:
         energies["joint_damping_work_J"] = np.sum([one.damping for one in done], axis=0)
     if any(law.friction > 0.0 for law in laws):
         energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
+    load, bed = t.load, observer.scene.bed
+    if load is not None and bed is not None and bed.floor is not None:
+        energies["floor_work_J"] = load.floor_work
     if observer.drive_forces:
         power = np.sum([power for _, power in observer.drive_forces.values()], axis=0)
         energies["drive_work_J"] = accumulate(t.time, power)

@@ -131,8 +131,7 @@ def _levers(system: System) -> Vector:
     data = system.mbs.systemData
     lever = np.zeros(data.ODE2Size())
     for rigid in system.rigid.values():
-        points = [p for c in rigid.body.cylinders for p in (c.start, c.end)] + [d.center for d in rigid.body.discs]
-        radius = max(float(np.linalg.norm(p)) for p in points)
+        radius = max((float(np.linalg.norm(p)) for shape in rigid.body.shapes for p in shape.points), default=0.0)
         lever[data.GetNodeLTGODE2(rigid.node)] = 1.0, 1.0, radius
     for link in system.links.values():
         for node in link.nodes:

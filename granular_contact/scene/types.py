@@ -13,31 +13,35 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.lee_marghitu import LeeMarghitu
+from granular_contact.media.kinds import Kind, Medium
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """Straight round bar from start to end, (2,) m in its body's frame; diameter in m; `free` tells a free end face."""
+class Shape:
+    """A part of a body as the medium meets it and as it is drawn.
+
+    points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
+    point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
+    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
+    """
 
     part: str
-    start: Vector
-    end: Vector
-    diameter: float
+    kind: Kind
+    points: Vector
+    width: float
+    thickness: float
+    in_sand: bool = True
     free: bool = False
 
-
-@dataclass(frozen=True)
-class Disc:
-    """Round disc whose axis is normal to the plane; center (2,) m in its body's frame, diameter in m."""
-
-    part: str
-    center: Vector
-    diameter: float
+    @property
+    def drop(self) -> float:
+        """How far it reaches below its points (m), for the medium."""
+        return self.width / 2 if self.kind == "ball" else 0.0
 
 
 @dataclass(frozen=True)
@@ -69,19 +73,23 @@ class RigidBody:
     name: str
     mass: float
     inertia: float
-    cylinders: tuple[Cylinder, ...]
-    discs: tuple[Disc, ...]
+    shapes: tuple[Shape, ...]
     motion: Motion
     tether: Tether
 
 
 @dataclass(frozen=True)
 class FlexibleLink:
-    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s."""
+    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s.
+
+    kind, width and thickness as of a `Shape`.
+    """
 
     name: str
     length: float
-    diameter: float
+    kind: Kind
+    width: float
+    thickness: float
     mass_per_length: float
     bending_stiffness: float
     axial_stiffness: float
@@ -218,7 +226,7 @@ class Reduced:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum.
+    """All that a solver needs. gravity m/s2, downward; bed: None in vacuum.
 
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
     method: None for the engine. settle: find rest first. body_columns: report the motion of every body.
@@ -229,8 +237,7 @@ class Scene:
     links: tuple[FlexibleLink, ...]
     connections: tuple[Connection, ...]
     gravity: float
-    surface: float | None
-    medium: LeeMarghitu | None
+    bed: Bed | None
     load: Load
     solver: Solver
     tip: tuple[str, Vector]
@@ -239,6 +246,16 @@ class Scene:
     drives: tuple[Drive, ...] = ()
     settle: bool = False
     body_columns: bool = False
+
+    @property
+    def surface(self) -> float | None:
+        """Height of the highest point of the free surface (m); None without one."""
+        return None if self.bed is None else self.bed.top
+
+    @property
+    def media(self) -> tuple[Medium, ...]:
+        """All media of the bed, from the top; none in vacuum."""
+        return () if self.bed is None else self.bed.media
 
     @property
     def bodies(self) -> list[RigidBody | FlexibleLink]:

@@ -1,9 +1,20 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
-`mechanism` holds the bodies, `joints`, `chain` and `model` what becomes of them, `initial`, `drives` and `signals` what
-moves them, `medium` the laws, `method` the choice of solver, `scenario` the run around them.
+`mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them,
+`initial`, `drives` and `signals` what moves them, `medium` the laws, `bed` where the media lie, `method` the choice of
+solver, `scenario` the run around them.
 """
 
+from granular_contact.config.schema.ball_laws import (
+    Allen,
+    Bingham,
+    KatsuragiDurian,
+    LinearDepth,
+    Poncelet,
+    TsimringVolfson,
+)
+from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
+from granular_contact.config.schema.bed import Bed, BedLayer, FloorContact
 from granular_contact.config.schema.chain import Chain
 from granular_contact.config.schema.drives import (
     AnyDrive,
@@ -27,16 +38,14 @@ from granular_contact.config.schema.joints import (
 )
 from granular_contact.config.schema.mechanism import (
     Body,
-    CylinderShape,
-    DiscShape,
     Flexible,
     Link,
     Rigid,
-    Shape,
 )
-from granular_contact.config.schema.medium import LAWS, LeeMarghitu, Medium, VerticalStatic
+from granular_contact.config.schema.medium import LAWS, AnyLaw, Media, Medium
 from granular_contact.config.schema.method import Method, Reduced
 from granular_contact.config.schema.model import Model
+from granular_contact.config.schema.provenance import Range
 from granular_contact.config.schema.scenario import (
     Elastoplastic,
     Friction,
@@ -45,6 +54,17 @@ from granular_contact.config.schema.scenario import (
     Scenario,
     Smooth,
     Solver,
+)
+from granular_contact.config.schema.shapes import (
+    ArcShape,
+    CylinderShape,
+    DiscShape,
+    FootShape,
+    PlateShape,
+    PolygonShape,
+    PolylineShape,
+    Shape,
+    SphereShape,
 )
 from granular_contact.config.schema.signals import (
     AnySignal,
@@ -57,11 +77,19 @@ from granular_contact.config.schema.signals import (
     Sine,
     Table,
 )
+from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d, RftCoefficients
 
 __all__ = [
     "LAWS",
+    "Albert",
+    "Allen",
     "AnyDrive",
+    "AnyLaw",
     "AnySignal",
+    "ArcShape",
+    "Bed",
+    "BedLayer",
+    "Bingham",
     "Body",
     "Buehler",
     "Chain",
@@ -70,28 +98,43 @@ __all__ = [
     "Csv",
     "CylinderShape",
     "DiscShape",
+    "Drft",
     "Drive",
     "Elastoplastic",
     "Flexible",
+    "FloorContact",
+    "FootShape",
     "Force",
     "Free",
     "Friction",
+    "Hill",
     "Hinge",
     "HingeClosure",
     "HingeControl",
     "Initial",
     "Joint",
     "JointStart",
+    "KatsuragiDurian",
     "LeeMarghitu",
+    "LinearDepth",
     "Link",
     "Load",
+    "Media",
     "Medium",
     "Method",
     "Model",
     "Motion",
     "Output",
+    "PlateShape",
+    "PolygonShape",
+    "PolylineShape",
+    "Poncelet",
     "Ramp",
+    "Range",
     "Reduced",
+    "Rft",
+    "Rft3d",
+    "RftCoefficients",
     "Rigid",
     "Scenario",
     "Shape",
@@ -103,8 +146,10 @@ __all__ = [
     "SliderControl",
     "Smooth",
     "Solver",
+    "SphereShape",
     "Table",
     "Torque",
+    "TsimringVolfson",
     "VerticalStatic",
     "Weld",
 ]
