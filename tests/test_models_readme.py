@@ -17,12 +17,11 @@ def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
     # Let down: it starts in the sand, at rest.
     assert run["depth_m"][0] > 1e-3
     assert run["kinetic_J"][0] == 0.0
-    # The knee follows 60 deg + 20 deg sin(2 pi t) but for its torque over 5 N m/rad, and for the error of its rate, of
-    # some 0.2 rad/s, times 0.05 / 5 s: 0.1 deg; more in the first moments, in which it takes up speed.
-    wanted = 60 + 20 * np.sin(2 * np.pi * run["time_s"])
-    late = run["time_s"] > 0.05
-    error = wanted - run["knee_angle_deg"]
-    np.testing.assert_allclose(error[late], np.degrees(run["knee_torque_Nm"][late] / 5), atol=0.2)
+    # The knee follows 60 deg + 20 deg sin(2 pi t) as far as 5 N m/rad and 0.05 N m s/rad bring it; round-off.
+    phase = 2 * np.pi * run["time_s"]
+    error = np.radians(60 + 20 * np.sin(phase) - run["knee_angle_deg"])
+    rate_error = np.radians(20) * 2 * np.pi * np.cos(phase) - run["knee_rate_rad_s"]
+    np.testing.assert_allclose(5 * error + 0.05 * rate_error, run["knee_torque_Nm"], atol=1e-12)
     assert np.ptp(run["knee_angle_deg"]) > 30.0
     assert run.summary["energy"]["imbalance_relative"] < 1e-3
     assert run.summary["contacts"]["shank"]
