@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from granular_contact.plots.events import mark_events
 from granular_contact.plots.panels import curve, finish, stacked
-from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION
+from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
 from granular_contact.plots.units import instant
 from granular_contact.results import Results
 from granular_contact.units import Array, minus, unit_for
@@ -74,6 +74,12 @@ def energy(results: Results) -> Figure:
     ]
     if "elastic_J" in recorded:  # a flexible link, which alone can lose energy by damping
         parts.append(("dissipated by damping", "damping_work_J", -1.0, ORANGE, (0, (2, 1))))
+    parts += [  # of joints, where a mechanism has such things
+        ("springs and stops of joints", "spring_J", 1.0, SKY, (0, (1, 1))),
+        ("dissipated by dampers", "joint_damping_work_J", -1.0, ORANGE, (0, (4, 1.2))),
+        ("dissipated by dry friction", "friction_work_J", -1.0, PURPLE, (0, (2, 1))),
+        ("taken from drives", "drive_work_J", -1.0, SKY, (0, (4, 1.2, 1, 1.2))),
+    ]
     curves = []
     for label, name, sign, colour, kind in parts:
         if name in recorded:
