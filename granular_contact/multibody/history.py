@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,3 +35,12 @@ class LoadHistory:
     bodies: Vector
     term_names: tuple[str, ...]
     body_names: tuple[str, ...]
+
+    def since(self, start: float) -> LoadHistory:
+        """The entries from a time (s) on, with the work counted from there."""
+        first = int(np.searchsorted(self.time, start))
+        if first == 0:
+            return self
+        arrays = ("time", "power", "depth", "speed", "terms", "bodies")
+        later = {name: getattr(self, name)[first:] for name in arrays}
+        return replace(self, work=self.work[first:] - self.work[first : first + 1], **later)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.config import schema
 from granular_contact.errors import Fault
 from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
-from granular_contact.media.laws import laws_for
+from granular_contact.media.kinds import Medium
 from granular_contact.media.layer import Layer
 from granular_contact.scene.media import medium, missing
 
@@ -50,6 +49,11 @@ class Bed:
         return len(self.profile) == 1
 
     @property
+    def unlayered(self) -> bool:
+        """Whether every medium fills the bed."""
+        return all(layer.whole for layer in self.layers)
+
+    @property
     def plain(self) -> bool:
         """Whether it is level, of one medium and without a floor that carries."""
         carries = self.floor is not None and self.floor.stiffness is not None
@@ -61,18 +65,16 @@ class Bed:
         return height
 
 
-def bed(scenario: schema.Scenario, ends: Sequence[Vector], kinds: Collection[Kind], faults: list[Fault]) -> Bed | None:
+def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
     """Bed of a scene; None without a medium and without a surface.
 
-    ends: world positions (2,) m of what may meet the medium, at the start; kinds: what kinds of shape those are;
-    faults: is told of media that lack a number or take none of the shapes, of layers where there can be none, and of
-    ends that lie below the surface.
+    ends: lowest points (2,) m of what may meet the medium, at the start; faults: is told of media that lack a number,
+    of layers where there can be none, and of ends that lie below the surface.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
     layers = tuple(_layers(scenario, spec, faults))
-    faults += _shape_faults(layers, kinds)
     if scenario.load.form == "resultant" and not all(layer.whole for layer in layers):
         faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
     profile = _profile(scenario, spec, ends)
@@ -134,19 +136,6 @@ def _depth_faults(scenario: schema.Scenario, placed: Bed, ends: Sequence[Vector]
             f"got {end[1] + depth:g} m, but at the start the lowest end there is at {end[1]:.6g} m, {depth:.3g} m "
             f"below the sand: allowed is at most {end[1]:.6g} m, or no value",
         )
-
-
-def _shape_faults(layers: tuple[Layer, ...], kinds: Collection[Kind]) -> Iterator[Fault]:
-    """Shapes that no medium takes, and balls in a bed of layers."""
-    if not layers:
-        return
-    for kind in kinds:
-        if not any(kind in layer.medium.takes for layer in layers):
-            given = "; ".join(dict.fromkeys(what_it_takes(layer.medium) for layer in layers))
-            fit = f"laws that take {WORDS[kind]} are {', '.join(laws_for(kind))}"
-            yield Fault("", None, "medium", f"nothing acts on {WORDS[kind]}: {given}; {fit}")
-    if "ball" in kinds and not all(layer.whole for layer in layers):
-        yield Fault("", None, "bed.layers", "a sphere is met as a whole: no layers are allowed with one")
 
 
 def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]) -> Vector:
