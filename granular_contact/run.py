@@ -80,6 +80,7 @@ class _Solved:
 def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
     from granular_contact.multibody.build import build
     from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.observe_mechanism import key_numbers
     from granular_contact.multibody.solve import solve
 
     system = build(scene)
@@ -93,7 +94,7 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         outlines=observer.outlines,
         terms=observer.terms,
         reach=observer.reach(),
-        more={},
+        more=key_numbers(observer),
     )
 
 

@@ -11,12 +11,12 @@ Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
 SPRING = "spring_J"
-JOINT_ENERGIES = {  # columns of a mechanism whose joints have such things, or whose bed has
+JOINT_ENERGIES = {  # columns that a run has if its joints or its bed have such things
     SPRING: "energy in the springs and stops of joints",
     "joint_damping_work_J": "work of dampers and stops in joints so far",
     "friction_work_J": "work of dry friction in joints so far",
     "drive_work_J": "work of the drives so far",
-    "floor_work_J": "work of the floor's contact so far",
+    "floor_work_J": "work of the floor's contact on the mechanism so far",
 }
 
 
@@ -65,6 +65,19 @@ def body(name: str, center: Vector, angle: Vector, velocity: Vector, spin: Vecto
     }
 
 
+def body_force(name: str, force: Vector, center: Vector) -> Series:
+    """Force of the medium on a body, (n, 3): x, y (N) and moment about the origin (N m); its centre of mass (n, 2) m."""
+    fx, fy, moment = force.T
+    return {
+        f"{name}_granular_x_N": (f"force of the medium on {name}, horizontal", fx),
+        f"{name}_granular_y_N": (f"force of the medium on {name}, upward", fy),
+        f"{name}_granular_moment_Nm": (
+            f"moment of that force about the centre of mass of {name}, counter-clockwise",
+            moment - (center[:, 0] * fy - center[:, 1] * fx),
+        ),
+    }
+
+
 def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, depth: Vector | None) -> Series:
     """Mean rate (n,) rad/s, tip (n, 2) m, deflection of the last flexible link (n,) m, depth (n,) m.
 
@@ -108,8 +121,7 @@ def energies(
 ) -> Series:
     """Energies, and work done by the medium and by internal damping so far, (n,) J each.
 
-    joints: what joints store (`spring_J`), and the work done in them and by a floor so far, by the names of their
-    columns.
+    joints: what joints store (`spring_J`), and the work done in them so far, by the names of their columns.
     """
     joints = joints or {}
     total = kinetic + gravity

@@ -98,7 +98,7 @@ def _add_weight(mbs: Any, obj: Any, gravity: float) -> None:
 def _add_bed(system: System) -> Any:
     """Lay the medium over the parts that can reach its surface; None when there are none."""
     scene = system.scene
-    if scene.bed is None or not scene.media:
+    if scene.bed is None or scene.surface is None or not scene.media:
         return None
     top = scene.bed.top
     shapes = [(h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(top, h.body, shape)]

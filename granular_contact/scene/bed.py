@@ -49,11 +49,6 @@ class Bed:
         return len(self.profile) == 1
 
     @property
-    def unlayered(self) -> bool:
-        """Whether every medium fills the bed."""
-        return all(layer.whole for layer in self.layers)
-
-    @property
     def plain(self) -> bool:
         """Whether it is level, of one medium and without a floor that carries."""
         carries = self.floor is not None and self.floor.stiffness is not None
@@ -68,8 +63,8 @@ class Bed:
 def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
     """Bed of a scene; None without a medium and without a surface.
 
-    ends: lowest points (2,) m of what may meet the medium, at the start; faults: is told of media that lack a number,
-    of layers where there can be none, and of ends that lie below the surface.
+    ends: world positions (2,) m of what may meet the medium, at the start; faults: is told of media
+    that lack a number, of layers where there can be none, and of ends that lie below the surface.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault, SceneError
-from granular_contact.media.kinds import WORDS, Kind, what_it_takes
+from granular_contact.media.kinds import WORDS, what_it_takes
 from granular_contact.media.laws import laws_for
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed, bed
@@ -53,7 +53,7 @@ def build(scenario: schema.Scenario) -> Scene:
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = list(_ends(rigid, links))
     faults += [*_motion_faults(scenario), *_joint_faults(layout), *_closure_faults(layout)]
-    placed = bed(scenario, [np.array([end.world[0], end.lowest]) for end in ends], faults)
+    placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
     else:
@@ -220,30 +220,24 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
 
 
 def _unsuited(scene: Scene) -> Iterator[Fault]:
-    """Shapes that can get into the sand and for which no law of the media is made."""
-    if scene.surface is None or not scene.media:
+    """Shapes that can get into the sand and that no medium takes, and balls in a bed of layers."""
+    if scene.bed is None or scene.surface is None or not scene.media:
         return
-    taken = {kind for medium in scene.media for kind in medium.takes}
-    for body in scene.rigid:
-        for shape in body.shapes:
-            if not dips(scene.surface, body, shape):
-                continue
-            if shape.kind not in taken:
-                yield _unfit(scene, shape.part, shape.kind)
-            elif shape.kind == "ball" and scene.bed is not None and not scene.bed.unlayered:
-                yield _fault("bed.layers", f"{shape.part} has a sphere, which is met as a whole: allowed are no layers")
-    for link in scene.links:
-        if link.kind not in taken and reaches(scene.surface, link, np.array([link.length, 0.0])):
-            yield _unfit(scene, link.name, link.kind)
-
-
-def _unfit(scene: Scene, part: str, kind: Kind) -> Fault:
+    end = [(link, np.array([link.length, 0.0])) for link in scene.links]
+    parts = [(link.name, link.kind) for link, tip in end if reaches(scene.surface, link, tip)]
+    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(scene.surface, body, s)]
     given = "; ".join(dict.fromkeys(map(what_it_takes, scene.media)))
-    hint = f"take one of {', '.join(laws_for(kind))}, or in_sand: false for a shape that has no part in it"
-    return _fault(f"model.bodies.{part}", f"can get into the sand, but {given}, not {WORDS[kind]}: {hint}")
+    for part, kind in dict.fromkeys(parts):
+        if not any(kind in medium.takes for medium in scene.media):
+            fit = f"laws for {WORDS[kind]} are {', '.join(laws_for(kind))}; or say in_sand: false of the shape"
+            yield _fault(f"model.bodies.{part}", f"can get into the sand, but {given}; {fit}")
+    if any(kind == "ball" for _, kind in parts) and not all(layer.whole for layer in scene.bed.layers):
+        yield _fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
 
 
-def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
+def _has_body_columns(
+    scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]
+) -> bool:
     """Whether the motion of every body is reported."""
     if scenario.output.bodies != "auto":
         return scenario.output.bodies == "all"
