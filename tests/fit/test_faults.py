@@ -12,7 +12,8 @@ from support_fit import CONFIG, RIGID, measure
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.fit import checks, load_specification, prepare
-from granular_contact.fit.measurements import read_table, select
+from granular_contact.fit.csv_table import read_table
+from granular_contact.fit.measurements import select
 
 FIT = f"""\
 parameters: [medium.eta_d]
