@@ -120,7 +120,9 @@ class _Film:
         first = self.results.frames[0].outlines
         tones = [STEEL[i % 2] for i in range(len(first))]
         self.line = Line2D([], [], color=TRACE, linewidth=1.0, solid_joinstyle="round")
-        self.bodies = PolyCollection([], facecolors=tones, edgecolors=STEEL_EDGE, linewidths=0.8)
+        self.bodies = PolyCollection(
+            [], facecolors=tones, edgecolors=STEEL_EDGE, linewidths=0.8 if len(first) < 32 else 0.4
+        )
         self.forces = _arrows([])
         self.clock = _pixels(axes, stage, stage.width / 2, stage.height - 18, "", ha="center", weight="bold")
         self.elapsed = Rectangle((stage.left, stage.bottom), 0.0, 3.0 / stage.scale, color=TRACE, linewidth=0)
