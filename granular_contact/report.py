@@ -24,7 +24,7 @@ from granular_contact.results import Results
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
 ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `granular_contact.html`
-TABLE, SWEEP, CASES = "table.csv", "sweep.yaml", "cases"
+TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 COMPARISON = "compare.csv"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
@@ -32,6 +32,8 @@ ENTRIES = {
     "sweep": (TABLE, SWEEP, CASES),
     "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
     "fit": ("fit.json", "medium.yaml", "residuals.csv", FIGURES),
+    "compare-media": ("compare-media.csv", FIGURES),
+    "media": (LAW,),
 }
 CHUNK = 4096  # rows of the table that are Python floats at one time
 

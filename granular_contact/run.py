@@ -10,16 +10,18 @@ import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.frames import Pictures, frames, instants, resample
+from granular_contact.limits import Reach, warnings
+from granular_contact.media.kinds import term_names
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
-from granular_contact.scene.types import Reduced, Scene, Vector
+from granular_contact.scene.types import Connection, Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
-from granular_contact.summary import Touch, find_touch, summarise
+from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.build import System
     from granular_contact.multibody.history import LoadHistory
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.solve import Trajectory
+    from granular_contact.multibody.system import System
 
 
 def run(
@@ -48,14 +50,15 @@ def run(
     solved = _by_engine(scene, progress, inspect) if scene.method is None else _reduced(scene, scene.method, progress)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    touch = find_touch(time, series["depth_m"]) if scene.medium is not None else None
+    touch = find_touch(time, series["depth_m"]) if scene.media else None
     stop = None if touch is None else solved.stop(touch)
     moments = {
         "touch": 0 if touch is None else touch.index,
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
     }
-    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop) | solved.more
+    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
+    summary["warnings"] += _limits(scene, solved.reach)
     return Results(
         name=scene.name,
         status=solved.status,
@@ -64,10 +67,12 @@ def run(
         summary=summary,
         scenario=scenario_to_dict(scenario),
         snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in moments.items()),
-        surface=scene.surface if scene.medium is not None else None,
+        surface=_surface(scene),
         warnings=tuple(summary["warnings"]),
         frames=_frames(scene, solved, time, most_frames) if most_frames else (),
         terms=solved.terms,
+        layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
+        floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
     )
 
 
@@ -75,8 +80,8 @@ def run(
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    pictures: outlines at given times (k,) s. loads: forces of the medium, see `frames.frames`. terms: names of the
-    terms of the granular force. more: what the summary has besides.
+    pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
+    terms; reach: None where nothing could meet the medium; more: what the summary has besides.
     """
 
     status: Status
@@ -88,6 +93,7 @@ class _Solved:
     pictures: Callable[[Vector], Pictures]
     loads: dict[str, Vector]
     terms: tuple[str, ...]
+    reach: Reach | None
     more: dict[str, Any]
 
 
@@ -96,6 +102,7 @@ def _by_engine(
 ) -> _Solved:
     from granular_contact.multibody.build import build
     from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.observe_mechanism import key_numbers
     from granular_contact.multibody.solve import solve
 
     system = build(scene)
@@ -112,7 +119,8 @@ def _by_engine(
         pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
         loads={} if trajectory.load is None else _by_body(trajectory.load),
         terms=observer.terms,
-        more={},
+        reach=observer.reach(),
+        more=key_numbers(observer),
     )
 
 
@@ -132,7 +140,8 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         outlines=observer.outlines,
         pictures=lambda at: _pictures(lambda sampled: Observer(reduced, sampled), trajectory, at),
         loads={"": trajectory.terms.sum(axis=1)},
-        terms=scene.medium.terms if scene.medium is not None else (),
+        terms=term_names(scene.media),
+        reach=observer.reach(),
         more={"static_turns": trajectory.turns},
     )
 
@@ -151,7 +160,18 @@ def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pi
 def _frames(scene: Scene, solved: _Solved, time: Vector, most: int) -> tuple[Snapshot, ...]:
     at = instants(float(time[0]), float(time[-1]), most)
     loads = {part: resample(time, wrench, at) for part, wrench in solved.loads.items()}
-    return frames(at, solved.pictures(at), loads, scene.surface if scene.medium is not None else None)
+    return frames(at, solved.pictures(at), loads, _surface(scene))
+
+
+def _limits(scene: Scene, reach: Reach | None) -> list[str]:
+    return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
+
+
+def _surface(scene: Scene) -> float | Vector | None:
+    """The free surface, see `Results`; None in vacuum."""
+    if scene.bed is None or not scene.media:
+        return None
+    return scene.bed.top if scene.bed.level else scene.bed.profile
 
 
 def _rows(time: Vector, interval: float | None) -> Any:
@@ -163,10 +183,27 @@ def _rows(time: Vector, interval: float | None) -> Any:
 
 
 def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
-    """First zero of the mean rate after the touch, with the pivot's angle there."""
-    pivot = observer.scene.pivot
-    if pivot is None:
+    """When the mechanism stopped after the touch, with the measure that fits it; None where there is none."""
+    scene = observer.scene
+    if scene.drives:
         return None
+    if scene.pivot is not None:
+        return _stop_about_pivot(observer, scene.pivot, touch)
+    return _stop_of_fall(observer, touch) if scene.floating is not None else None
+
+
+def _measure(scene: Scene) -> str | None:
+    """What stopping means for a mechanism; None where it means nothing."""
+    if scene.drives:
+        return None
+    if scene.floating is not None:
+        return FALL_MEASURE
+    turns = all(c.kind in ("hinge", "weld") for c in scene.connections if c.parent is None)
+    return STOP_MEASURE if turns and not any(c.closes for c in scene.connections) else None
+
+
+def _stop_about_pivot(observer: Observer, pivot: Connection, touch: Touch) -> Stop | None:
+    """First zero of the mean rate after the touch, with the pivot's angle there."""
     trajectory = observer.trajectory
     rate, inertia = observer.mean_rate()
     moment = observer.weight_moment()
@@ -175,3 +212,17 @@ def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
     angle, angle_rate = observer.angle(pivot.child, pivot.child_point)
     after = slice(touch.index, None)
     return find_stop(trajectory.time[after], rate[after], (-moment / inertia)[after], -angle[after], -angle_rate[after])
+
+
+def _stop_of_fall(observer: Observer, touch: Touch) -> Stop | None:
+    """First zero of the vertical velocity of the lower end after the touch, with the angle of its body there."""
+    time, after = observer.trajectory.time, slice(touch.index, None)
+    if len(time[after]) < 3:
+        return None
+    body, point = observer.scene.tip
+    speed = observer.position(body, point)[1][after, 1]
+    angle, rate = observer.angle(body, point)
+    # Of the velocity itself, looking back only: at the stop the force of the medium jumps.
+    slope = np.diff(speed) / np.diff(time[after])
+    before = np.concatenate([slope[:1], slope[:1], slope[1:] + 0.5 * np.diff(slope)])[: len(speed)]
+    return find_stop(time[after], speed, before, -angle[after], -rate[after], hub=False)

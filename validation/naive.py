@@ -24,8 +24,7 @@ class FloatPoint:
     """One quadrature point of a cable element; weight is its share of the arc length (m)."""
 
     def __init__(self, system: System, element: int, place: list[float], weight: float, diameter: float) -> None:
-        medium, load = system.scene.medium, system.scene.load
-        assert medium is not None
+        (medium,), load = system.scene.media, system.scene.load
         assert system.scene.surface is not None
         self.element, self.place, self.weight, self.d = element, place, weight, diameter
         self.medium, self.surface, self.g = medium, system.scene.surface, system.scene.gravity
@@ -100,7 +99,7 @@ def add_points(system: System, kind: type[FloatPoint]) -> list[FloatPoint]:
         for element in handle.elements:
             for xi, weight in zip(GAUSS, WEIGHTS, strict=True):
                 place = [0.5 * length * (1.0 + xi), 0.0, 0.0]
-                point = kind(system, element, place, 0.5 * length * weight, handle.link.diameter)
+                point = kind(system, element, place, 0.5 * length * weight, handle.link.width)
                 marker = system.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=element, localPosition=place))
                 system.mbs.AddLoad(
                     items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=point.force, loadVector=[0, 0, 0])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,15 +13,18 @@ from pydantic import TypeAdapter, ValidationError
 
 from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
+from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, got
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.scalars import resolve
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.base import FAULTS, refusal
-from granular_contact.config.schema.structure import structure_faults
+from granular_contact.config.schema.chain import names
+from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
+Change = Callable[[tree.Node], tree.Node]
 _MOST_KEPT = 64  # trees with their model and medium read in
 
 
@@ -106,7 +110,7 @@ class Template:
         found = list(faults)
         node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
-        node = _named(node, self._path)
+        node = with_columns(_named(node, self._path), self._path.parent, found)
         scenario = None
         try:
             scenario = Scenario.model_validate(tree.plain(node))
@@ -125,11 +129,10 @@ class Template:
         before = len(faults)
         node = setting.apply(self._root, references, faults)
         resolver = Resolver(self._path, faults)
-        for library in (MODELS, MEDIA):
-            held = tree.child(node, library.key)
-            if held is not None and isinstance(node, tree.Mapping):
-                at = node.keys[library.key]
-                node = tree.set_key(node, library.key, resolver.resolve(held, library), at)
+        node = _under(node, "model", partial(resolver.resolve, library=MODELS))
+        medium = partial(resolver.resolve, library=MEDIA)
+        node = _under(node, "medium", partial(_each, change=medium))
+        node = _under(node, "bed", lambda bed: _under(bed, "layers", partial(_each, change=_in_layer(medium))))
         if len(faults) == before:
             if len(self._resolved) == _MOST_KEPT:
                 self._resolved.clear()
@@ -142,8 +145,29 @@ def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> S
     return load(path, overrides).scenario
 
 
-def load_medium(name: str) -> Medium:
+def _under(node: tree.Node, key: str, change: Change) -> tree.Node:
+    """`node` with what stands under a key changed, if it is there."""
+    if not isinstance(node, tree.Mapping) or key not in node.nodes:
+        return node
+    return tree.set_key(node, key, change(node.nodes[key]), node.keys[key])
+
+
+def _each(node: tree.Node, change: Change) -> tree.Node:
+    """The items of a list changed, or what stands there in its place."""
+    if not isinstance(node, tree.Items):
+        return change(node)
+    return tree.Items(node.position, tuple(change(item) for item in node.nodes))
+
+
+def _in_layer(change: Change) -> Change:
+    """Changes the medium of a layer."""
+    return lambda layer: _under(layer, "medium", change)
+
+
+def load_medium(name: str, **values: Any) -> Medium:
     """Medium preset called `name`, or the medium in a YAML file of that path (relative to the working folder).
+
+    values: top-level keys that replace those of the file.
 
     Raises
     ------
@@ -155,10 +179,15 @@ def load_medium(name: str) -> Medium:
     node = Resolver(Path("medium"), faults).resolve(tree.Scalar(at, name, name), MEDIA)
     if not faults:
         try:
-            return TypeAdapter[Medium](Medium).validate_python(tree.plain(node))
+            return TypeAdapter[Medium](Medium).validate_python(tree.plain(node) | values)
         except ValidationError as error:
             faults += faults_of(error.errors(include_url=False, include_input=False), node)
     raise ConfigError(sorted(faults, key=by_place))
+
+
+def medium_names() -> list[str]:
+    """Names of all medium presets."""
+    return sorted(path.stem for folder in MEDIA.folders(Path()) for path in folder.glob("*.yaml"))
 
 
 def by_place(fault: Fault) -> tuple[str, int]:
@@ -180,13 +209,37 @@ def _structure_errors(root: tree.Node, errors: Sequence[Mapping[str, Any]]) -> l
     """What is wrong with the tree of bodies, for a model in which pydantic did not get as far as to ask."""
     asked = all(error["loc"][0] != "model" or error["type"] == FAULTS for error in errors if error["loc"])
     model = tree.plain(tree.find(root, ["model"])[0])
-    bodies, joints = (model.get(key) if isinstance(model, dict) else None for key in ("bodies", "joints"))
-    if asked or not isinstance(bodies, dict) or not isinstance(joints, dict):
+    if asked or not isinstance(model, dict):
         return []
+    bodies, joints, closures = (model.get(key, {}) for key in ("bodies", "joints", "closures"))
+    if not all(isinstance(part, dict) for part in (bodies, joints, closures)):
+        return []
+    (tree_ends, read), (loop_ends, _) = _ends(joints), _ends(closures)
+    chain, understood = _chain_names(model.get("chain"))
+    complete = read and understood
+    faults = structure_faults(bodies, tree_ends, closures=loop_ends, chain=chain, complete=complete)
+    return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []
+
+
+def _ends(joints: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], bool]:
+    """Parent and child of the joints that have both, and whether all have."""
     ends = {
         name: (joint["parent"], joint["child"])
         for name, joint in joints.items()
         if isinstance(joint, dict) and isinstance(joint.get("parent"), str) and isinstance(joint.get("child"), str)
     }
-    faults = structure_faults(bodies, ends, complete=len(ends) == len(joints))
-    return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []
+    return ends, len(ends) == len(joints)
+
+
+def _chain_names(chain: Any) -> tuple[tuple[str, list[str], list[str]] | None, bool]:
+    """What a chain adds, None without one, and whether that could be read."""
+    if chain is None:
+        return None, True
+    if not isinstance(chain, dict):
+        return None, False
+    parent = chain.get("parent", GROUND)
+    links = names(chain.get("link_name", "link"), chain.get("count"))
+    hinges = names(chain.get("hinge_name", "hinge"), chain.get("count"))
+    if not links or not hinges or not isinstance(parent, str):
+        return None, False
+    return (parent, links, hinges), True

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.multibody.build import RigidHandle, System
+from granular_contact.limits import Reach
+from granular_contact.media.kinds import term_names
+from granular_contact.multibody import observe_mechanism as mechanism
 from granular_contact.multibody.solve import Trajectory
+from granular_contact.multibody.system import System
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
 
@@ -26,10 +31,9 @@ class Observer:
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
         everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
-        for connection in self.scene.connections:
-            if connection.kind == "hinge":
-                everything |= self._joint(connection)
-        return series.tabulate(everything | self._shape() | self._load() | self._energies())
+        everything |= mechanism.joint_columns(self) | mechanism.drive_columns(self) | mechanism.body_columns(self)
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+            return series.tabulate(everything | self._shape() | self._load() | self._energies())
 
     # ---- motion ----
 
@@ -60,10 +64,44 @@ class Observer:
         turned += start - turned[0]
         return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
-    def _joint(self, joint: Connection) -> series.Series:
-        child, child_rate = self.angle(joint.child, joint.child_point)
+    def coordinate(self, joint: Connection) -> tuple[Vector, Vector]:
+        """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
-        return series.joint(joint.name, joint.child, joint.parent, parent - child, parent_rate - child_rate)
+        if joint.kind == "hinge":
+            child, child_rate = self.angle(joint.child, joint.child_point)
+            return parent - child + joint.offset, parent_rate - child_rate
+        assert joint.axis is not None
+        c, s = np.cos(parent), np.sin(parent)
+        axis = np.column_stack([c * joint.axis[0] - s * joint.axis[1], s * joint.axis[0] + c * joint.axis[1]])
+        on_child, child_speed = self.position(joint.child, joint.child_point)
+        on_parent, parent_speed = on_child * 0.0 + joint.parent_point, 0.0 * on_child
+        if joint.parent is not None:
+            on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
+        way, speed = on_child - on_parent, child_speed - parent_speed
+        # The axis turns with the parent.
+        along = np.sum(axis * speed, axis=1) + parent_rate * (axis[:, 0] * way[:, 1] - axis[:, 1] * way[:, 0])
+        return np.sum(axis * way, axis=1), along
+
+    def center(self, name: str) -> tuple[Vector, Vector]:
+        """Centre of mass (n, 2) m of a body, and its velocity."""
+        t = self.trajectory
+        if name in self._rigid:
+            return self.position(name, np.zeros(2))
+        nodes = np.array(self._links[name])
+        centers = []
+        for axis in (0, 1):
+            along = np.zeros(t.q.shape[1])
+            along[nodes[:, axis]] = 1.0
+            # Row of the mass matrix that gives the link's momentum: its nodes are its own.
+            shares = t.mass @ along / (along @ t.mass @ along)
+            centers.append((t.q @ shares, t.v @ shares))
+        (x, vx), (y, vy) = centers
+        return np.column_stack([x, y]), np.column_stack([vx, vy])
+
+    @cached_property
+    def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
+        """Torque or force of every drive (n,), and its power (n,) W, by joint."""
+        return {drive.joint: mechanism.drive_force(self, drive) for drive in self.scene.drives}
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
@@ -107,7 +145,13 @@ class Observer:
         tip, _ = self.position(*self.scene.tip)
         deflection = self.deflection() if self.scene.links else None
         depth = None if self.scene.surface is None else self.depth()
-        return series.shape(self.mean_rate()[0], tip, deflection, depth)
+        rate = None if self._has_no_pivot() else self.mean_rate()[0]
+        return series.shape(rate, tip, deflection, depth)
+
+    def _has_no_pivot(self) -> bool:
+        """Whether the mechanism slides, flies or is part of loops, so that there is no one point that it turns about."""
+        joints = self.scene.connections
+        return any(c.closes or (c.parent is None and c.kind in ("slider", "free")) for c in joints)
 
     def deflection(self) -> Vector:
         """Deflection (n,) m of the last flexible link's tip from the tangent at its root, clockwise positive."""
@@ -119,25 +163,44 @@ class Observer:
         return deflection
 
     def depth(self) -> Vector:
-        """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
-        heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
-        heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
-        assert self.scene.surface is not None
-        depth: Vector = self.scene.surface - np.min(heights, axis=0)
+        """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
+        assert self.scene.bed is not None
+        height = self.scene.bed.height
+        depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
+        depths = [height(place[:, 0]) - place[:, 1] for place in depths]
+        for name, handle in self.system.rigid.items():
+            for shape in (shape for shape in handle.body.shapes if shape.in_sand):
+                places = [self.position(name, point)[0] for point in shape.points]
+                depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
+        depth: Vector = np.max(depths, axis=0)
         return depth
+
+    def reach(self) -> Reach | None:
+        """Extremes of what was immersed; None where nothing could meet the medium."""
+        load, bed = self.trajectory.load, self.system.bed
+        if load is None:
+            return None
+        return Reach(
+            speed=float(load.speed.max()),
+            depth=float(load.depth.max()),
+            lowest=float(load.lowest.min()),
+            left=float(load.left.min()),
+            right=float(load.right.max()),
+            sizes=tuple(sorted({float(run.run["width"][0]) for run in bed.runs if run.deepest > 0.0})),
+        )
 
     # ---- forces and energies ----
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the terms of the granular force; none in vacuum."""
-        if self.scene.medium is None:
+        if not self.scene.media:
             return ()
         load = self.trajectory.load
-        return self.scene.medium.terms if load is None else load.term_names
+        return term_names(self.scene.media) if load is None else load.term_names
 
     def _load(self) -> series.Series:
-        if self.scene.medium is None:
+        if not self.scene.media:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
@@ -155,7 +218,8 @@ class Observer:
             elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
             damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
         work = np.zeros_like(kinetic) if t.load is None else t.load.work
-        return series.energies(kinetic, gravity - gravity[0], elastic if self._links else None, work, damping)
+        shown = elastic if self._links else None
+        return series.energies(kinetic, gravity - gravity[0], shown, work, damping, mechanism.joint_energies(self))
 
     # ---- pictures ----
 
@@ -163,17 +227,10 @@ class Observer:
         """The mechanism as drawn at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            outlines += [
-                Outline(d.part, self.position(name, d.center)[0][[instant]], d.diameter) for d in handle.body.discs
-            ]
-            for c in handle.body.cylinders:
-                ends = np.stack([self.position(name, p)[0][instant] for p in (c.start, c.end)])
-                outlines.append(Outline(c.part, ends, c.diameter))
+            for shape in handle.body.shapes:
+                points = np.array([self.position(name, p)[0][instant] for p in shape.points])
+                outlines.append(Outline(shape.part, points, shape.thickness))
         for name, nodes in self._links.items():
             line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
-            outlines.append(Outline(name, line, self.system.links[name].link.diameter))
+            outlines.append(Outline(name, line, self.system.links[name].link.thickness))
         return tuple(outlines)
-
-
-def _ends(handle: RigidHandle) -> list[Vector]:
-    return [p for c in handle.body.cylinders for p in (c.start, c.end)]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
-from granular_contact.kernels import kinematics
+from granular_contact.kernels import kinematics, spatial
 from granular_contact.media.kinds import Kind
 from granular_contact.multibody.runs import Run
 
@@ -56,13 +56,22 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
     return _rigid_run(where, mbs, body, kinematics.rigid_stations(corners, strips), "outline", sided)
 
 
-def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, flags: dict[str, Any]) -> Run:
-    """Run of a ball that is fixed to a rigid body."""
+def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, mass: float | None) -> Run:
+    """Run of a ball that is fixed to a rigid body; its own mass (kg) is that of the body where None."""
     size = positive(where, "diameter", diameter)
-    place = np.asarray(center, float)[:2]
-    return _rigid_run(
-        where, mbs, body, kinematics.ball_stations(place), "ball", {**flags, "width": size, "drop": 0.5 * size}
+    run = _rigid_run(
+        where,
+        mbs,
+        body,
+        kinematics.ball_stations(np.asarray(center, float)[:2]),
+        "ball",
+        {"width": size, "drop": 0.5 * size},
     )
+    own = mbs.GetObject(body)["mass"] if mass is None else mass
+    if not (np.isfinite(own) and own > 0.0):
+        raise scene_error(where, f"mass: got {own}, allowed is a number above 0 (kg)")
+    run.run["mass"] = own
+    return run
 
 
 def _points(where: str, points: ArrayLike, least: int) -> Vector:
@@ -80,9 +89,17 @@ def _points(where: str, points: ArrayLike, least: int) -> Vector:
 
 def _rigid_run(where: str, mbs: Any, body: Any, geometry: NDArray[np.void], kind: Kind, flags: dict[str, Any]) -> Run:
     item = mbs.GetObject(body)
-    if item["objectType"] != "RigidBody2D":
-        raise scene_error(where, f"object {item['name']} is a {item['objectType']}, allowed is RigidBody2D")
-    run = Run([item["nodeNumber"]], 3, geometry, kind, flags)
+    if item["objectType"] == "RigidBody2D":
+        size = 3
+    elif item["objectType"] == "RigidBody":
+        node = mbs.GetNode(item["nodeNumber"])["nodeType"]
+        if node != "RigidBodyEP":
+            raise scene_error(where, f"the node of {item['name']} is a {node}, allowed is RigidBodyEP")
+        geometry, size = spatial.spatial_stations(geometry), spatial.SIZE
+    else:
+        allowed = "allowed are RigidBody2D and RigidBody"
+        raise scene_error(where, f"object {item['name']} is a {item['objectType']}, {allowed}")
+    run = Run([item["nodeNumber"]], size, geometry, kind, flags)
     run.body = item["name"]
     return run
 

@@ -63,7 +63,7 @@ def around(points: Array, x: float, depth: float) -> Array:
 
 
 def fixed_points(results: Results) -> Array:
-    """Points (k, 2) m that nothing moves: ground hinges; with nothing moved at all, the first point of a hinged model."""
+    """Points (k, 2) m that nothing moves: ground hinges; where nothing moved, the first point of a hinged model."""
     pictures = [*results.snapshots, *results.frames]
     if not pictures:
         return np.zeros((0, 2))
