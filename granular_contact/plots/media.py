@@ -22,7 +22,7 @@ def draw_media(runs: Runs, file: Path) -> None:
 
 
 def figure(runs: Runs) -> Figure:
-    """Depth, magnitude of the medium's resultant, and energy that the medium took, until a little after the last stop."""
+    """Depth, the medium's resultant, and the energy that it took, until a little after the last stop."""
     drawn = Figure(figsize=(DOUBLE / 25.4, 150.0 / 25.4), layout="constrained")
     panels = drawn.subplots(3, 1, sharex=True)
     time = unit_for(np.array([_end(runs)]), "s")
