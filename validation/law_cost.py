@@ -17,13 +17,13 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import numpy as np
-from validation.laws import every_medium
 
 from granular_contact import preset
 from granular_contact.kernels import kinematics, runs
 from granular_contact.kernels.law import RUN, TERMS
 from granular_contact.media.kinds import Medium
 from granular_contact.media.static_friction import Elastoplastic
+from validation.laws import every_medium
 from validation.tables import machine, markdown
 
 STRIPS, CALLS, ROUNDS = 16, 400, 60
