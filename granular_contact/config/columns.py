@@ -13,6 +13,7 @@ from granular_contact.config.references import shown
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, set_key
 from granular_contact.errors import Fault
 
+KEYS = ("drives", "signals")  # of a scenario, below which files may be named
 MOST_ROWS = 100_000
 _KEYS = {"type", "file", "column", "time_column", "interpolation"}
 
@@ -21,7 +22,7 @@ def with_columns(root: Node, folder: Path, faults: list[Fault]) -> Node:
     """The tree of a scenario with every signal of the type csv replaced by a table; paths are from `folder`."""
     if not isinstance(root, Mapping):
         return root
-    for key in ("drives", "signals"):
+    for key in KEYS:
         held = root.nodes.get(key)
         if held is not None:
             root = set_key(root, key, _replaced(held, (key,), folder, faults), root.keys[key])

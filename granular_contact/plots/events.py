@@ -7,8 +7,9 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from granular_contact.plots.style import FAINT
-from granular_contact.plots.units import instant, minus, time_unit
+from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
+from granular_contact.units import minus
 
 
 def mark_events(results: Results, panels: list[Axes]) -> None:

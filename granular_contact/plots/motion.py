@@ -10,8 +10,8 @@ from granular_contact.plots.events import mark_events
 from granular_contact.plots.hinges import Hinge, hinges_of
 from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import BLUE, FAINT, INK, PALETTE, SKY
-from granular_contact.plots.units import Array, greatest, unit_for
 from granular_contact.results import Results
+from granular_contact.units import Array, greatest, unit_for
 
 
 def motion(results: Results) -> Figure:

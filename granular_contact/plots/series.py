@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from granular_contact.plots.events import mark_events
 from granular_contact.plots.panels import curve, finish, stacked
 from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
-from granular_contact.plots.units import Array, instant, minus, unit_for
+from granular_contact.plots.units import instant
 from granular_contact.results import Results
+from granular_contact.units import Array, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
     (BLUE, "-"),
