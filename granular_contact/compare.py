@@ -156,12 +156,12 @@ def compare(
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
         runs.append((model, tries[-1], seconds))
     reference = runs[-1][1]
-    impact_angle = reference.scenario["initial"]["impact_angle_deg"]
-    rows = tuple(_row(model, results, seconds, reference, impact_angle) for model, results, seconds in runs)
+    start = float(reference[_angle_column(reference)][0])
+    rows = tuple(_row(model, results, seconds, reference, start) for model, results, seconds in runs)
     return Comparison(rows, tolerance)
 
 
-def _row(model: Model, results: Results, seconds: float, reference: Results, impact_angle: float) -> Row:
+def _row(model: Model, results: Results, seconds: float, reference: Results, start: float) -> Row:
     def relative(key: str, origin: float = 0.0) -> float | None:
         mine, exact = results.summary[key], reference.summary[key]
         if mine is None or exact is None or exact == origin:
@@ -173,7 +173,7 @@ def _row(model: Model, results: Results, seconds: float, reference: Results, imp
         results=results,
         seconds=seconds,
         stopping_time=relative("stopping_time_s"),
-        travel=relative("angle_at_stop_deg", impact_angle),
+        travel=relative("angle_at_stop_deg", start),
         deflection=relative("max_deflection_m"),
         angle_rms=_rms(results, reference, _angle_column(reference)) or 0.0,
         deflection_rms=_rms(results, reference, "deflection_m"),

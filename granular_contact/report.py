@@ -24,16 +24,17 @@ from granular_contact.results import Results
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
 ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `granular_contact.html`
-TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 COMPARISON = "compare.csv"
+TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
+JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
-    "sweep": (TABLE, SWEEP, CASES),
+    "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES),
     "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
-    "fit": ("fit.json", "medium.yaml", "residuals.csv", FIGURES),
     "compare-media": ("compare-media.csv", FIGURES),
     "media": (LAW,),
+    "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
 }
 CHUNK = 4096  # rows of the table that are Python floats at one time
 
@@ -111,7 +112,7 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
     try:
         making.mkdir()
         yield making
-        _swap(making, target)
+        swap(making, target)
     finally:  # either the unfinished new folder or, after an exchange, the old one
         shutil.rmtree(making, ignore_errors=True)
 
@@ -189,7 +190,7 @@ def _write_series(results: Results, path: Path) -> None:
             file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
-def _swap(making: Path, target: Path) -> None:
+def swap(making: Path, target: Path) -> None:
     """Put the finished folder `making` in the place of `target`; afterwards `making` is absent or the old folder."""
     if not target.exists():
         making.rename(target)

@@ -146,6 +146,10 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
     )
 
 
+def _limits(scene: Scene, reach: Reach | None) -> list[str]:
+    return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
+
+
 def _by_body(load: LoadHistory) -> dict[str, Vector]:
     return {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
@@ -161,10 +165,6 @@ def _frames(scene: Scene, solved: _Solved, time: Vector, most: int) -> tuple[Sna
     at = instants(float(time[0]), float(time[-1]), most)
     loads = {part: resample(time, wrench, at) for part, wrench in solved.loads.items()}
     return frames(at, solved.pictures(at), loads, _surface(scene))
-
-
-def _limits(scene: Scene, reach: Reach | None) -> list[str]:
-    return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
 
 
 def _surface(scene: Scene) -> float | Vector | None:

@@ -59,8 +59,9 @@ MAY = {
     "units": set(),
     "html": {"html", "report", "plots", "units"},
     "report": {"results", "plots"},
-    "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
+    "fit": {"fit", "config", "scene", "run", "report", "results", "summary", "plots", "sweep", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
@@ -111,7 +112,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
-        assert part(path) in ("plots", "report", "cli", "html", "sweep", "compare", "compare_media")
+        assert part(path) in ("plots", "report", "cli", "html", "sweep", "compare", "compare_media", "fit")
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)

@@ -19,7 +19,14 @@ sys.path.insert(0, str(HERE.parent))
 
 from validation.study import Claim
 
-STUDIES = ("paper_cases", "single_mode_vs_fe", "error_vs_run_time", "beam_against_theory")
+STUDIES = (
+    "paper_cases",
+    "single_mode_vs_fe",
+    "error_vs_run_time",
+    "beam_against_theory",
+    "sensitivity",
+    "fit_recovery",
+)
 RECORD = HERE / "claims.json"
 
 

@@ -156,6 +156,10 @@ def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
         yield f"  largest depth   {1e3 * depth:.2f} mm"
     if (deflection := found.get("max_deflection_m")) is not None:
         yield f"  deflection      {1e3 * deflection:.4f} mm at most"
+    if (speed := found.get("forward_speed_second_half_m_s")) is not None:
+        yield f"  forward speed   {speed:.4f} m/s in the second half"
+    if (cost := found.get("cost_of_transport")) is not None:
+        yield f"  transport cost  {cost:.3g} of weight times way"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
         yield f"  energy          {imbalance:.1e} of it unaccounted for"
     yield f"  wall time       {elapsed:.2f} s"
