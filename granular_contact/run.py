@@ -163,10 +163,6 @@ def _frames(scene: Scene, solved: _Solved, time: Vector, most: int) -> tuple[Sna
     return frames(at, solved.pictures(at), loads, _surface(scene))
 
 
-def _limits(scene: Scene, reach: Reach | None) -> list[str]:
-    return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
-
-
 def _surface(scene: Scene) -> float | Vector | None:
     """The free surface, see `Results`; None in vacuum."""
     if scene.bed is None or not scene.media:
