@@ -146,6 +146,10 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
     )
 
 
+def _limits(scene: Scene, reach: Reach | None) -> list[str]:
+    return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
+
+
 def _by_body(load: LoadHistory) -> dict[str, Vector]:
     return {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
