@@ -8,7 +8,7 @@ many      sweep, sweep_{cases,vary,sample,range}   a config and what to replace 
 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
-from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario
+from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, is_sweep, load_sweep
 from granular_contact.config.sweep_cases import Case
@@ -25,6 +25,7 @@ __all__ = [
     "load_medium",
     "load_scenario",
     "load_sweep",
+    "medium_names",
     "scenario_to_dict",
     "schema",
 ]

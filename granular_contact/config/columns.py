@@ -51,7 +51,7 @@ def _table(node: Mapping, path: tuple[str, ...], folder: Path, faults: list[Faul
     if table is None:
         return Broken(node.position)
     source = f"{file}, column {column}"
-    nodes = {
+    nodes: dict[str, Node] = {
         "type": Scalar(at, "table", "table"),
         "time_s": _numbers(at, table[0]),
         "values": _numbers(at, table[1]),
@@ -86,7 +86,9 @@ def _read(
             header = [cell.strip() for cell in next(rows, [])]
             missing = [column for column in names if column not in header]
             for column in missing:
-                refuse(1, f"there is no column {column!r}; {unknown(column, header) if header else 'the file is empty'}")
+                refuse(
+                    1, f"there is no column {column!r}; {unknown(column, header) if header else 'the file is empty'}"
+                )
             return None if missing else _rows(rows, header, names, refuse)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         words = getattr(error, "strerror", None) or "it is no CSV text"

@@ -9,6 +9,7 @@ from granular_contact.config import allowed
 from granular_contact.config.references import FROM
 from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.schema.signals import SIGNALS
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -17,6 +18,28 @@ def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
     Written with `yaml.safe_dump(..., sort_keys=False)` and loaded again, it gives an equal scenario.
     """
     return scenario.model_dump(mode="json", by_alias=True)
+
+
+def _single(whole: dict[str, Any]) -> dict[str, Any]:
+    """Of the schema of one or more media, that of one."""
+    several = next(option for option in whole["anyOf"] if "oneOf" in option)
+    single: dict[str, Any] = several["oneOf"][0]
+    return single
+
+
+def _shorten_signals(node: Any) -> None:
+    """Wherever a signal is allowed, allow a number and the name of a shared one, too; changes the schema."""
+    if isinstance(node, list):
+        for item in node:
+            _shorten_signals(item)
+        return
+    if not isinstance(node, dict):
+        return
+    for item in node.values():
+        _shorten_signals(item)
+    if set(node.get("discriminator", {}).get("mapping", {})) == set(SIGNALS):
+        whole = {key: node.pop(key) for key in ("discriminator", "oneOf")}
+        node["anyOf"] = [{"type": "number"}, {"type": "string"}, whole]
 
 
 def json_schema() -> dict[str, Any]:
@@ -29,7 +52,13 @@ def json_schema() -> dict[str, Any]:
         whole = schema["properties"][key]
         name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}
         patch = {"type": "object", "required": [FROM], "properties": {FROM: name}}
-        schema["properties"][key] = {"anyOf": [name, patch, whole]}
+        forms = [name, patch, whole]
+        if key == "medium":
+            forms.append({"type": "array", "minItems": 1, "items": {"anyOf": [name, patch, _single(whole)]}})
+        schema["properties"][key] = {"anyOf": forms}
+    layer = schema["$defs"]["BedLayer"]["properties"]
+    layer["medium"] = {"anyOf": [name, patch, layer["medium"]]}
+    _shorten_signals(schema)
     words = {"enum": list(WORDS)}
     schema["properties"]["method"] = {"anyOf": [words, schema["properties"]["method"]]}
     return schema

@@ -14,7 +14,7 @@ from granular_contact.kernels.law import TERMS
 from granular_contact.media.kinds import Kind
 
 Vector = NDArray[np.float64]
-Memory = tuple[list[tuple[Vector, Vector]], float, float]
+Memory = tuple[list[tuple[Vector, Vector]], float, float, float]
 
 
 class Acting:
@@ -39,8 +39,8 @@ class Acting:
 class Run:
     """One overlay: stations on the nodes of one body.
 
-    kind: what the media meet there. After `accept`: depth of the deepest station (m, negative above the surface) and
-    the greatest speed (m/s) at which one nears the surface.
+    kind: what the media meet there. After `accept`: depth of the deepest station (m, negative above the surface), the
+    greatest speed (m/s) at which one nears the surface, and the greatest depth so far (m).
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Run:
         self.media: list[Acting] = []
         self.zeros = [0.0] * size
         self.awake = True
-        self.depth, self.speed = -np.inf, 0.0
+        self.depth, self.speed, self.deepest = -np.inf, 0.0, -np.inf
         self._out = np.zeros(size)
         self._scratch = np.zeros((TERMS, 3))
         self._matrix = np.zeros((size, size))
@@ -70,6 +70,7 @@ class Run:
         where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=np.int64)
         reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)[where]
         self._body = (where, reference, self.geometry)
+        self.deepest = -np.inf
         for acting in self.media:
             acting.rest(len(self.geometry) - 1)
             kernels.release(q, *self._body, acting.anchors)
@@ -99,17 +100,17 @@ class Run:
         """End of a step at this state, added to a history row."""
         # In reverse, so that depth and speed are those under the free surface: a floor comes last.
         for acting in reversed(self.media):
-            self.depth, self.speed = kernels.accept(
-                q, v, *self._body, *acting.sand, acting.totals, row, acting.columns
-            )
+            self.depth, self.speed = kernels.accept(q, v, *self._body, *acting.sand, acting.totals, row, acting.columns)
+        self.deepest = max(self.deepest, self.depth)
 
     def remember(self) -> Memory:
         """Copy of all that `accept` changes, for `recall`."""
-        return [(acting.anchors.copy(), acting.totals.copy()) for acting in self.media], self.depth, self.speed
+        kept = [(acting.anchors.copy(), acting.totals.copy()) for acting in self.media]
+        return kept, self.depth, self.speed, self.deepest
 
     def recall(self, memory: Memory) -> None:
         """Undo what `accept` did since `remember`."""
-        kept, self.depth, self.speed = memory
+        kept, self.depth, self.speed, self.deepest = memory
         for acting, (anchors, totals) in zip(self.media, kept, strict=True):
             acting.anchors[:], acting.totals[:] = anchors, totals
 

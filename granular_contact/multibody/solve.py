@@ -14,6 +14,7 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
+from granular_contact.errors import SolveError
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.system import System
@@ -185,6 +186,8 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         except (exu.ExudynError, RuntimeError) as error:
             problem = str(error).strip().splitlines()[0]
         seconds = time.perf_counter() - began
+    if recorder.rows == 0:
+        raise SolveError(f"the engine could not begin: {problem or 'it gave no reason'}")
     states, count = recorder.states[: recorder.rows], recorder.size
     return Trajectory(
         status=_status(scene, recorder, success, problem, solver),
@@ -201,7 +204,9 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         load=None if system.bed is None else system.bed.accepted.since(0.0),
         mass=mass,
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-        reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},
+        reactions={
+            name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
+        },
     )
 
 

@@ -7,10 +7,11 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
+from granular_contact.config.schema.bed import Bed
 from granular_contact.config.schema.drives import Drive
 from granular_contact.config.schema.fitting import drive_faults, initial_faults
 from granular_contact.config.schema.initial import Initial
-from granular_contact.config.schema.medium import Medium
+from granular_contact.config.schema.medium import AnyLaw, Media
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import Signal
@@ -53,7 +54,7 @@ class Solver(Strict):
     end_time_s: Positive = 0.5
     step_s: Positive = 2e-4
     rest_time_s: Positive | None = 0.02
-    """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives never stops so."""
+    """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives does not."""
     rest_speed_m_s: Positive = 1e-3
     spectral_radius: Annotated[float, Field(ge=0, le=1)] = 0.9
     """Of the integrator at high frequency: 1 keeps all, 0 damps most."""
@@ -84,21 +85,39 @@ class Scenario(Strict):
     name: Text | None = None
     """null: the name of the file, without its ending."""
     model: Model
-    medium: Medium | None = None
-    """null: vacuum."""
+    medium: Media | None = None
+    """null: vacuum; of several media in a list the forces add."""
     gravity_m_s2: float = 9.81
     """Positive is downward."""
     surface_height_m: float | None = None
     """Height of the free surface above the origin; null: the surface that the mechanism touches at the start."""
+    bed: Bed | None = None
+    """Slope or profile of the surface, floor, container and layers; null: level and without end."""
     initial: Initial
-    drives: dict[str, Drive] = {}
+    drives: dict[str, Drive] = Field(default_factory=dict)
     """What acts at joints over time, by the name of the joint."""
-    signals: dict[str, Signal] = {}
+    signals: dict[str, Signal] = Field(default_factory=dict)
     """Signals that several drives share, by a name."""
     load: Load = Load()
     solver: Solver = Solver()
     method: Method = Method()
     output: Output = Output()
+
+    @property
+    def media(self) -> tuple[AnyLaw, ...]:
+        """The media on top of the bed; none in vacuum."""
+        if self.medium is None:
+            return ()
+        return self.medium if isinstance(self.medium, tuple) else (self.medium,)
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> Scenario:
+        bed = self.bed
+        if bed is not None and self.surface_height_m is not None and (bed.height_m, bed.profile_m) != (None, None):
+            raise refusal(
+                [(("surface_height_m",), "the bed has height_m or profile_m too; one height of the surface is allowed")]
+            )
+        return self
 
     @model_validator(mode="after")
     def _fits_its_mechanism(self) -> Scenario:
