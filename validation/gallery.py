@@ -24,6 +24,7 @@ from granular_contact import config
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build
+from granular_contact.sweep import Crew
 from granular_contact.sweep import run as run_sweep
 
 CONFIGS, FIGURES, PAGE = HERE.parent / "configs", HERE / "figures", HERE.parent / "configs" / "README.md"
@@ -90,7 +91,8 @@ def entry(name: str, frames: int = 0) -> Entry:
 def cases(name: str) -> str:
     """Run a sweep and say how many of its cases came to an end, as it stands in the table."""
     sweep = config.load_sweep(CONFIGS / f"{name}.yaml", probe=build)
-    rows = list(run_sweep(sweep, 1))
+    with Crew(1) as crew:
+        rows = list(run_sweep(sweep, crew))
     return f"{sum(not row.failed for row in rows)} of {len(rows)} cases came to an end"
 
 
