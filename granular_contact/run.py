@@ -18,10 +18,10 @@ from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.build import System
     from granular_contact.multibody.history import LoadHistory
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.solve import Trajectory
+    from granular_contact.multibody.system import System
 
 
 def run(
@@ -67,10 +67,12 @@ def run(
         summary=summary,
         scenario=scenario_to_dict(scenario),
         snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in moments.items()),
-        surface=scene.surface if scene.media else None,
+        surface=_surface(scene),
         warnings=tuple(summary["warnings"]),
         frames=_frames(scene, solved, time, most_frames) if most_frames else (),
         terms=solved.terms,
+        layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
+        floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
     )
 
 
@@ -78,8 +80,8 @@ def run(
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    pictures: outlines at given times (k,) s. loads: forces of the medium, see `frames.frames`. terms: names of the
-    terms of the granular force; reach: None where nothing could meet the medium; more: what the summary has besides.
+    pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
+    terms; reach: None where nothing could meet the medium; more: what the summary has besides.
     """
 
     status: Status
@@ -162,7 +164,14 @@ def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pi
 def _frames(scene: Scene, solved: _Solved, time: Vector, most: int) -> tuple[Snapshot, ...]:
     at = instants(float(time[0]), float(time[-1]), most)
     loads = {part: resample(time, wrench, at) for part, wrench in solved.loads.items()}
-    return frames(at, solved.pictures(at), loads, scene.surface if scene.media else None)
+    return frames(at, solved.pictures(at), loads, _surface(scene))
+
+
+def _surface(scene: Scene) -> float | Vector | None:
+    """The free surface, see `Results`; None in vacuum."""
+    if scene.bed is None or not scene.media:
+        return None
+    return scene.bed.top if scene.bed.level else scene.bed.profile
 
 
 def _rows(time: Vector, interval: float | None) -> Any:

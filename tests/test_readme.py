@@ -138,12 +138,13 @@ def test_the_walk_prints_what_is_shown(walked: Path) -> None:
     shown = re.search(r"```\n(parameter  .*?)```", README, flags=re.S)
     assert shown is not None
     printed = (walked / "fit.txt").read_text(encoding="utf-8")
+    rows = (line for line in printed.splitlines() if line.startswith("medium."))  # in the same order
     for line in shown[1].splitlines():
-        name, *numbers = line.split()
-        if name.startswith("medium."):
-            there = next(one for one in printed.splitlines() if one.startswith(name)).split()[1:]
+        if line.startswith("medium."):
+            numbers = line.split()[1:]
+            there = next(rows).split()[1:]
             # The last digit may hang on the machine's own rounding.
-            np.testing.assert_allclose([float(x) for x in there], [float(x) for x in numbers], rtol=2e-3)
+            np.testing.assert_allclose([float(x) for x in there], [float(x) for x in numbers], rtol=2e-3, atol=2e-3)
 
 
 def test_the_run_in_the_fitted_sand_is_that_of_the_true_sand(walked: Path, tmp_path: Path) -> None:

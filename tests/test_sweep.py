@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import functools
+import io
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from itertools import pairwise, product
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support_sweep import ANGLE, CONFIGS, ROOT, SPEED, TIME, arguments, command, dying, of_speed, read, until, write
 
 from granular_contact import report, scene, sweep
+from granular_contact.cli import sweep_progress
 from granular_contact.config import Scenario, Sweep, load_sweep
+from granular_contact.errors import ConfigError
 from granular_contact.results import Results
 from granular_contact.sweep import Row, table
 from granular_contact.sweep import local_processes as local
+from granular_contact.sweep.runner import FEW, faults
 from granular_contact.sweep.worker import _flat, simulate
 
 
@@ -356,3 +362,49 @@ def test_the_command_line_loads_no_engine(tmp_path):
     (tmp_path / "script.py").write_text(code)
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, tmp_path / "script.py"], env=environment, check=True, stdout=subprocess.PIPE)
+
+
+def test_faults_of_many_cases_are_those_of_few(tmp_path):
+    """Found by workers, or here where a worker dies at it."""
+    path = write(
+        tmp_path, f"vary:\n  {ANGLE}: {{from: 60, to: 100, count: 41}}\n  {SPEED}: {{from: 1, to: 9, count: 12}}\n"
+    )
+    assert FEW < 41 * 12
+    with pytest.raises(ConfigError) as alone:
+        load_sweep(path, probe=scene.build)
+    assert len(alone.value.faults) == 10  # of 91 to 100 degrees
+    for executor in (threads, Dead):
+        with sweep.Crew(2, executor) as crew, pytest.raises(ConfigError) as shared:
+            load_sweep(path, probe=scene.build, check=functools.partial(faults, crew=crew))
+        assert shared.value.faults == alone.value.faults
+
+
+class Dead(ThreadPoolExecutor):
+    """Loses all that it is given."""
+
+    def submit(self, *_: object) -> Future[Any]:
+        lost: Future[Any] = Future()
+        lost.set_exception(BrokenExecutor("dead"))
+        return lost
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("stream", "quiet", "said"),
+    [
+        (io.StringIO(), False, r"(\d+ of 9 cases, [\d.e+]+ per s, about \d+ s left\n){4}"),
+        (io.StringIO(), True, ""),
+        (Terminal(), False, r"(?s).*9/9.* cases, [\d.e+]+ per s .*left.*"),
+        (Terminal(), True, ""),
+    ],
+)
+def test_progress_is_a_bar_on_a_terminal_and_lines_in_a_log(monkeypatch, stream, quiet, said):
+    monkeypatch.setattr(sweep_progress, "LINE_SECONDS", 0.0)
+    with sweep_progress.progress(stream, 9, 5, quiet) as advance:
+        for _ in range(4):
+            advance()
+    assert re.fullmatch(said, stream.getvalue())

@@ -34,7 +34,7 @@ NUMBERS = (
     ("max_depth_m", "largest depth", 1e3, "mm"),
     ("energy.final_J", "energy at the end", 1e3, "mJ"),
 )
-PANELS, WIDTH, COLOURS, FRAMES = 4, 1200, 64, 151  # of a picture
+PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
 INTRODUCTION = """# Configs
 
 Every file here runs as it is, after `granular-contact examples DIR` from an installed package too:
@@ -103,13 +103,10 @@ def comment(path: Path) -> str:
 
 def draw(one: Entry) -> Path:
     """Write the picture of a model as a PNG of few colours; its path."""
-    from PIL import Image
+    from granular_contact.plots.film import write_strip
 
-    from granular_contact.plots.animation import strip
-
-    picture = Image.fromarray(strip(one.results, PANELS, WIDTH)).quantize(COLOURS, dither=Image.Dither.NONE)
     path = FIGURES / f"gallery_{one.model}.png"
-    picture.save(path, optimize=True)
+    write_strip(one.results, path, PANELS, WIDTH)
     return path
 
 

@@ -24,6 +24,7 @@ STUDIES = (
     "single_mode_vs_fe",
     "error_vs_run_time",
     "beam_against_theory",
+    "laws",
     "sensitivity",
     "fit_recovery",
 )

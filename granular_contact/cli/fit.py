@@ -10,12 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, add_output, add_set, complain, folder_problem
-from granular_contact.config import tree
-from granular_contact.config.yaml_source import read_text
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.cli.fit_options import wanted
 
 if TYPE_CHECKING:
-    from granular_contact.fit import Fit, Specification
+    from granular_contact.fit import Fit
 
 HELP = "find coefficients from measured runs, with their errors"
 MOST_WORKERS = 256
@@ -53,7 +51,7 @@ def _worker_count(text: str) -> int:
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.files[0]).stem}_fit")
-    wanted = _specification(chosen)
+    asked = wanted(chosen)
     problem_of_folder = folder_problem(folder, "fit")
     if problem_of_folder:
         complain(problem_of_folder)
@@ -62,7 +60,7 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.fit import fit, prepare, write
     from granular_contact.sweep.pool import cores
 
-    problem = prepare(wanted)
+    problem = prepare(asked)
     with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:
         found = fit(problem, chosen.workers or cores(), progress)
     try:
@@ -76,118 +74,6 @@ def act(chosen: argparse.Namespace) -> int:
     for warning in found.warnings if chosen.quiet else ():
         complain(f"warning: {warning}")
     return FINE if found.solution.converged else FAILED
-
-
-# ---- what the command line says, as a fit file would ----
-
-
-def _specification(chosen: argparse.Namespace) -> Specification:
-    from granular_contact.fit import specification
-    from granular_contact.fit.specification import is_fit, load_specification
-
-    first = Path(chosen.files[0])
-    if len(chosen.files) == 1 and (is_fit(first) or not first.exists()):
-        given = [f"--{name.replace('_', '-')}" for name in _INSTEAD if getattr(chosen, name)]
-        if given:
-            words = "says that itself; allowed with a fit file are --workers, --out, --no-plots and --quiet"
-            raise ConfigError([Fault(option, None, "", f"{first} {words}") for option in given])
-        return load_specification(first)
-    faults: list[Fault] = []
-    nodes = {"runs": _runs(chosen.files, faults)}
-    if chosen.parameters:
-        nodes["parameters"] = _parameters(chosen, faults)
-    elif not faults:
-        faults.append(
-            Fault("--parameters", None, "", "is missing; allowed are dotted keys, as medium.eta_h,medium.eta_d")
-        )
-    for option, key in (("columns", "columns"), ("noise", "noise")):
-        texts = [*chosen.noise] if option == "noise" else (chosen.columns or "").split(",")
-        pairs = [_pair(f"--{option}", text, faults) for text in texts if text.strip()]
-        if pairs:
-            nodes[key] = _mapping(f"--{option}", {name: value for name, value in pairs if name}, faults, key == "noise")
-    for key, text in (
-        ("time_offset_s", chosen.time_offset),
-        *((k, getattr(chosen, k)) for k in ("loss", "starts", "seed")),
-    ):
-        if text is not None:
-            option = "--time-offset" if key == "time_offset_s" else f"--{key}"
-            nodes[key] = read_text(text, option, faults, (), numbered=False)
-    if chosen.set:
-        pairs = [_pair("--set", text, faults) for text in chosen.set]
-        nodes["set"] = _mapping("--set", {name: value for name, value in pairs if name}, faults, True)
-    here = tree.Position("fit", None)
-    positions = {key: node.position for key, node in nodes.items()}
-    return specification(tree.Mapping(here, nodes, positions), Path(f"{first.stem}.yaml"), faults)
-
-
-_INSTEAD = ("parameters", "bounds", "columns", "time_offset", "noise", "loss", "starts", "seed", "set")
-
-
-def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
-    """Configs, and the CSV files behind each."""
-    config: str | None = None
-    runs: list[tree.Node] = []
-    without: str | None = None
-    for name in files:
-        at = tree.Position(name, None)
-        if name.endswith((".yaml", ".yml")):
-            if without is not None:
-                faults.append(
-                    Fault(without, None, "", "has no CSV file behind it; allowed are CONFIG DATA.csv [DATA.csv ...]")
-                )
-            config = without = name
-        elif config is None:
-            faults.append(Fault(name, None, "", "stands before any config; allowed are CONFIG DATA.csv [DATA.csv ...]"))
-        else:
-            without = None
-            held = {key: tree.Scalar(at, value, value) for key, value in (("config", config), ("data", name))}
-            runs.append(tree.Mapping(at, dict(held), dict.fromkeys(held, at)))
-    if without is not None:
-        faults.append(Fault(without, None, "", "has no CSV file behind it; allowed are CONFIG DATA.csv [DATA.csv ...]"))
-    here = tree.Position("fit", None)
-    return tree.Items(here, tuple(runs)) if runs else tree.Broken(here)
-
-
-def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:
-    names = [name.strip() for name in chosen.parameters.split(",") if name.strip()]
-    nodes: dict[str, tree.Node] = {name: tree.Scalar(tree.Position("--parameters", None), None, "") for name in names}
-    for text in chosen.bounds:
-        key, value = _pair("--bounds", text, faults)
-        low, colon, high = value.partition(":")
-        at = tree.Position(f"--bounds {text}", None)
-        if key and key not in nodes:
-            faults.append(Fault(f"--bounds {text}", None, key, "is none of the --parameters"))
-        elif key and not colon:
-            faults.append(Fault(f"--bounds {text}", None, key, f"got {value!r}; allowed is LOW:HIGH, as 1:40"))
-        elif key:
-            sides = {"from": low, "to": high}
-            held = {side: read_text(t, at.file, faults, (key,), numbered=False) for side, t in sides.items()}
-            nodes[key] = tree.Mapping(at, held, dict.fromkeys(held, at))
-    at = tree.Position("--parameters", None)
-    return tree.Mapping(at, nodes, {name: node.position for name, node in nodes.items()})
-
-
-def _pair(option: str, text: str, faults: list[Fault]) -> tuple[str, str]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not name or not equals or not value:
-        faults.append(Fault(f"{option} {text}", None, "", "is no NAME=VALUE"))
-        return "", ""
-    return name, value
-
-
-def _mapping(option: str, pairs: dict[str, str], faults: list[Fault], read: bool) -> tree.Mapping:
-    """Names and values of an option; values are read as YAML, or are texts."""
-    nodes: dict[str, tree.Node] = {}
-    for name, value in pairs.items():
-        at = tree.Position(f"{option} {name}={value}", None)
-        nodes[name] = (
-            read_text(value, at.file, faults, (name,), numbered=False) if read else tree.Scalar(at, value, value)
-        )
-    at = tree.Position(option, None)
-    return tree.Mapping(at, nodes, {n: tree.Position(f"{option} {n}={pairs[n]}", None) for n in nodes})
-
-
-# ---- what is shown ----
 
 
 @contextmanager

@@ -23,7 +23,8 @@ STILL_MOVING = 0.25  # of the greatest speed in the data
 PROBE = 0.1  # share of the way between the bounds by which a parameter is moved to see whether it moves anything
 # Joints of mechanisms whose flight is the same backwards, and what may be said of such joints.
 FREE_JOINTS = {"hinge", "weld"}
-JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "angle_deg"}
+JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "angle_deg", "home_deg"}
+IMPACT_KEYS = {"impact_angle_deg", "impact_speed_rad_s"}
 
 
 def against_run(measured: Measured, first: Results, offset: float, early: float) -> Iterator[Fault]:
@@ -63,7 +64,7 @@ def _reversible(measured: Measured, first: Results) -> bool:
     free = all(j["type"] in FREE_JOINTS and {k for k, v in j.items() if v} <= JOINT_KEYS for j in joints)
     lossy = any(_damped(body) for body in scenario["model"]["bodies"].values())
     sloped = bool(scenario.get("bed")) and "depth_m" in measured.columns
-    turning = "impact_speed_rad_s" in scenario["initial"] and not scenario.get("drives")
+    turning = {k for k, v in scenario["initial"].items() if v} <= IMPACT_KEYS and not scenario.get("drives")
     touches = not scenario["medium"] or first["depth_m"][0] <= 1e-9
     return free and turning and touches and not lossy and not sloped
 

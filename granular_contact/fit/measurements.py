@@ -1,15 +1,9 @@
-"""A CSV file -> measured columns, or every fault of it at its line.
-
-The first line that is not empty and does not start with # holds the names; commas, semicolons or tabs separate.
-"""
+"""Cells of a CSV file -> measured columns as numbers, or every fault of them at its line."""
 
 from __future__ import annotations
 
-import csv
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,24 +12,12 @@ from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 from granular_contact.fit.columns import TIME, in_words, recognise, spellings
+from granular_contact.fit.csv_table import Table, few, number
 
 Vector = NDArray[np.float64]
 
-MOST_BYTES = 50_000_000
-MOST_SHOWN = 10  # faults of one kind in one file
 FEWEST_ROWS = 6
 LARGEST_ANGLE = 400.0  # deg
-
-
-@dataclass(frozen=True)
-class Table:
-    """Cells of a CSV file as text. lines: of each row in the file, from 1."""
-
-    file: str
-    header: tuple[str, ...]
-    header_line: int
-    rows: tuple[tuple[str, ...], ...]
-    lines: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -52,55 +34,6 @@ class Measured:
     values: Vector
     lines: tuple[int, ...] = ()
     unused: tuple[str, ...] = ()
-
-
-def read_table(path: Path, faults: list[Fault]) -> Table | None:
-    """Header and rows of a CSV file; None, with faults, for one that has no such form."""
-    whole = Position(str(path), None)
-    try:
-        if path.is_dir():
-            faults.append(whole.fault((), "is a folder; a CSV file is needed"))
-            return None
-        if path.stat().st_size > MOST_BYTES:
-            faults.append(whole.fault((), f"is larger than {MOST_BYTES} bytes, the most that is read"))
-            return None
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        faults.append(whole.fault((), "no such file"))
-    except UnicodeDecodeError:
-        faults.append(whole.fault((), "is not text in UTF-8; save it as UTF-8"))
-    except OSError as error:
-        faults.append(whole.fault((), f"can't be read: {error.strerror or error}"))
-    else:
-        return _table(text, str(path), faults)
-    return None
-
-
-def _table(text: str, file: str, faults: list[Fault]) -> Table | None:
-    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
-    if not lines:
-        faults.append(Fault(file, 1, "", "is empty; a line with the names of the columns is needed"))
-        return None
-    separator = max(",;\t", key=lines[0][1].count)
-    cells = [
-        tuple(cell.strip() for cell in row) for row in csv.reader((line for _, line in lines), delimiter=separator)
-    ]
-    if len(cells) != len(lines):
-        faults.append(Fault(file, lines[0][0], "", "has a quoted text over several lines; numbers only are allowed"))
-        return None
-    (first, _), header = lines[0], cells[0]
-    if all(_number(cell) is not None for cell in header):
-        words = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
-        faults.append(Fault(file, first, "", words))
-        return None
-    twice = sorted({name for name in header if header.count(name) > 1})
-    ragged = [(line, len(row)) for (line, _), row in zip(lines, cells, strict=True) if len(row) != len(header)]
-    faults += [Fault(file, first, name, "is the name of two columns; each needs its own") for name in twice]
-    words = f"cells; {len(header)} are allowed, as in the header of line {first}"
-    faults += _few(file, [Fault(file, line, "", f"has {count} {words}") for line, count in ragged])
-    if twice or ragged:
-        return None
-    return Table(file, header, first, tuple(cells[1:]), tuple(line for line, _ in lines[1:]))
 
 
 def select(
@@ -123,7 +56,7 @@ def select(
         return None
     values = {column: numbers[header] * factor for header, (column, factor) in chosen.items()}
     time_header = next(header for header, (column, _) in chosen.items() if column == TIME)
-    faults += _few(table.file, _clock(table, time_header, values[TIME]))
+    faults += few(table.file, _clock(table, time_header, values[TIME]))
     for header, (column, _) in chosen.items():
         if column.endswith("_deg"):
             faults += _angles(table, header, values[column])
@@ -195,26 +128,17 @@ def _complete(file: str, line: int | None, found: Chosen, known: Sequence[str], 
     return found if len(faults) == before else None
 
 
-def _number(cell: str) -> float | None:
-    """The finite number that a cell holds; None for any other text."""
-    try:
-        value = float(cell) if "_" not in cell else math.nan
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
-
-
 def _column(table: Table, header: str, faults: list[Fault]) -> Vector:
     index = table.header.index(header)
     cells = [row[index] for row in table.rows]
-    numbers = [_number(cell) for cell in cells]
+    numbers = [number(cell) for cell in cells]
     faulty = [
         Fault(table.file, line, header, "is empty; leave the row out, or fill it" if not cell else _odd(cell))
-        for line, cell, number in zip(table.lines, cells, numbers, strict=True)
-        if number is None
+        for line, cell, value in zip(table.lines, cells, numbers, strict=True)
+        if value is None
     ]
-    faults += _few(table.file, faulty)
-    return np.array([0.0 if number is None else number for number in numbers])
+    faults += few(table.file, faulty)
+    return np.array([0.0 if value is None else value for value in numbers])
 
 
 def _odd(cell: str) -> str:
@@ -243,10 +167,3 @@ def _angles(table: Table, header: str, angles: Vector) -> list[Fault]:
         "are allowed: is it in another unit than its name says?"
     )
     return [Fault(table.file, table.lines[i], header, message)]
-
-
-def _few(file: str, faults: list[Fault]) -> list[Fault]:
-    """The first faults of a kind, and how many more there are."""
-    if len(faults) <= MOST_SHOWN:
-        return faults
-    return [*faults[:MOST_SHOWN], Fault(file, None, "", f"has {len(faults) - MOST_SHOWN} more such lines")]

@@ -12,11 +12,12 @@ from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.fit import checks
 from granular_contact.fit.columns import in_words, observables, recognise
-from granular_contact.fit.measurements import Measured, read_table, select
+from granular_contact.fit.csv_table import read_table
+from granular_contact.fit.measurements import Measured, select
 from granular_contact.fit.parameters import Choice, choose, own_choices
 from granular_contact.fit.problem import OFFSET, Parameter, Problem, Run
-from granular_contact.fit.specification import RunWanted, Specification, Wanted
 from granular_contact.fit.tracks import ModelFailed, Simulator, filled
+from granular_contact.fit.wanted import RunWanted, Specification, Wanted
 from granular_contact.scene import build
 
 

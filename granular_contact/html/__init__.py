@@ -2,7 +2,7 @@
 
 folder                          what is on the disk
 markup, page, parts, numbers    escaping; the page and its style; tables and figures; numbers in words
-run, comparison, sweep, fit     what is said of each kind of results
+run, comparison, sweep, fit     what is said of each kind of results; other: of those without words of their own
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import secrets
 from collections.abc import Callable
 from pathlib import Path
 
-from granular_contact.html import comparison, fit, run, sweep
+from granular_contact.html import comparison, fit, other, run, sweep
 from granular_contact.html.folder import Folder, FolderError, open_folder
 from granular_contact.html.page import GENERATOR
 from granular_contact.report import PAGE
@@ -36,7 +36,7 @@ def html(directory: Path) -> str:
         The folder holds no results, or broken ones.
     """
     folder = open_folder(directory)
-    return _KINDS[folder.kind](folder)
+    return _KINDS.get(folder.kind, other.page)(folder)
 
 
 def write(directory: Path, file: Path | None = None) -> Path:

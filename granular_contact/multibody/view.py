@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from exudyn import graphics
 
-from granular_contact.frames import instants, resample, surface_height
-from granular_contact.multibody.build import System
+from granular_contact.frames import instants, resample
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import Trajectory
+from granular_contact.multibody.system import System
 from granular_contact.results import Outline
 from granular_contact.scene.types import Motion, Vector, rotation
 
@@ -75,7 +75,7 @@ def dress(system: System, observer: Observer) -> None:
         for element in link.elements:
             system.mbs.SetObjectParameter(element, "VdrawHeight", link.link.thickness)
             system.mbs.SetObjectParameter(element, "Vcolor", STEEL)
-    if system.scene.medium is not None:
+    if system.scene.media:
         ground = next(i for i in range(system.mbs.systemData.NumberOfObjects()) if _is_ground(system.mbs, i))
         system.mbs.SetObjectParameter(ground, "VgraphicsData", _medium(system, observer))
 
@@ -107,13 +107,13 @@ def _area(corners: Vector) -> float:
 
 def _medium(system: System, observer: Observer) -> list[Any]:
     """The medium as a sheet behind the mechanism, under all that it passes over."""
-    assert system.scene.surface is not None
+    assert system.scene.bed is not None
     times = np.unique(np.linspace(0, len(observer.trajectory.time) - 1, 9).astype(int))
     points = np.concatenate([outline.points for i in times for outline in observer.outlines(int(i))])
     low, high = points.min(axis=0), points.max(axis=0)
     size = float(np.max(high - low))
     x = np.linspace(low[0] - 0.2 * size, high[0] + 0.2 * size, 33)
-    top = surface_height(system.scene.surface, x)
+    top = system.scene.bed.height(x)
     bottom = min(float(low[1]), float(top.min())) - 0.15 * size
     z = -0.05 * size
     strips = pairwise(zip(x, top, strict=True))

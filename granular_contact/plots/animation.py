@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from granular_contact.frames import pace, surface_height
 from granular_contact.plots.outlines import edge, fixed_points
-from granular_contact.plots.stage import FOOTER, HEADER, SIDE, Stage, arrow_way, backdrop, stage_of, strongest
+from granular_contact.plots.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, bounds, stage_of, strongest
 from granular_contact.plots.style import INK, SAND, VERMILION
 from granular_contact.results import Force, Results, Snapshot
 from granular_contact.units import Array, minus, unit_for
@@ -30,6 +30,7 @@ Picture = NDArray[np.uint8]
 DPI = 100
 STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
 HEAD, SHAFT, LEAST_ARROW, GAP = 12.0, 4.0, 2.0, 8  # px
+LONGEST_TRACE = 1.0  # of the width
 FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 
 
@@ -39,19 +40,31 @@ def pictures(results: Results) -> Iterator[Picture]:
 
 
 def strip(results: Results, count: int, width: int) -> Picture:
-    """Pictures of `count` frames as one of so many px, beside each other or, of what is long and low, one over another.
+    """Pictures of `count` (even) frames as one, about so many px wide; the wider the stage, the fewer in a row.
 
     Between each and the next the mechanism moves as far, which is seldom as long.
     """
     stage = stage_of(results, width // count, 0.6)
-    ratio = (stage.right - stage.left) * stage.scale / (stage.height - HEADER - FOOTER)
-    beside = ratio < 2.0 or len(results.frames) < 2
-    if not beside:
-        stage = stage_of(results, width, 0.2)
+    ratio = (stage.width - 2 * SIDE) / max(1.0, _tall(results, stage))
+    in_row = count if ratio < 1.5 else 2 if ratio < 5.0 else 1
+    if in_row < count:
+        stage = stage_of(results, width // in_row, 0.2)
     shown = list(_Film(results, stage, words=False).pictures(_evenly_moved(results.frames, count)))
-    gap = np.full((stage.height, GAP, 3) if beside else (GAP, stage.width, 3), 255, np.uint8)
-    parts = [part for one in shown for part in (gap, one)][1:]
-    return np.concatenate(parts, axis=1 if beside else 0)
+    rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
+    return _joined(rows, axis=0)
+
+
+def _tall(results: Results, stage: Stage) -> float:
+    """Height (px) of what the mechanism passes over."""
+    low, high = bounds(results.frames)
+    return float(high[1] - low[1]) * stage.scale
+
+
+def _joined(shown: list[Picture], axis: int) -> Picture:
+    """Pictures beside (1) or under each other (0), with gaps between them."""
+    height, width, _ = shown[0].shape
+    gap = np.full((height, GAP, 3) if axis else (GAP, width, 3), 255, np.uint8)
+    return np.concatenate([part for one in shown for part in (gap, one)][1:], axis=axis)
 
 
 def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
@@ -74,11 +87,13 @@ class _Film:
         self.axes = figure.add_axes((0, 0, 1, 1))
         self.axes.set_axis_off()
         extent = (self.stage.left, self.stage.right, self.stage.bottom, self.stage.top)
-        picture = backdrop(self.stage, results.surface)
+        picture = backdrop(self.stage, results)
         self.axes.imshow(picture, extent=extent, interpolation="nearest", aspect="auto")
         self.axes.set_xlim(*extent[:2])
         self.axes.set_ylim(*extent[2:])
         self.trace = self._trace_points()
+        steps = np.linalg.norm(np.diff(self.trace[1], axis=0), axis=1)
+        self.way = np.concatenate([[0.0], np.cumsum(steps)])
         self.moving = [*self._moving(), *_scale_bar(self.axes, stage), *(self._words() if words else ())]
         for artist in self.moving:
             artist.set_animated(True)
@@ -120,7 +135,9 @@ class _Film:
         first = self.results.frames[0].outlines
         tones = [STEEL[i % 2] for i in range(len(first))]
         self.line = Line2D([], [], color=TRACE, linewidth=1.0, solid_joinstyle="round")
-        self.bodies = PolyCollection([], facecolors=tones, edgecolors=STEEL_EDGE, linewidths=0.8)
+        self.bodies = PolyCollection(
+            [], facecolors=tones, edgecolors=STEEL_EDGE, linewidths=0.8 if len(first) < 32 else 0.4
+        )
         self.forces = _arrows([])
         self.clock = _pixels(axes, stage, stage.width / 2, stage.height - 18, "", ha="center", weight="bold")
         self.elapsed = Rectangle((stage.left, stage.bottom), 0.0, 3.0 / stage.scale, color=TRACE, linewidth=0)
@@ -143,10 +160,18 @@ class _Film:
             return np.zeros(0), np.zeros((0, 2))
         return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results["tip_y_m"]])
 
+    def _tail(self, until: int) -> int:
+        """Where the trace begins that ends at a row: the last of the way, as long as the picture is wide."""
+        if until == 0:
+            return 0
+        begin = self.way[until - 1] - LONGEST_TRACE * (self.stage.right - self.stage.left)
+        return int(np.searchsorted(self.way, begin))
+
     def _show(self, frame: Snapshot) -> None:
         self.bodies.set_verts([edge(outline) for outline in frame.outlines])
         time, tip = self.trace
-        self.line.set_data(*tip[: np.searchsorted(time, frame.time, side="right")].T)
+        until = int(np.searchsorted(time, frame.time, side="right"))
+        self.line.set_data(*tip[self._tail(until) : until].T)
         self.forces.set_verts([one for force in frame.forces if (one := self._arrow(force)) is not None])
         self.clock.set_text(self._time(frame.time))
         frames = self.results.frames

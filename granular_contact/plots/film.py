@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 from granular_contact.frames import RATE
-from granular_contact.plots.animation import STEEL, STEEL_EDGE, TRACE, Picture, pictures
+from granular_contact.plots.animation import STEEL, STEEL_EDGE, TRACE, Picture, pictures, strip
 from granular_contact.plots.style import INK, VERMILION
 from granular_contact.results import Results
 
@@ -39,6 +39,19 @@ def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
     frames = (Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in kept)
     durations = [1000 // RATE] * (count - 1) + [LAST]
     next(frames).save(file, save_all=True, append_images=frames, duration=durations, loop=0, disposal=1)
+
+
+def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200) -> None:
+    """Write some of the frames of `results` into one PNG of few colours, see `animation.strip`.
+
+    Raises
+    ------
+    OSError
+        The disk refuses.
+    """
+    picture = strip(results, count, width)
+    shown = Image.fromarray(picture).quantize(palette=_palette([picture]), dither=Image.Dither.NONE)
+    shown.save(file, optimize=True)
 
 
 def _palette(kept: list[Picture]) -> Image.Image:

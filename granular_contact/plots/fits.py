@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from granular_contact.plots.panels import blank
 from granular_contact.plots.style import BLUE, DOUBLE, DPI, FAINT, INK, SINGLE, SKY, VERMILION, style
-from granular_contact.plots.units import Array, Unit, unit_for
+from granular_contact.units import Array, Unit, unit_for
 
 MOST_RUNS = 24  # that are drawn one by one
 

@@ -10,12 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
-from numpy.typing import ArrayLike
 
 from granular_contact.frames import surface_height
 from granular_contact.plots.hinges import hinges_of
 from granular_contact.plots.outlines import deepest_point, edge, fixed_points
-from granular_contact.plots.style import GRAINS, INK, SAND, SAND_EDGE, VERMILION
+from granular_contact.plots.style import FLOOR, GRAINS, INK, SAND, SAND_EDGE, VERMILION
 from granular_contact.plots.units import instant
 from granular_contact.plots.views import View, side_by_side, tip_view, whole_view
 from granular_contact.results import Results, Snapshot
@@ -72,8 +71,7 @@ def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
     axes.locator_params(nbins=6)
     for side in axes.spines.values():
         side.set_visible(True)
-    if results.surface is not None:
-        _sand(axes, results.surface, view, unit)
+    _sand(axes, results, view, unit)
     for shot in results.snapshots:
         for outline in shot.outlines:
             look = {**_pose(shot), "linewidth": 0.7}
@@ -83,8 +81,11 @@ def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
     axes.set_aspect("equal")
 
 
-def _sand(axes: Axes, surface: ArrayLike, view: View, unit: Unit) -> None:
-    """The medium below its surface, strewn with grains that only look like sand."""
+def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
+    """The medium below its surface, strewn with grains that only look like sand; its layers, and the floor."""
+    surface = results.surface
+    if surface is None:
+        return
     left, right = view.left, view.left + view.width
     x = np.linspace(left, right, 401)
     top = surface_height(surface, x)
@@ -102,6 +103,12 @@ def _sand(axes: Axes, surface: ArrayLike, view: View, unit: Unit) -> None:
         across, up = across[under] * unit.factor, up[under] * unit.factor
         axes.scatter(across, up, s=size[under], color=colour, linewidths=0, zorder=1)
     axes.plot(*corners[1:-1].T, color=SAND_EDGE, linewidth=0.9, zorder=2)
+    for depth in results.layers:
+        axes.plot(x * unit.factor, (top - depth) * unit.factor, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=2)
+    if results.floor is not None and results.floor > view.bottom:
+        low, high = view.bottom * unit.factor, results.floor * unit.factor
+        box = Rectangle((left * unit.factor, low), view.width * unit.factor, high - low, facecolor=FLOOR, zorder=2)
+        axes.add_patch(box)
 
 
 def _pose(shot: Snapshot) -> dict[str, Any]:

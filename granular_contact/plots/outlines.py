@@ -63,8 +63,11 @@ def around(points: Array, x: float, depth: float) -> Array:
 
 
 def fixed_points(results: Results) -> Array:
-    """Points (k, 2) m that no snapshot moves: ground hinges; with nothing moved, the first point of a hinged model."""
-    shots = [np.concatenate([outline.points for outline in shot.outlines]) for shot in results.snapshots]
+    """Points (k, 2) m that nothing moves: ground hinges; where nothing moved, the first point of a hinged model."""
+    pictures = [*results.snapshots, *results.frames]
+    if not pictures:
+        return np.zeros((0, 2))
+    shots = [np.concatenate([outline.points for outline in one.outlines]) for one in pictures]
     first = shots[0]
     moved = np.max([np.linalg.norm(shot - first, axis=1) for shot in shots], axis=0)
     if not moved.max() > 0:

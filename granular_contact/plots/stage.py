@@ -7,18 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.colors import to_rgb
-from numpy.typing import ArrayLike
 
 from granular_contact.frames import surface_height
 from granular_contact.plots.outlines import edge
-from granular_contact.plots.style import SAND, SAND_EDGE
+from granular_contact.plots.style import FLOOR, SAND, SAND_EDGE
 from granular_contact.results import Results, Snapshot
 from granular_contact.units import Array
 
 WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
 HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
 LONGEST_ARROW = 0.25  # of the height
-SKY, DEEP = "#F6F8FA", "#D8C091"
+SKY, DEEP, LAYER = "#F6F8FA", "#D8C091", 0.9
 SPECKS = (("#CDB27B", 0.03), ("#FBF3E0", 0.02), ("#B4975B", 0.012))  # colours of single grains, and their share
 
 
@@ -48,7 +47,7 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
 
     width in px; its height is at least `flattest` times that.
     """
-    low, high = _bounds(results.frames)
+    low, high = bounds(results.frames)
     if results.surface is not None:
         size = float(np.max(high - low))
         sand = surface_height(results.surface, np.linspace(low[0], high[0], 65))
@@ -63,7 +62,8 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
     return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0), width, flattest)
 
 
-def _bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
+def bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
+    """Lower left and upper right corner (2,) m of all that is drawn in any frame."""
     rings = [edge(outline) for frame in frames for outline in frame.outlines]
     low = np.min([ring.min(axis=0) for ring in rings], axis=0)
     high = np.max([ring.max(axis=0) for ring in rings], axis=0)
@@ -92,19 +92,27 @@ def arrow_way(force: Array, largest: float, stage: Stage) -> Array:
     return np.asarray(force * (LONGEST_ARROW * stage.height / stage.scale / largest))
 
 
-def backdrop(stage: Stage, surface: ArrayLike | None) -> Array:
-    """Sky, and under the surface sand that darkens downwards: (height, width, 3) from 0 to 1, the upper row first."""
+def backdrop(stage: Stage, results: Results) -> Array:
+    """Sky, and under the surface sand that darkens downwards and with every layer, and the floor.
+
+    (height, width, 3) from 0 to 1, the upper row first.
+    """
     picture = np.full((stage.height, stage.width, 3), to_rgb(SKY))
-    if surface is None:
+    if results.surface is None:
         return picture
     x = stage.left + (np.arange(stage.width) + 0.5) / stage.scale
     y = stage.top - (np.arange(stage.height) + 0.5) / stage.scale
-    depth = (surface_height(surface, x)[None, :] - y[:, None]) * stage.scale  # px
+    depth = (surface_height(results.surface, x)[None, :] - y[:, None]) * stage.scale  # px
     cover = np.clip(depth + 0.5, 0.0, 1.0)[:, :, None]
     edge_line = np.clip(1.6 - np.abs(depth - 0.8), 0.0, 1.0)[:, :, None]
     sand = _sand(depth, stage.height)
     sand = sand * (1 - edge_line) + np.array(to_rgb(SAND_EDGE)) * edge_line
-    return np.asarray(picture * (1 - cover) + sand * cover)
+    for top in results.layers:
+        sand *= np.where(depth > top * stage.scale, LAYER, 1.0)[:, :, None]
+    picture = picture * (1 - cover) + sand * cover
+    if results.floor is not None:
+        picture[(depth > 0.0) & (y < results.floor)[:, None]] = to_rgb(FLOOR)
+    return picture
 
 
 def _sand(depth: Array, height: int) -> Array:

@@ -405,7 +405,8 @@ def test_a_sample_says_itself_again(read):
 def test_what_can_be_sent_away_needs_no_file(read, tmp_path):
     """Of cases that name files themselves the scenario has to be sent."""
     (tmp_path / "arm.yaml").write_text((ROOT / "models" / "compound_pendulum.yaml").read_text().replace("7700", "2700"))
-    (tmp_path / "arm_run.yaml").write_text(f"model: arm.yaml\nmedium: play_sand\ninitial: {{{SPEED[8:]}: 6, {ANGLE[8:]}: 31}}\n")
+    initial = f"initial: {{{SPEED[8:]}: 6, {ANGLE[8:]}: 31}}"
+    (tmp_path / "arm_run.yaml").write_text(f"model: arm.yaml\nmedium: play_sand\n{initial}\n")
     sweep = read(
         "config: arm_run.yaml\nset: {medium.eta_h: 9, gravity_m_s2: 9}\ncases:\n"
         "  a: {}\n  b: {solver.step_s: 1e-4}\n  c: {model.bodies.link.diameter_m: 0.005}\n"

@@ -11,8 +11,9 @@ from support_fit import CONFIG, RIGID, measure
 
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.fit import checks, load_specification, prepare
-from granular_contact.fit.measurements import read_table, select
+from granular_contact.fit import load_specification, prepare
+from granular_contact.fit.csv_table import read_table
+from granular_contact.fit.measurements import select
 
 FIT = f"""\
 parameters: [medium.eta_d]
@@ -204,10 +205,12 @@ def test_faults_of_all_files_come_together(faults, good, tmp_path: Path) -> None
     assert [(file, line) for file, line, *_ in found] == [("data.csv", 5), ("gone.csv", None), ("other.csv", 1)]
 
 
-def test_data_before_a_start_that_can_not_be_followed_back(faults, good, monkeypatch) -> None:
-    monkeypatch.setattr(checks, "FREE_JOINTS", {"weld"})  # as if the hinge were driven
+@pytest.mark.parametrize(
+    "more", ["model.joints.pivot.damping_Nm_s_per_rad: 1e-3", "model.bodies.link.flexible.bending_damping_N_m2_s: 1e-3"]
+)
+def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: str) -> None:
     early = [good[0], f"-0.002,{good[1].partition(',')[2]}", *good[1:]]
-    found = faults(lines=early)
+    found = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
     assert found[0][:3] == ("data.csv", 2, "")
     assert "begins 0.002 s before the start" in found[0][3]
 

@@ -100,3 +100,20 @@ solver: {end_time_s: 0.05, rest_time_s: null}
         assert run[f"hinge_{i}_angle_deg"][0] == pytest.approx(0.0, abs=0.02)
     assert run["tip_y_m"][0] == pytest.approx(-0.2, abs=1e-6)
     assert run["kinetic_J"][0] == 0.0
+
+
+def test_what_held_a_settling_mechanism_back_is_gone_when_the_run_begins() -> None:
+    text = f"""
+model:
+  name: swing
+  bodies: {{rod: {{type: link, length_m: {LENGTH}, diameter_m: {DIAMETER}, density_kg_m3: {DENSITY}}}}}
+  joints: {{pin: {{type: hinge, parent: ground, child: rod}}}}
+initial: {{impact_angle_deg: 80, settle: true}}
+drives: {{pin: {{type: torque, torque_Nm: {{type: sine, amplitude: 0.05, frequency_Hz: 1}}}}}}
+solver: {{end_time_s: 1, tolerance: 1e-8}}
+"""
+    run = simulate(text)
+    assert run["pin_angle_deg"][0] == pytest.approx(90.0, abs=0.01)
+    # The dampers of the settling are in no balance: at 14 / s they would take all of it.
+    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.ptp(run["kinetic_J"]) > 1e-3
