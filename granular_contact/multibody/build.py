@@ -10,6 +10,8 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
+from granular_contact.multibody.overlay import Overlay
+from granular_contact.multibody.weights import weights
 from granular_contact.scene.types import Connection, FlexibleLink, RigidBody, Scene, Vector, rotation
 
 # A stretched beam may be a little longer than its reference; what is this close to reaching the surface gets the load.
@@ -55,18 +57,22 @@ def build(scene: Scene) -> System:
         scene=scene,
         container=container,
         mbs=mbs,
-        rigid={body.name: _add_rigid(mbs, body, scene.gravity) for body in scene.rigid},
-        links={link.name: _add_link(mbs, link, scene.gravity) for link in scene.links},
+        rigid={body.name: _add_rigid(mbs, body) for body in scene.rigid},
+        links={link.name: _add_link(mbs, link) for link in scene.links},
         bed=None,
     )
     for connection in scene.connections:
         _add_joint(system, ground, connection)
     bed = _add_bed(system)
+    if bed is not None:
+        bed.attach(weights(system))
+    elif scene.gravity != 0.0:
+        Overlay(mbs, {}, weights(system)).attach()
     mbs.Assemble()
     return System(scene, container, mbs, system.rigid, system.links, bed)
 
 
-def _add_rigid(mbs: Any, body: RigidBody, gravity: float) -> RigidHandle:
+def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
     motion = body.motion
     node = mbs.AddNode(
         items.NodeRigidBody2D(
@@ -75,11 +81,10 @@ def _add_rigid(mbs: Any, body: RigidBody, gravity: float) -> RigidHandle:
         )
     )
     obj = mbs.AddObject(items.ObjectRigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node, name=body.name))
-    _add_weight(mbs, obj, gravity)
     return RigidHandle(body, node, obj)
 
 
-def _add_link(mbs: Any, link: FlexibleLink, gravity: float) -> LinkHandle:
+def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
     """Straight run of ANCF cable elements that starts out as if rigid."""
     motion = link.motion
     axis = rotation(motion.angle)[:, 0]
@@ -110,14 +115,7 @@ def _add_link(mbs: Any, link: FlexibleLink, gravity: float) -> LinkHandle:
                 )
             )
         )
-        _add_weight(mbs, elements[-1], gravity)
     return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
-
-
-def _add_weight(mbs: Any, obj: Any, gravity: float) -> None:
-    if gravity != 0.0:
-        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=obj))
-        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
 
 
 def _add_joint(system: System, ground: Any, connection: Connection) -> None:
@@ -159,7 +157,7 @@ def _angle(system: System, name: str | None) -> float:
 
 
 def _add_bed(system: System) -> Any:
-    """Lay the medium over the parts that can reach its surface; None when there are none."""
+    """Bed with all parts that can reach its surface, to be attached; None when there are none."""
     scene = system.scene
     if scene.medium is None or scene.surface is None:
         return None
@@ -190,7 +188,6 @@ def _add_bed(system: System) -> Any:
             bed.add_cables(
                 elements, link.link.diameter, strips_per_element=load.strips_per_element, free_end=link.link.free
             )
-    bed.attach()
     return bed
 
 

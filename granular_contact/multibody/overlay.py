@@ -43,27 +43,20 @@ class Overlay:
         """Where the coordinates of some nodes stand in the overlay."""
         return np.concatenate([self._starts[n] + np.arange(self.nodes[n]) for n in map(int, nodes)])
 
-    def attach(self, due: Callable[[float], None] | None, jacobian: Callable[[float, float, float], Any]) -> None:
-        """Add the objects.
+    def attach(
+        self, due: Callable[[float], None] | None = None, jacobian: Callable[[float, float, float], Any] | None = None
+    ) -> None:
+        """Add the objects, with no more than the constant forces unless there is something to call.
 
-        due: told the time whenever forces are needed, before they are taken; None for constant ones. jacobian: told
-        time and the engine's two factors, gives its sparse matrix (see `matrix`).
+        due: told the time whenever forces are needed, before they are taken. jacobian: told time and the engine's two
+        factors, gives its sparse matrix (see `matrix`).
         """
-
-        def matrix(
-            mbs: Any,  # noqa: ARG001
-            t: float,
-            item: int,  # noqa: ARG001
-            q: list[float],  # noqa: ARG001
-            v: list[float],  # noqa: ARG001
-            factor_q: float,
-            factor_v: float,
-        ) -> Any:
-            return jacobian(t, factor_q, factor_v)
-
+        matrix = _silence(self.size)
         if due is not None:
             first, size = next(iter(self.nodes.items()))
             self._add([first], forceUserFunction=_bell(due, size), jacobianUserFunction=_silence(size))
+        if jacobian is not None:
+            matrix = _tangent(jacobian)
         self._carrier = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
 
     def _add(self, nodes: list[int], **options: Any) -> Any:
@@ -94,6 +87,21 @@ def _bell(due: Callable[[float], None], size: int) -> Callable[..., list[float]]
         return nothing
 
     return ring
+
+
+def _tangent(jacobian: Callable[[float, float, float], Any]) -> Callable[..., Any]:
+    def matrix(
+        mbs: Any,  # noqa: ARG001
+        t: float,
+        item: int,  # noqa: ARG001
+        q: list[float],  # noqa: ARG001
+        v: list[float],  # noqa: ARG001
+        factor_q: float,
+        factor_v: float,
+    ) -> Any:
+        return jacobian(t, factor_q, factor_v)
+
+    return matrix
 
 
 def _silence(size: int) -> Callable[..., Any]:

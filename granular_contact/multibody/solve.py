@@ -16,6 +16,7 @@ import numpy as np
 
 from granular_contact.multibody.build import System
 from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
 
@@ -25,7 +26,7 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), constant for the bodies used here.
+    did, None without one; mass (m, m), sparse, constant for the bodies used here.
     """
 
     status: Status
@@ -34,7 +35,7 @@ class Trajectory:
     q: Vector
     v: Vector
     load: LoadHistory | None
-    mass: Vector
+    mass: Any
 
 
 def force_scale(scene: Scene) -> float:
@@ -170,7 +171,6 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
     solver = exu.MainSolverImplicitSecondOrder()
     problem, success = "", False
     with _on_interrupt(recorder.interrupt), _silent():
-        mass = mbs.ComputeLinearizedSystem(simulation)[0]
         began = time.perf_counter()
         try:
             success = solver.SolveSystem(mbs, simulation)
@@ -192,7 +192,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         q=states[:, 1 : 1 + size] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
         v=states[:, 1 + size :],
         load=None if system.bed is None else system.bed.accepted,
-        mass=mass,
+        mass=mass_matrix(system),
     )
 
 
