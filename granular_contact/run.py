@@ -10,9 +10,9 @@ import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
-from granular_contact.scene.types import Reduced, Scene, Vector
+from granular_contact.scene.types import Connection, Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
-from granular_contact.summary import Touch, find_touch, summarise
+from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
 
 if TYPE_CHECKING:
     from granular_contact.multibody.observe import Observer
@@ -40,7 +40,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
     }
-    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop) | solved.more
+    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
     return Results(
         name=scene.name,
         status=solved.status,
@@ -119,10 +119,27 @@ def _rows(time: Vector, interval: float | None) -> Any:
 
 
 def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
-    """First zero of the mean rate after the touch, with the pivot's angle there."""
-    pivot = observer.scene.pivot
-    if pivot is None:
+    """When the mechanism stopped after the touch, with the measure that fits it; None where there is none."""
+    scene = observer.scene
+    if scene.drives:
         return None
+    if scene.pivot is not None:
+        return _stop_about_pivot(observer, scene.pivot, touch)
+    return _stop_of_fall(observer, touch) if scene.floating is not None else None
+
+
+def _measure(scene: Scene) -> str | None:
+    """What stopping means for a mechanism; None where it means nothing."""
+    if scene.drives:
+        return None
+    if scene.floating is not None:
+        return FALL_MEASURE
+    turns = all(c.kind in ("hinge", "weld") for c in scene.connections if c.parent is None)
+    return STOP_MEASURE if turns and not any(c.closes for c in scene.connections) else None
+
+
+def _stop_about_pivot(observer: Observer, pivot: Connection, touch: Touch) -> Stop | None:
+    """First zero of the mean rate after the touch, with the pivot's angle there."""
     trajectory = observer.trajectory
     rate, inertia = observer.mean_rate()
     moment = observer.weight_moment()
@@ -131,3 +148,17 @@ def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
     angle, angle_rate = observer.angle(pivot.child, pivot.child_point)
     after = slice(touch.index, None)
     return find_stop(trajectory.time[after], rate[after], (-moment / inertia)[after], -angle[after], -angle_rate[after])
+
+
+def _stop_of_fall(observer: Observer, touch: Touch) -> Stop | None:
+    """First zero of the vertical velocity of the lower end after the touch, with the angle of its body there."""
+    time, after = observer.trajectory.time, slice(touch.index, None)
+    if len(time[after]) < 3:
+        return None
+    body, point = observer.scene.tip
+    speed = observer.position(body, point)[1][after, 1]
+    angle, rate = observer.angle(body, point)
+    # Of the velocity itself, looking back only: at the stop the force of the medium jumps.
+    slope = np.diff(speed) / np.diff(time[after])
+    before = np.concatenate([slope[:1], slope[:1], slope[1:] + 0.5 * np.diff(slope)])[: len(speed)]
+    return find_stop(time[after], speed, before, -angle[after], -rate[after], hub=False)

@@ -10,6 +10,14 @@ from granular_contact.results import Column
 Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
+SPRING = "spring_J"
+JOINT_ENERGIES = {  # columns that a mechanism has if its joints have such things
+    SPRING: "energy in the springs and stops of joints",
+    "joint_damping_work_J": "work of dampers and stops in joints so far",
+    "friction_work_J": "work of dry friction in joints so far",
+    "drive_work_J": "work of the drives so far",
+}
+
 
 def tabulate(series: Series) -> tuple[tuple[Column, ...], Vector]:
     """Columns, and the table (instants, columns)."""
@@ -26,13 +34,47 @@ def joint(name: str, child: str, parent: str | None, angle: Vector, rate: Vector
     }
 
 
-def shape(mean_rate: Vector, tip: Vector, deflection: Vector | None, depth: Vector | None) -> Series:
-    """Mean rate (n,) rad/s, tip (n, 2) m, deflection of the last flexible link (n,) m, depth (n,) m."""
-    series: Series = {
-        "mean_rate_rad_s": ("angular momentum over moment of inertia about the pivot, clockwise positive", mean_rate),
-        "tip_x_m": ("horizontal position of the tip", tip[:, 0]),
-        "tip_y_m": ("height of the tip", tip[:, 1]),
+def slider(name: str, child: str, parent: str | None, position: Vector, speed: Vector) -> Series:
+    """Position (n,) m and speed (n,) m/s of a slider."""
+    of = "the ground" if parent is None else parent
+    return {
+        f"{name}_position_m": (f"position of {child} along the axis of {name} in {of}", position),
+        f"{name}_speed_m_s": (f"rate of {name}_position", speed),
     }
+
+
+def drive(joint: str, hinge: bool, force: Vector, power: Vector) -> Series:
+    """Torque (n,) N m or force (n,) N of a drive, and its power (n,) W."""
+    column, what = ("torque_Nm", "torque, clockwise") if hinge else ("force_N", "force, along the axis")
+    return {
+        f"{joint}_{column}": (f"{what}, of the drive of {joint} on the child", force),
+        f"{joint}_power_W": (f"power of the drive of {joint}", power),
+    }
+
+
+def body(name: str, center: Vector, angle: Vector, velocity: Vector, spin: Vector) -> Series:
+    """Motion of a body: centre of mass (n, 2) m, its velocity (n, 2) m/s, angle (n,) rad and rate, clockwise."""
+    return {
+        f"{name}_x_m": (f"horizontal position of the centre of mass of {name}", center[:, 0]),
+        f"{name}_y_m": (f"height of the centre of mass of {name}", center[:, 1]),
+        f"{name}_orientation_deg": (f"angle of {name} below the horizontal, clockwise positive", np.degrees(angle)),
+        f"{name}_vx_m_s": (f"horizontal velocity of the centre of mass of {name}", velocity[:, 0]),
+        f"{name}_vy_m_s": (f"upward velocity of the centre of mass of {name}", velocity[:, 1]),
+        f"{name}_spin_rad_s": (f"rate of {name}_orientation", spin),
+    }
+
+
+def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, depth: Vector | None) -> Series:
+    """Mean rate (n,) rad/s, tip (n, 2) m, deflection of the last flexible link (n,) m, depth (n,) m.
+
+    mean_rate: None for a mechanism that has no pivot.
+    """
+    series: Series = {}
+    if mean_rate is not None:
+        words = "angular momentum over moment of inertia about the pivot, clockwise positive"
+        series["mean_rate_rad_s"] = (words, mean_rate)
+    series["tip_x_m"] = ("horizontal position of the tip", tip[:, 0])
+    series["tip_y_m"] = ("height of the tip", tip[:, 1])
     if deflection is not None:
         series["deflection_m"] = ("tip deflection across the axis of the link's root, clockwise positive", deflection)
     if depth is not None:
@@ -55,8 +97,19 @@ def forces(names: tuple[str, ...], terms: Vector, pivot: Vector) -> Series:
     return series
 
 
-def energies(kinetic: Vector, gravity: Vector, elastic: Vector | None, work: Vector, damping: Vector) -> Series:
-    """Energies, and work done by the medium and by internal damping so far, (n,) J each."""
+def energies(
+    kinetic: Vector,
+    gravity: Vector,
+    elastic: Vector | None,
+    work: Vector,
+    damping: Vector,
+    joints: dict[str, Vector] | None = None,
+) -> Series:
+    """Energies, and work done by the medium and by internal damping so far, (n,) J each.
+
+    joints: what joints store (`spring_J`), and the work done in them so far, by the names of their columns.
+    """
+    joints = joints or {}
     total = kinetic + gravity
     series: Series = {
         "kinetic_J": ("kinetic energy", kinetic),
@@ -65,10 +118,17 @@ def energies(kinetic: Vector, gravity: Vector, elastic: Vector | None, work: Vec
     if elastic is not None:
         series["elastic_J"] = ("strain energy of the flexible links", elastic)
         total = total + elastic
+    if SPRING in joints:
+        series[SPRING] = (JOINT_ENERGIES[SPRING], joints[SPRING])
+        total = total + joints[SPRING]
     series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
     series["damping_work_J"] = ("work of the links' internal damping so far", damping)
-    series["energy_imbalance_J"] = (
-        "energy less what was done by medium and damping, from the start",
-        total - work - damping - total[0],
-    )
+    done = work + damping
+    for name in (name for name in JOINT_ENERGIES if name in joints and name != SPRING):
+        series[name] = (JOINT_ENERGIES[name], joints[name])
+        done = done + joints[name]
+    words = "energy less what was done by medium and damping, from the start"
+    if joints:
+        words = "energy less all work that was done on the mechanism, from the start"
+    series["energy_imbalance_J"] = (words, total - done - total[0])
     return series

@@ -24,11 +24,14 @@ class Stop:
     hub_time: float | None
 
 
-def find_stop(time: Vector, rate: Vector, acceleration: Vector, angle: Vector, angle_rate: Vector) -> Stop | None:
+def find_stop(
+    time: Vector, rate: Vector, acceleration: Vector, angle: Vector, angle_rate: Vector, *, hub: bool = True
+) -> Stop | None:
     """First zero of `rate`, None if it has none.
 
     All (n,) over the accepted steps: rate (rad/s) with its derivative acceleration (rad/s2) before each instant, and an
-    angle (rad) with its rate, which need not be the same motion (a hub trembles about the mean).
+    angle (rad) with its rate, which need not be the same motion (a hub trembles about the mean). hub: whether to look for
+    the first zero of that rate, too.
     """
     k = first_reversal(rate)
     if k is None:
@@ -36,11 +39,11 @@ def find_stop(time: Vector, rate: Vector, acceleration: Vector, angle: Vector, a
     step = time[k + 1] - time[k]
     jerk = (acceleration[k] - acceleration[k - 1]) / (time[k] - time[k - 1]) if k > 0 else 0.0
     tau = _parabola_root(rate[k], acceleration[k], 0.5 * jerk, step)
-    hub = first_reversal(angle_rate)
+    i = first_reversal(angle_rate) if hub else None
     hub_time = None
-    if hub is not None:
-        a, b = angle_rate[hub], angle_rate[hub + 1]
-        hub_time = float(time[hub] + (time[hub + 1] - time[hub]) * a / (a - b))
+    if i is not None:
+        a, b = angle_rate[i], angle_rate[i + 1]
+        hub_time = float(time[i] + (time[i + 1] - time[i]) * a / (a - b))
     return Stop(
         time=float(time[k] + tau),
         angle=_hermite(tau / step, step, angle[k], angle[k + 1], angle_rate[k], angle_rate[k + 1]),

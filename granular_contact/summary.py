@@ -16,6 +16,9 @@ from granular_contact.stopping import Stop
 Vector = NDArray[np.float64]
 
 STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
+FALL_MEASURE = "from touch to the first zero of the vertical velocity of the lower end"
+STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
+WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J")
 IMBALANCE_LIMIT = 1e-2  # of the largest energy; a run beyond it carries a warning
 
 
@@ -40,9 +43,18 @@ def find_touch(time: Vector, depth: Vector) -> Touch | None:
 
 
 def summarise(
-    name: str, status: Status, cost: Cost, series: dict[str, Vector], touch: Touch | None, stop: Stop | None
+    name: str,
+    status: Status,
+    cost: Cost,
+    series: dict[str, Vector],
+    touch: Touch | None,
+    stop: Stop | None,
+    measure: str | None = STOP_MEASURE,
 ) -> dict[str, Any]:
-    """Key numbers of a run from all its accepted steps; series by column name, (n,) each."""
+    """Key numbers of a run from all its accepted steps; series by column name, (n,) each.
+
+    measure: what stopping means for this mechanism.
+    """
     imbalance = _relative_imbalance(series)
     return {
         "name": name,
@@ -50,7 +62,7 @@ def summarise(
         "message": status.message,
         "touch_time_s": None if touch is None else touch.time,
         "stopping_time_s": None if stop is None or touch is None else stop.time - touch.time,
-        "stopping_time_measure": STOP_MEASURE,
+        "stopping_time_measure": measure,
         "hub_stopping_time_s": (
             None if stop is None or touch is None or stop.hub_time is None else stop.hub_time - touch.time
         ),
@@ -65,19 +77,16 @@ def summarise(
 
 
 def _energy(series: dict[str, Vector]) -> dict[str, float]:
-    stored = np.sum([series[name] for name in ("kinetic_J", "gravity_J", "elastic_J") if name in series], axis=0)
+    stored = np.sum([series[name] for name in STORED if name in series], axis=0)
     return {
         "initial_J": float(stored[0]),
         "final_J": float(stored[-1]),
-        "granular_work_J": float(series["granular_work_J"][-1]),
-        "damping_work_J": float(series["damping_work_J"][-1]),
-    }
+    } | {name: float(series[name][-1]) for name in WORKS if name in series}
 
 
 def _relative_imbalance(series: dict[str, Vector]) -> float:
     """Largest imbalance over the largest single energy."""
-    terms = ("kinetic_J", "gravity_J", "elastic_J", "granular_work_J", "damping_work_J")
-    scale = max(float(np.max(np.abs(series[name]))) for name in terms if name in series)
+    scale = max(float(np.max(np.abs(series[name]))) for name in (*STORED, *WORKS) if name in series)
     return float(np.max(np.abs(series["energy_imbalance_J"]))) / scale if scale > 0.0 else 0.0
 
 

@@ -48,7 +48,7 @@ def test_check_reports_the_bad_and_the_good(tmp_path):
     assert done.returncode == 2
     assert done.stdout == "good.yaml: ok\n"
     assert done.stderr.splitlines() == [
-        "bad.yaml:2: initial.impact_angle_deg: got the number 95; allowed is a finite number from -90 to 90",
+        "bad.yaml:2: initial.impact_angle_deg: got the number 95; allowed is a finite number from -90 to 90, or null",
         "bad.yaml:3: gravity: unknown key; did you mean gravity_m_s2?",
         "no.yaml: no such file",
     ]

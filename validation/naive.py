@@ -100,7 +100,7 @@ def add_points(system: System, kind: type[FloatPoint]) -> list[FloatPoint]:
         for element in handle.elements:
             for xi, weight in zip(GAUSS, WEIGHTS, strict=True):
                 place = [0.5 * length * (1.0 + xi), 0.0, 0.0]
-                point = kind(system, element, place, 0.5 * length * weight, handle.link.diameter)
+                point = kind(system, element, place, 0.5 * length * weight, handle.link.width)
                 marker = system.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=element, localPosition=place))
                 system.mbs.AddLoad(
                     items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=point.force, loadVector=[0, 0, 0])

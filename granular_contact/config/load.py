@@ -12,12 +12,14 @@ from pydantic import TypeAdapter, ValidationError
 
 from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
+from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, got
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.scalars import resolve
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.base import FAULTS, refusal
-from granular_contact.config.schema.structure import structure_faults
+from granular_contact.config.schema.chain import names
+from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
@@ -106,7 +108,7 @@ class Template:
         found = list(faults)
         node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
-        node = _named(node, self._path)
+        node = with_columns(_named(node, self._path), self._path.parent, found)
         scenario = None
         try:
             scenario = Scenario.model_validate(tree.plain(node))
@@ -180,13 +182,37 @@ def _structure_errors(root: tree.Node, errors: Sequence[Mapping[str, Any]]) -> l
     """What is wrong with the tree of bodies, for a model in which pydantic did not get as far as to ask."""
     asked = all(error["loc"][0] != "model" or error["type"] == FAULTS for error in errors if error["loc"])
     model = tree.plain(tree.find(root, ["model"])[0])
-    bodies, joints = (model.get(key) if isinstance(model, dict) else None for key in ("bodies", "joints"))
-    if asked or not isinstance(bodies, dict) or not isinstance(joints, dict):
+    if asked or not isinstance(model, dict):
         return []
+    bodies, joints, closures = (model.get(key, {}) for key in ("bodies", "joints", "closures"))
+    if not all(isinstance(part, dict) for part in (bodies, joints, closures)):
+        return []
+    (tree_ends, read), (loop_ends, _) = _ends(joints), _ends(closures)
+    chain, understood = _chain_names(model.get("chain"))
+    complete = read and understood
+    faults = structure_faults(bodies, tree_ends, closures=loop_ends, chain=chain, complete=complete)
+    return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []
+
+
+def _ends(joints: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], bool]:
+    """Parent and child of the joints that have both, and whether all have."""
     ends = {
         name: (joint["parent"], joint["child"])
         for name, joint in joints.items()
         if isinstance(joint, dict) and isinstance(joint.get("parent"), str) and isinstance(joint.get("child"), str)
     }
-    faults = structure_faults(bodies, ends, complete=len(ends) == len(joints))
-    return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []
+    return ends, len(ends) == len(joints)
+
+
+def _chain_names(chain: Any) -> tuple[tuple[str, list[str], list[str]] | None, bool]:
+    """What a chain adds, None without one, and whether that could be read."""
+    if chain is None:
+        return None, True
+    if not isinstance(chain, dict):
+        return None, False
+    parent = chain.get("parent", GROUND)
+    links = names(chain.get("link_name", "link"), chain.get("count"))
+    hinges = names(chain.get("hinge_name", "hinge"), chain.get("count"))
+    if not links or not hinges or not isinstance(parent, str):
+        return None, False
+    return (parent, links, hinges), True

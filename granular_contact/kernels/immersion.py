@@ -112,3 +112,45 @@ def depth_integral_gradients_rising(z0: float, z1: float, lam: float) -> tuple[f
     g10 = (2.0 * j1 - total) / dz
     g11 = (z1**lam - 2.0 * j1) / dz
     return (total - z0**lam) / dz - g10, (z1**lam - total) / dz - g11, g10, g11
+
+
+@njit(cache=True)
+def pressure_integrals(z0: float, z1: float) -> tuple[float, float]:
+    """`depth_integrals` for lam = 1 (m), where they are plain polynomials."""
+    if z0 >= 0.0 and z1 >= 0.0:
+        return (2.0 * z0 + z1) / 6.0, (z0 + 2.0 * z1) / 6.0
+    if z0 <= 0.0 and z1 <= 0.0:
+        return 0.0, 0.0
+    deep, beta = (z1, z1 / (z1 - z0)) if z1 > 0.0 else (z0, z0 / (z0 - z1))  # beta: immersed fraction
+    far = deep * beta * beta / 6.0  # at the end above the surface
+    near = 0.5 * deep * beta - far
+    return (far, near) if z1 > 0.0 else (near, far)
+
+
+@njit(cache=True)
+def pressure_integral_gradients(z0: float, z1: float) -> tuple[float, float, float, float]:
+    """`depth_integral_gradients` for lam = 1 (-)."""
+    if z0 >= 0.0 and z1 >= 0.0:
+        return 1.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 3.0
+    if z0 <= 0.0 and z1 <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    beta = z1 / (z1 - z0) if z1 > 0.0 else z0 / (z0 - z1)
+    # far = z^3 / (6 dz^2) and near = z^2 / (2 dz) - far, with the deep end's z and dz = z - z_dry.
+    far_deep = beta * beta * (0.5 - beta / 3.0)
+    far_dry = beta**3 / 3.0
+    near_deep = beta - 0.5 * beta * beta - far_deep
+    near_dry = 0.5 * beta * beta - far_dry
+    if z1 > 0.0:
+        return far_dry, far_deep, near_dry, near_deep
+    return near_deep, near_dry, far_deep, far_dry
+
+
+@njit(cache=True)
+def kinked_interval(z0: float, z1: float, w0: float, w1: float) -> tuple[float, float, float]:
+    """Immersed part (a, b) of a strip and the point c in it where w changes its sign (c = b when it does not).
+
+    z0, z1 end depths (m); w0, w1 values at the ends of what varies linearly along the strip.
+    """
+    a, b = immersed_interval(z0, z1)
+    c = w0 / (w0 - w1) if w0 * w1 < 0.0 else b
+    return a, min(b, max(a, c)), b

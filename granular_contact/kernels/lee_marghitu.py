@@ -22,14 +22,15 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import law, strips
-from granular_contact.kernels.friction import direction, direction_slopes, drag_component
-from granular_contact.kernels.immersion import (
-    GAUSS_HIGH,
-    GAUSS_LOW,
-    depth_integral_gradients,
-    depth_integrals,
-    immersed_interval,
+from granular_contact.kernels.bar_statics import (
+    component_return,
+    horizontal_force,
+    horizontal_tangent,
+    vertical_force,
+    vertical_tangent,
 )
+from granular_contact.kernels.friction import direction, direction_slopes
+from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, kinked_interval
 
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2
 TERMS = ("drag", "horizontal_static", "vertical_static")
@@ -52,18 +53,6 @@ RECORD = np.dtype(
 )
 
 
-@njit(cache=True)
-def drag_interval(z0, z1, w0, w1):
-    """Immersed part (a, b) of a strip and the point c in it where |t x v| has its kink (c = b when it has none).
-
-    z0, z1 end depths (m), w0, w1 values of c x v at the ends (m^2/s). On either side of c the drag is a cubic in xi,
-    which two Gauss points integrate exactly.
-    """
-    a, b = immersed_interval(z0, z1)
-    c = w0 / (w0 - w1) if w0 * w1 < 0.0 else b
-    return a, min(b, max(a, c)), b
-
-
 @law.provide(law.strip_force, "m", RECORD)
 @njit(cache=True)
 def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
@@ -73,7 +62,7 @@ def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
     """
     d = run.width
     if m.eta_d != 0.0:
-        a, c, b = drag_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
+        a, c, b = kinked_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
         for start, end in ((a, c), (c, b)):
             k = m.eta_d * m.rho * d * 0.5 * (end - start)
             if k == 0.0:
@@ -88,18 +77,11 @@ def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
                 f[DRAG, 1, 0] -= xi * kw * vx
                 f[DRAG, 1, 1] -= xi * kw * vy
     if m.eta_h != 0.0:
-        sigma = direction(ex, 0.5 * (v0x + v1x), m)
-        j0, j1 = depth_integrals(z0, z1, 1.0)
-        k = 2.0 * m.eta_h * m.g * m.rho * d * abs(cy) * sigma
-        f[HORIZONTAL, 0, 0] -= k * j0
-        f[HORIZONTAL, 1, 0] -= k * j1
+        horizontal_force(z0, z1, cy, v0x, v1x, ex, m.eta_h * m.g * m.rho * d, m, f[HORIZONTAL])
     sigma = direction(ey, 0.5 * (v0y + v1y), m)
     eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
     if eta != 0.0:
-        j0, j1 = depth_integrals(z0 / d, z1 / d, lam)
-        k = (lam + 1.0) * eta * m.g * m.rho * 0.25 * math.pi * d * d * math.hypot(cx, cy) * sigma
-        f[VERTICAL, 0, 1] -= k * j0
-        f[VERTICAL, 1, 1] -= k * j1
+        vertical_force(z0, z1, cx, cy, sigma, eta * m.g * m.rho * 0.25 * math.pi * d * d, lam, d, f[VERTICAL])
 
 
 @law.provide(law.strip_tangent, "m", RECORD)
@@ -110,48 +92,20 @@ def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv
     if m.eta_d != 0.0:
         _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv)
     if m.eta_h != 0.0:
-        vx = 0.5 * (v0x + v1x)
-        sigma = direction(ex, vx, m)
-        sigma_p, sigma_v = direction_slopes(ex, vx, m)
-        j0, j1 = depth_integrals(z0, z1, 1.0)
-        g00, g01, g10, g11 = depth_integral_gradients(z0, z1, 1.0)
-        k = 2.0 * m.eta_h * m.g * m.rho * d
-        kcy = k * math.copysign(1.0, cy) * sigma
-        k *= abs(cy)
-        for row, j, gz0, gz1 in ((0, j0, g00, g01), (2, j1, g10, g11)):
-            kp[row, 0] -= 0.5 * k * sigma_p * j
-            kp[row, 2] -= 0.5 * k * sigma_p * j
-            kv[row, 0] -= 0.5 * k * sigma_v * j
-            kv[row, 2] -= 0.5 * k * sigma_v * j
-            kp[row, 1] += kcy * j
-            kp[row, 3] -= kcy * j
-            kz[row, 0] -= k * sigma * gz0
-            kz[row, 1] -= k * sigma * gz1
+        horizontal_tangent(z0, z1, cy, v0x, v1x, ex, m.eta_h * m.g * m.rho * d, m, kp, kz, kv)
     vy = 0.5 * (v0y + v1y)
     sigma = direction(ey, vy, m)
     eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
     if eta != 0.0:
         sigma_p, sigma_v = direction_slopes(ey, vy, m)
-        j0, j1 = depth_integrals(z0 / d, z1 / d, lam)
-        g00, g01, g10, g11 = depth_integral_gradients(z0 / d, z1 / d, lam)
-        k = (lam + 1.0) * eta * m.g * m.rho * 0.25 * math.pi * d * d
-        length = math.hypot(cx, cy)
-        for row, j, gz0, gz1 in ((1, j0, g00, g01), (3, j1, g10, g11)):
-            stretch = k * sigma * j / length
-            kp[row, 0] += stretch * cx
-            kp[row, 2] -= stretch * cx
-            kp[row, 1] += stretch * cy - 0.5 * k * length * sigma_p * j
-            kp[row, 3] += -stretch * cy - 0.5 * k * length * sigma_p * j
-            kz[row, 0] -= k * length * sigma * gz0 / d
-            kz[row, 1] -= k * length * sigma * gz1 / d
-            kv[row, 1] -= 0.5 * k * length * sigma_v * j
-            kv[row, 3] -= 0.5 * k * length * sigma_v * j
+        k = eta * m.g * m.rho * 0.25 * math.pi * d * d
+        vertical_tangent(z0, z1, cx, cy, sigma, sigma_p, sigma_v, k, lam, d, kp, kz, kv)
 
 
 @njit(cache=True)
 def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
     """Add the derivatives of the drag term to kp, kz, kv."""
-    a, c, b = drag_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
+    a, c, b = kinked_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
     k = m.eta_d * m.rho * d
     for start, end in ((a, c), (c, b)):
         if start == end:
@@ -223,11 +177,5 @@ def cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
         kv[row, row] -= k * abs(w)
 
 
-@law.provide(law.drag_anchor, "m", RECORD)
-@njit(cache=True)
-def drag_anchor(px, py, ax, ay, m):
-    """Anchor after an accepted step: each component within u_y of the strip."""
-    return drag_component(px, ax, m), drag_component(py, ay, m)
-
-
+law.provide(law.drag_anchor, "m", RECORD)(component_return)
 strips.line_law(RECORD)

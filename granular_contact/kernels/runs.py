@@ -22,12 +22,12 @@ from granular_contact.kernels.kinematics import scatter, scatter_tangent, statio
 from granular_contact.kernels.law import RUN, TERMS, drag_anchor, forces, tangents
 from granular_contact.kernels.surface import height
 
-__all__ = ["DEPTH", "FIRST", "RUN", "SPEED", "TIME"]
+__all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
-# First columns of a history row: time (s), depth of the deepest point (m), greatest speed of an immersed station
-# (m/s). The bed lays out the rest; `columns` (3,) tells `accept` where a run's power, the terms of its medium and the
-# resultant of its body stand.
-TIME, DEPTH, SPEED, FIRST = 0, 1, 2, 3
+# First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
+# speed (m/s), the least height and the least and greatest x (m). The bed lays out the rest; `columns` (3,) tells
+# `accept` where a run's power, the terms of its medium and the resultant of its body stand.
+TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, FIRST = 0, 1, 2, 3, 4, 5, 6
 
 
 @njit(cache=True)
@@ -83,6 +83,8 @@ def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, row, 
         speed = max(speed, abs(V[i, 1]) + abs(slope * V[i, 0]))
         if z > 0.0:
             row[SPEED] = max(row[SPEED], np.hypot(V[i, 0], V[i, 1]))
+            row[LOWEST] = min(row[LOWEST], P[i, 1] - run.drop)
+            row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0]), max(row[RIGHT], P[i, 0])
     row[DEPTH] = max(row[DEPTH], deepest)
     if deepest <= 0.0:
         rest_anchors(P, anchors)

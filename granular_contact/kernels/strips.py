@@ -12,6 +12,7 @@ from numba import njit
 
 from granular_contact.kernels import law
 from granular_contact.kernels.immersion import immersed_interval
+from granular_contact.kernels.layers import clipped_force, clipped_tangent, inside
 from granular_contact.kernels.surface import depth, height
 
 
@@ -43,9 +44,16 @@ def distributed_forces(P, V, anchors, run, profile, m, F, totals):
         cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
         ex, ey = P[i, 0] + 0.5 * cx - anchors[i, 0], P[i, 1] + 0.5 * cy - anchors[i, 1]
         f[:] = 0.0
-        law.strip_force(z0, z1, cx, cy, V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1], ex, ey, run, m, f)
+        v0x, v0y, v1x, v1y = V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1]
+        if not run.layered:
+            law.strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f)
+        else:
+            a, b = inside(z0, z1, run)
+            if a == b:
+                continue
+            clipped_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f)
         collect(f, i, P, F, totals)
-    if run.cap and z1 > 0.0:
+    if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
         f[:] = 0.0
         law.cap_force(cx, cy, V[last, 0], V[last, 1], run, m, f)
@@ -70,13 +78,21 @@ def distributed_tangents(P, V, anchors, run, profile, m, KP, KV):
         ex, ey = P[i, 0] + 0.5 * cx - anchors[i, 0], P[i, 1] + 0.5 * cy - anchors[i, 1]
         kp = KP[i]
         kz[:] = 0.0
-        law.strip_tangent(z0, z1, cx, cy, V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1], ex, ey, run, m, kp, kz, KV[i])
+        v0x, v0y, v1x, v1y = V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1]
+        if not run.layered:
+            law.strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, KV[i])
+        else:
+            a, b = inside(z0, z1, run)
+            if a == b:
+                continue
+            clipped_tangent(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, KV[i])
         for row in range(4):
             kp[row, 0] += slope0 * kz[row, 0]
             kp[row, 1] -= kz[row, 0]
             kp[row, 2] += slope1 * kz[row, 1]
             kp[row, 3] -= kz[row, 1]
-    if run.cap and y1 > P[last, 1]:
+    z1 = y1 - P[last, 1]
+    if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
         law.cap_tangent(cx, cy, V[last, 0], V[last, 1], run, m, KP[last - 1], KV[last - 1])
 

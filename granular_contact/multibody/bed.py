@@ -23,7 +23,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
+from granular_contact.media.floor import TERM as FLOOR_TERM
+from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import WORDS, Medium, term_names, what_it_takes
+from granular_contact.media.layer import Layer
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody import shapes
 from granular_contact.multibody.history import LoadHistory
@@ -41,8 +44,8 @@ class GranularBed:
     ----------
     mbs : exudyn.MainSystem
         System whose bodies move in its x-y plane, y up.
-    medium : Medium or sequence of Medium
-        For example `preset("play_sand")`.
+    medium : Medium, Layer, or sequence of these
+        For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
     surface : float or (k, 2) array
         Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
     gravity : float
@@ -53,6 +56,8 @@ class GranularBed:
         Law integrated along the immersed part, or the source paper's single force at its middle.
     end_cap : bool
         Whether free end faces add to the drag.
+    floor : Floor, optional
+        Contact with a level floor; its work is kept apart from that of the media.
 
     Notes
     -----
@@ -62,13 +67,14 @@ class GranularBed:
     def __init__(
         self,
         mbs: Any,
-        medium: Medium | Sequence[Medium],
+        medium: Medium | Layer | Sequence[Medium | Layer],
         surface: ArrayLike,
         *,
         gravity: float = 9.81,
         static: Elastoplastic | Smooth | None = None,
         form: str = "distributed",
         end_cap: bool = False,
+        floor: Floor | None = None,
     ) -> None:
         if form not in ("distributed", "resultant"):
             raise ValueError(f"form: got {form!r}, allowed are 'distributed' and 'resultant'")
@@ -76,7 +82,12 @@ class GranularBed:
             raise ValueError(f"gravity: got {gravity}, allowed is a finite number")
         self.mbs = mbs
         self.profile = _profile(surface)
-        self.media: tuple[Medium, ...] = tuple(medium) if isinstance(medium, Sequence) else (medium,)
+        given = tuple(medium) if isinstance(medium, Sequence) else (medium,)
+        self.layers = tuple(one if isinstance(one, Layer) else Layer(one) for one in given)
+        self.media = tuple(layer.medium for layer in self.layers)
+        if form == "resultant" and not all(layer.whole for layer in self.layers):
+            raise ValueError("form: got 'resultant', but there are layers: allowed is 'distributed'")
+        self.floor = floor if floor is not None and floor.stiffness is not None else None
         static = Elastoplastic() if static is None else static
         self.records = [one.record(static, gravity) for one in self.media]
         self.resultant = form == "resultant"
@@ -149,12 +160,15 @@ class GranularBed:
         flags = {"width": shapes.positive("bed.add_outline", "width", width)}
         self._take("bed.add_outline", name, lambda at: [shapes.outline_run(at, self.mbs, body, points, strips, flags)])
 
-    def add_ball(self, body: Any, center: ArrayLike, diameter: float, *, name: str | None = None) -> None:
+    def add_ball(
+        self, body: Any, center: ArrayLike, diameter: float, *, mass: float | None = None, name: str | None = None
+    ) -> None:
         """Let the medium act on a sphere fixed to a rigid body; center (2,) m in its frame, diameter in m.
 
-        Errors as for `add_rigid`.
+        mass: of the sphere itself (kg), for laws that know it; that of the body unless given. Errors as for
+        `add_rigid`.
         """
-        self._take("bed.add_ball", name, lambda at: [shapes.ball_run(at, self.mbs, body, center, diameter, {})])
+        self._take("bed.add_ball", name, lambda at: [shapes.ball_run(at, self.mbs, body, center, diameter, mass)])
 
     def add_cables(
         self,
@@ -206,6 +220,8 @@ class GranularBed:
                 raise scene_error(
                     where, f"nothing acts on {WORDS[run.kind]}: {'; '.join(map(what_it_takes, self.media))}"
                 )
+            if run.kind == "ball" and not all(layer.whole for layer in self.layers):
+                raise scene_error(where, "a ball is met as a whole, but the bed has layers: allowed is one medium")
             run.body = run.body if name is None else name
         self.runs += made
 
@@ -234,17 +250,33 @@ class GranularBed:
         self._overlay.attach(self._force, self._jacobian)
 
     def _grouped(self) -> Iterator[Group]:
-        """Runs that act in one medium on one kind of body, with their columns in the history."""
+        """Runs that one medium, or the floor, meets on one kind of body, with their columns in the history."""
         bodies = named(self.runs)
-        for i, (medium, record) in enumerate(zip(self.media, self.records, strict=True)):
-            acting = [run for run in self.runs if run.kind in medium.takes]
+
+        def groups(acting: list[Run], index: int, profile: Vector, record: Any, flags: list[Any]) -> Iterator[Group]:
             for dtype in dict.fromkeys(run.geometry.dtype for run in acting):
-                runs = [run for run in acting if run.geometry.dtype == dtype]
-                columns = [self._rows.columns(i, bodies.index(run.body)) for run in runs]
-                yield Group(runs, record, columns, self._overlay)
+                chosen = [i for i, run in enumerate(acting) if run.geometry.dtype == dtype]
+                runs = [acting[i] for i in chosen]
+                columns = [self._rows.columns(index, bodies.index(run.body)) for run in runs]
+                yield Group(runs, [flags[i] for i in chosen], profile, record, columns, self._overlay)
+
+        if self.floor is not None:
+            for kind in dict.fromkeys(run.kind for run in self.runs):
+                acting = [run for run in self.runs if run.kind == kind]
+                flags = [run.run for run in acting]
+                yield from groups(acting, self._rows.media - 1, self.floor.profile, self.floor.record(kind), flags)
+        for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
+            acting = [run for run in self.runs if run.kind in layer.medium.takes]
+            yield from groups(acting, i, self.profile, record, [_layered(run, layer) for run in acting])
 
     def _new_ledger(self) -> Ledger:
-        return Ledger([len(medium.terms) for medium in self.media], len(named(self.runs)))
+        terms = [len(medium.terms) for medium in self.media] + [1] * (self.floor is not None)
+        return Ledger(terms, len(named(self.runs)), self.floor is not None)
+
+    @property
+    def term_names(self) -> tuple[str, ...]:
+        """Names of the terms of all media, and of the floor's contact."""
+        return term_names(self.media) + ((FLOOR_TERM,) if self.floor is not None else ())
 
     # ---- what the engine calls ----
 
@@ -318,7 +350,7 @@ class GranularBed:
         """A new solve begins: forget the history, rest the bristles."""
         self._rows.length = 0
         for group in self.groups:
-            group.start(self.mbs, q, v, self.profile)
+            group.start(self.mbs, q, v)
 
     # ---- what is read afterwards ----
 
@@ -340,7 +372,7 @@ class GranularBed:
     def accepted(self) -> LoadHistory:
         """The steps accepted so far; safe to read while a solve is under way."""
         ledger = self._new_ledger() if self._ledger is None else self._ledger
-        return ledger.history(term_names(self.media), named(self.runs))
+        return ledger.history(self.term_names, named(self.runs))
 
     @property
     def work(self) -> float:
@@ -351,7 +383,7 @@ class GranularBed:
     @property
     def terms(self) -> dict[str, Vector]:
         """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each."""
-        return _last(self.history.terms, term_names(self.media))
+        return _last(self.history.terms, self.term_names)
 
     @property
     def bodies(self) -> dict[str, Vector]:
@@ -367,6 +399,13 @@ class GranularBed:
 
 def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:
     return dict(zip(names, rows[-1] if len(rows) else np.zeros((len(names), 3)), strict=True))
+
+
+def _layered(run: Run, layer: Layer) -> NDArray[np.void]:
+    """Record (1,) of a run for a medium in a layer."""
+    record = run.run.copy()
+    record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom
+    return record
 
 
 def _profile(surface: ArrayLike) -> Vector:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -10,42 +10,13 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
+from granular_contact.multibody.joints import add_joint
 from granular_contact.multibody.overlay import Overlay
+from granular_contact.multibody.settle import add_dampers
+from granular_contact.multibody.system import LinkHandle, RigidHandle, System
 from granular_contact.multibody.weights import weights
-from granular_contact.scene.types import Connection, FlexibleLink, RigidBody, Scene, Vector, rotation
-
-# A stretched beam may be a little longer than its reference; what is this close to reaching the surface gets the load.
-REACH_MARGIN = 1.02
-
-
-@dataclass(frozen=True)
-class RigidHandle:
-    """Exudyn numbers of a rigid body, and its body."""
-
-    body: RigidBody
-    node: int
-    object: int
-
-
-@dataclass(frozen=True)
-class LinkHandle:
-    """Exudyn numbers of a flexible link's nodes and cable elements, and the link."""
-
-    link: FlexibleLink
-    nodes: tuple[int, ...]
-    elements: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class System:
-    """An assembled Exudyn system and where the scene's bodies are in it. `bed` is None where no load is needed."""
-
-    scene: Scene
-    container: Any
-    mbs: Any
-    rigid: dict[str, RigidHandle]
-    links: dict[str, LinkHandle]
-    bed: Any
+from granular_contact.scene.reach import dips, reaches
+from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Shape, rotation
 
 
 def build(scene: Scene) -> System:
@@ -61,15 +32,19 @@ def build(scene: Scene) -> System:
         links={link.name: _add_link(mbs, link) for link in scene.links},
         bed=None,
     )
-    for connection in scene.connections:
-        _add_joint(system, ground, connection)
-    bed = _add_bed(system)
-    if bed is not None:
-        bed.attach(weights(system))
+    for joint in scene.connections:
+        add_joint(system, ground, joint)
+    if scene.settle:
+        add_dampers(system)
+    system = replace(system, bed=_add_bed(system))
+    if system.bed is not None:
+        system.bed.attach(weights(system))
     elif scene.gravity != 0.0:
         Overlay(mbs, {}, weights(system)).attach()
     mbs.Assemble()
-    return System(scene, container, mbs, system.rigid, system.links, bed)
+    for load in system.loads.values():
+        load.start(mbs)
+    return system
 
 
 def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
@@ -118,42 +93,6 @@ def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
     return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
 
 
-def _add_joint(system: System, ground: Any, connection: Connection) -> None:
-    mbs = system.mbs
-    ends = (
-        _seat(system, ground, connection.parent, connection.parent_point),
-        _seat(system, ground, connection.child, connection.child_point),
-    )
-    if connection.kind == "hinge":
-        markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
-        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
-    else:
-        # Both bodies must see the weld along the same direction: the joint keeps the angle that they start with.
-        angles = (_angle(system, connection.child) - _angle(system, connection.parent), 0.0)
-        markers = [_rigid_marker(mbs, *end, angle) for end, angle in zip(ends, angles, strict=True)]
-        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1]))
-
-
-def _rigid_marker(mbs: Any, body: Any, point: list[float], angle: float) -> Any:
-    turn = np.eye(3)
-    turn[:2, :2] = rotation(angle)
-    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=turn, translation=point)))
-
-
-def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:
-    """Exudyn body and local position of a joint's end."""
-    if name is None:
-        return ground, [*point, 0.0]
-    if name in system.rigid:
-        return system.rigid[name].object, [*point, 0.0]
-    handle = system.links[name]
-    if point[0] > 0.5 * handle.link.length:
-        return handle.elements[-1], [handle.link.length / handle.link.elements, 0.0, 0.0]
-    return handle.elements[0], [0.0, 0.0, 0.0]
-
-
-def _angle(system: System, name: str | None) -> float:
-    return 0.0 if name is None else system.scene.body(name).motion.angle
 
 
 def _add_bed(system: System) -> Any:
@@ -161,11 +100,11 @@ def _add_bed(system: System) -> Any:
     scene = system.scene
     if scene.medium is None or scene.surface is None:
         return None
-    cylinders = [
-        (h, c) for h in system.rigid.values() for c in h.body.cylinders if _reaches(scene, h.body, c.start, c.end)
+    shapes = [
+        (h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(scene.surface, h.body, shape)
     ]
     runs = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
-    if not cylinders and not any(elements for _, elements in runs):
+    if not shapes and not any(elements for _, elements in runs):
         return None
     from granular_contact.multibody.bed import GranularBed
 
@@ -179,28 +118,41 @@ def _add_bed(system: System) -> Any:
         form="resultant" if load.resultant else "distributed",
         end_cap=load.end_cap,
     )
-    for handle, c in cylinders:
-        bed.add_rigid(
-            handle.object, c.start, c.end, c.diameter, strips=load.strips_per_rigid_part, free_end=c.free
-        )  # fmt: skip
-    for link, elements in runs:
+    for rigid, shape in shapes:
+        _lay_over(bed, rigid, shape, load.strips_per_rigid_part)
+    for handle, elements in runs:
         if elements:
+            link = handle.link
             bed.add_cables(
-                elements, link.link.diameter, strips_per_element=load.strips_per_element, free_end=link.link.free
+                elements,
+                **_width(link),
+                strips_per_element=load.strips_per_element,
+                free_end=link.free,
+                name=link.name,
             )
     return bed
 
 
-def _reaches(scene: Scene, body: RigidBody | FlexibleLink, *points: Vector) -> bool:
-    """Whether one of the points (body frame) can get below the surface, however the joints turn."""
-    assert scene.surface is not None
-    return any(-REACH_MARGIN * body.tether.reach(point) < scene.surface for point in points)
+def _lay_over(bed: Any, handle: RigidHandle, shape: Shape, strips: int) -> None:
+    body, name = handle.object, handle.body.name
+    if shape.kind == "ball":
+        bed.add_ball(body, shape.points[0], shape.width, name=name)
+    elif shape.kind == "outline":
+        bed.add_outline(body, shape.points, shape.width, strips=strips, name=name)
+    else:
+        bed.add_line(body, shape.points, **_width(shape), strips=strips, free_end=shape.free, name=name)
+
+
+def _width(part: Shape | FlexibleLink) -> dict[str, float]:
+    return {"diameter" if part.kind == "round" else "width": part.width}
 
 
 def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
     """Elements of a link from the first to the last that can reach the surface."""
     places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
-    near = [_reaches(scene, handle.link, np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
+    assert scene.surface is not None
+    ends = [(np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
+    near = [reaches(scene.surface, handle.link, *pair) for pair in ends]
     if not any(near):
         return ()
     return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]

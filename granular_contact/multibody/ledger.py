@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.kernels.law import TERMS
-from granular_contact.kernels.runs import DEPTH, FIRST, SPEED, TIME
+from granular_contact.kernels.runs import DEPTH, FIRST, LEFT, LOWEST, RIGHT, SPEED, TIME
 from granular_contact.multibody.history import LoadHistory, Vector
 
 
 class Ledger:
-    """Table with columns time, depth, speed, then work and power of each medium, its terms, and bodies."""
+    """Table with the first columns of `kernels.runs`, then work and power of each medium, its terms, and bodies."""
 
-    def __init__(self, terms: list[int], bodies: int) -> None:
-        """Terms of each medium, number of bodies."""
+    def __init__(self, terms: list[int], bodies: int, floor: bool = False) -> None:
+        """Terms of each medium, number of bodies; floor: whether the last of the media is the contact of the floor."""
         self.media = len(terms)
+        self._floor = floor
         self._terms, self._bodies = terms, bodies
         self.first_power = FIRST + self.media
         self.first_term = self.first_power + self.media
@@ -32,7 +33,7 @@ class Ledger:
             self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
         row: Vector = self._rows[self.length]
         row[:] = 0.0
-        row[DEPTH] = -np.inf
+        row[DEPTH], row[LOWEST], row[LEFT], row[RIGHT] = -np.inf, np.inf, np.inf, -np.inf
         self.length += 1
         return row
 
@@ -50,13 +51,19 @@ class Ledger:
     def history(self, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
         """All rows so far."""
         rows = self._rows[: self.length].copy()
+        work, power = rows[:, FIRST : self.first_power], rows[:, self.first_power : self.first_term]
+        sand = self.media - self._floor
         used = [TERMS * i + k for i, count in enumerate(self._terms) for k in range(count)]
         return LoadHistory(
             time=rows[:, TIME],
-            work=rows[:, FIRST : self.first_power].sum(axis=1),
-            power=rows[:, self.first_power : self.first_term].sum(axis=1),
+            work=work[:, :sand].sum(axis=1),
+            power=power[:, :sand].sum(axis=1),
+            floor_work=work[:, -1] if self._floor else np.zeros(self.length),
             depth=rows[:, DEPTH],
             speed=rows[:, SPEED],
+            lowest=rows[:, LOWEST],
+            left=rows[:, LEFT],
+            right=rows[:, RIGHT],
             terms=rows[:, self.first_term : self.first_body].reshape(self.length, TERMS * self.media, 3)[:, used],
             bodies=rows[:, self.first_body :].reshape(self.length, self._bodies, 3),
             term_names=term_names,

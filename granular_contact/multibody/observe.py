@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.multibody.build import RigidHandle, System
+from granular_contact.multibody.joint_history import drive_history, joint_history
 from granular_contact.multibody.solve import Trajectory
+from granular_contact.multibody.system import System
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
 
@@ -26,10 +29,15 @@ class Observer:
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
         everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
-        for connection in self.scene.connections:
-            if connection.kind == "hinge":
-                everything |= self._joint(connection)
-        return series.tabulate(everything | self._shape() | self._load() | self._energies())
+        for joint in self.scene.connections:
+            if joint.has_coordinate:
+                everything |= self._joint(joint)
+        everything |= self._drives()
+        if self.scene.body_columns:
+            for name in (*self._rigid, *self._links):
+                everything |= self._body(name)
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+            return series.tabulate(everything | self._shape() | self._load() | self._energies())
 
     # ---- motion ----
 
@@ -60,10 +68,70 @@ class Observer:
         turned += start - turned[0]
         return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
-    def _joint(self, joint: Connection) -> series.Series:
-        child, child_rate = self.angle(joint.child, joint.child_point)
+    def coordinate(self, joint: Connection) -> tuple[Vector, Vector]:
+        """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
-        return series.joint(joint.name, joint.child, joint.parent, parent - child, parent_rate - child_rate)
+        if joint.kind == "hinge":
+            child, child_rate = self.angle(joint.child, joint.child_point)
+            return parent - child + joint.offset, parent_rate - child_rate
+        assert joint.axis is not None
+        c, s = np.cos(parent), np.sin(parent)
+        axis = np.column_stack([c * joint.axis[0] - s * joint.axis[1], s * joint.axis[0] + c * joint.axis[1]])
+        on_child, child_speed = self.position(joint.child, joint.child_point)
+        on_parent, parent_speed = on_child * 0.0 + joint.parent_point, 0.0 * on_child
+        if joint.parent is not None:
+            on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
+        way, speed = on_child - on_parent, child_speed - parent_speed
+        # The axis turns with the parent.
+        along = np.sum(axis * speed, axis=1) + parent_rate * (axis[:, 0] * way[:, 1] - axis[:, 1] * way[:, 0])
+        return np.sum(axis * way, axis=1), along
+
+    def _joint(self, joint: Connection) -> series.Series:
+        columns = series.joint if joint.kind == "hinge" else series.slider
+        return columns(joint.name, joint.child, joint.parent, *self.coordinate(joint))
+
+    def _body(self, name: str) -> series.Series:
+        """Motion of the centre of mass and of the frame; of a link that bends, of its root."""
+        center, velocity = self._center(name)
+        angle, rate = self.angle(name, np.zeros(2))
+        return series.body(name.split("+")[0], center, -angle, velocity, -rate)
+
+    def _center(self, name: str) -> tuple[Vector, Vector]:
+        """Centre of mass (n, 2) m of a body, and its velocity."""
+        t = self.trajectory
+        if name in self._rigid:
+            return self.position(name, np.zeros(2))
+        nodes = np.array(self._links[name])
+        centers = []
+        for axis in (0, 1):
+            along = np.zeros(t.q.shape[1])
+            along[nodes[:, axis]] = 1.0
+            # Row of the mass matrix that gives the link's momentum: its nodes are its own.
+            shares = t.mass @ along / (along @ t.mass @ along)
+            centers.append((t.q @ shares, t.v @ shares))
+        (x, vx), (y, vy) = centers
+        return np.column_stack([x, y]), np.column_stack([vx, vy])
+
+    @cached_property
+    def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
+        """Torque or force of every drive (n,), and its power (n,) W."""
+        forces = {}
+        for drive in self.scene.drives:
+            joint = next(c for c in self.scene.connections if c.name == drive.joint)
+            s, rate = self.coordinate(joint)
+            if drive.kind == "motion":
+                force = self.trajectory.reactions[drive.joint]
+            else:
+                force = drive_history(drive, self.trajectory.time, s, rate)
+            forces[drive.joint] = force, force * rate
+        return forces
+
+    def _drives(self) -> series.Series:
+        columns: series.Series = {}
+        for name, (force, power) in self.drive_forces.items():
+            hinge = next(c for c in self.scene.connections if c.name == name).kind == "hinge"
+            columns |= series.drive(name, hinge, force, power)
+        return columns
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
@@ -105,7 +173,13 @@ class Observer:
         tip, _ = self.position(*self.scene.tip)
         deflection = self.deflection() if self.scene.links else None
         depth = None if self.scene.surface is None else self.depth()
-        return series.shape(self.mean_rate()[0], tip, deflection, depth)
+        rate = None if self._has_no_pivot() else self.mean_rate()[0]
+        return series.shape(rate, tip, deflection, depth)
+
+    def _has_no_pivot(self) -> bool:
+        """Whether the mechanism slides, flies or is part of loops, so that there is no one point that it turns about."""
+        joints = self.scene.connections
+        return any(c.closes or (c.parent is None and c.kind in ("slider", "free")) for c in joints)
 
     def deflection(self) -> Vector:
         """Deflection (n,) m of the last flexible link's tip from the tangent at its root, clockwise positive."""
@@ -117,8 +191,14 @@ class Observer:
         return deflection
 
     def depth(self) -> Vector:
-        """Depth (n,) m of the deepest cylinder end or beam node; negative above the surface."""
-        heights = [self.position(n, p)[0][:, 1] for n, h in self.system.rigid.items() for p in _ends(h)]
+        """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
+        heights = [
+            self.position(name, point)[0][:, 1] - shape.drop
+            for name, handle in self.system.rigid.items()
+            for shape in handle.body.shapes
+            if shape.in_sand
+            for point in shape.points
+        ]
         heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
         assert self.scene.surface is not None
         depth: Vector = self.scene.surface - np.min(heights, axis=0)
@@ -153,7 +233,27 @@ class Observer:
             elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
             damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
         work = np.zeros_like(kinetic) if t.load is None else t.load.work
-        return series.energies(kinetic, gravity - gravity[0], elastic if self._links else None, work, damping)
+        shown = elastic if self._links else None
+        return series.energies(kinetic, gravity - gravity[0], shown, work, damping, self._joint_energies())
+
+    def _joint_energies(self) -> dict[str, Vector]:
+        """What joints store, and the work done in them; only of what the mechanism has."""
+        laws, t = [(joint, joint.law) for joint in self.scene.connections if not joint.law.is_idle], self.trajectory
+        held = {name: load.first_anchor for name, load in self.system.loads.items()}
+        done = [
+            joint_history(law, held.get(joint.name, 0.0), t.time, *self.coordinate(joint)) for joint, law in laws
+        ]
+        energies = {}
+        if any(law.stiffness > 0.0 or law.has_stops for _, law in laws):
+            energies["spring_J"] = np.sum([one.stored for one in done], axis=0)
+        if any(law.damping > 0.0 or law.dissipation > 0.0 for _, law in laws):
+            energies["joint_damping_work_J"] = np.sum([one.damping for one in done], axis=0)
+        if any(law.friction > 0.0 for _, law in laws):
+            energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
+        if self.drive_forces:
+            power = np.sum([power for _, power in self.drive_forces.values()], axis=0)
+            energies["drive_work_J"] = accumulate(t.time, power)
+        return energies
 
     # ---- pictures ----
 
@@ -161,17 +261,10 @@ class Observer:
         """The mechanism as drawn at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            outlines += [
-                Outline(d.part, self.position(name, d.center)[0][[instant]], d.diameter) for d in handle.body.discs
-            ]
-            for c in handle.body.cylinders:
-                ends = np.stack([self.position(name, p)[0][instant] for p in (c.start, c.end)])
-                outlines.append(Outline(c.part, ends, c.diameter))
+            for shape in handle.body.shapes:
+                points = np.array([self.position(name, p)[0][instant] for p in shape.points])
+                outlines.append(Outline(shape.part, points, shape.thickness))
         for name, nodes in self._links.items():
             line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
-            outlines.append(Outline(name, line, self.system.links[name].link.diameter))
+            outlines.append(Outline(name, line, self.system.links[name].link.thickness))
         return tuple(outlines)
-
-
-def _ends(handle: RigidHandle) -> list[Vector]:
-    return [p for c in handle.body.cylinders for p in (c.start, c.end)]

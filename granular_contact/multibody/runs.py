@@ -37,17 +37,24 @@ class Run:
 class Group:
     """Runs on one kind of body (all stations of one type) in one medium, computed in one call.
 
-    columns: for each run, where its numbers stand in a history row, see `ledger.Ledger`.
+    flags: record of each run, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns:
+    for each run, where its numbers stand in a history row, see `ledger.Ledger`.
     """
 
     def __init__(
-        self, runs: Sequence[Run], medium: NDArray[np.void], columns: Sequence[Vector], overlay: Overlay
+        self,
+        runs: Sequence[Run],
+        flags: Sequence[NDArray[np.void]],
+        profile: Vector,
+        medium: NDArray[np.void],
+        columns: Sequence[Vector],
+        overlay: Overlay,
     ) -> None:
         self.nodes = [run.nodes for run in runs]
-        self.medium = medium
+        self.profile, self.medium = profile, medium
         self.columns = np.array(columns)
         self.geometry = np.concatenate([run.geometry for run in runs])
-        self.runs = np.concatenate([run.run for run in runs])
+        self.runs = np.concatenate(list(flags))
         sizes = [(len(run.geometry), run.size) for run in runs]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), 2))
@@ -57,16 +64,15 @@ class Group:
         self._places = np.zeros((self.ends[-1, 1], 2), np.int64)
         self._places[:, 1] = np.concatenate([overlay.places(nodes) for nodes in self.nodes])
 
-    def start(self, mbs: Any, q: Vector, v: Vector, profile: Vector) -> None:
+    def start(self, mbs: Any, q: Vector, v: Vector) -> None:
         """Find the coordinates in the assembled system; rest the bristles where the strips are."""
         data = mbs.systemData
         self._places[:, 0] = [i for nodes in self.nodes for node in nodes for i in data.GetNodeLTGODE2(node)]
-        reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)
         self._where = (self.ends, self._places, self.geometry)
-        self._sand = (*self._where, self.runs, profile, self.medium, self.anchors)
-        self._reference = reference
+        self._sand = (*self._where, self.runs, self.profile, self.medium, self.anchors)
+        self._reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)
         self.awake[:] = True
-        kernels.release(q, reference, *self._where, self.anchors)
+        kernels.release(q, self._reference, *self._where, self.anchors)
         # Compiling, the first time on a machine, belongs to the start and not to the first step.
         size = int(self._places[:, 1].max()) + 1
         self.force(q, v, np.zeros(size))

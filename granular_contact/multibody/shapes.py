@@ -55,13 +55,22 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
     return _rigid_run(where, mbs, body, kinematics.rigid_stations(corners, strips), "outline", sided)
 
 
-def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, flags: dict[str, Any]) -> Run:
-    """Run of a ball that is fixed to a rigid body."""
+def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, mass: float | None) -> Run:
+    """Run of a ball that is fixed to a rigid body; its own mass (kg) is that of the body where None."""
     size = positive(where, "diameter", diameter)
-    place = np.asarray(center, float)[:2]
-    return _rigid_run(
-        where, mbs, body, kinematics.ball_stations(place), "ball", {**flags, "width": size, "drop": 0.5 * size}
+    run = _rigid_run(
+        where,
+        mbs,
+        body,
+        kinematics.ball_stations(np.asarray(center, float)[:2]),
+        "ball",
+        {"width": size, "drop": 0.5 * size},
     )
+    own = mbs.GetObject(body)["mass"] if mass is None else mass
+    if not (np.isfinite(own) and own > 0.0):
+        raise scene_error(where, f"mass: got {own}, allowed is a number above 0 (kg)")
+    run.run["mass"] = own
+    return run
 
 
 def _points(where: str, points: ArrayLike, least: int) -> Vector:

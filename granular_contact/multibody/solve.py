@@ -14,8 +14,9 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.multibody.build import System
 from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.settle import settle
+from granular_contact.multibody.system import System
 from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
@@ -26,7 +27,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse, constant for the bodies used here.
+    did, None without one; mass (m, m), sparse, constant for the bodies used here. reactions: torque (N m) or force (N) of
+    prescribed motions, (n,) each, by joint.
     """
 
     status: Status
@@ -36,6 +38,7 @@ class Trajectory:
     v: Vector
     load: LoadHistory | None
     mass: Any
+    reactions: dict[str, Vector]
 
 
 def force_scale(scene: Scene) -> float:
@@ -43,9 +46,7 @@ def force_scale(scene: Scene) -> float:
 
     A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
     """
-    length = float(np.linalg.norm(scene.tip_position))
-    speed = scene.impact_speed * length
-    return scene.mass * (max(abs(scene.gravity), 9.81) + speed**2 / max(length, 1e-3))
+    return scene.mass * (max(abs(scene.gravity), 9.81) + scene.speed**2 / max(scene.length, 1e-3))
 
 
 def settings(scene: Scene) -> Any:
@@ -82,6 +83,8 @@ class _Recorder:
         self.rows = 0
         self.states = np.empty((512, 1 + 2 * self.size))
         self.lever = _levers(system)
+        self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
+        self.reactions: list[Vector] = []
         self.resting_since: float | None = None
         self.at_rest = False
         self.interrupted = False
@@ -96,6 +99,10 @@ class _Recorder:
         row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
         row[1 + self.size :] = v
         self.rows += 1
+        if self.multipliers:
+            self.reactions.append(data.GetAECoordinates()[self.multipliers])
+        for load in self.system.loads.values():
+            load.accept(row[1 : 1 + self.size], v)
         if self.system.bed is not None:
             self.system.bed.accept()
         if self.progress is not None and self.rows % 64 == 0:
@@ -109,7 +116,7 @@ class _Recorder:
         self.interrupted = True
 
     def _rests(self, t: float, v: Vector) -> bool:
-        if self.solver.rest_time is None:
+        if self.solver.rest_time is None or self.system.scene.drives:
             return False
         if np.abs(self.lever * v).max() > self.solver.rest_speed:
             self.resting_since = None
@@ -125,8 +132,7 @@ def _levers(system: System) -> Vector:
     data = system.mbs.systemData
     lever = np.zeros(data.ODE2Size())
     for rigid in system.rigid.values():
-        points = [p for c in rigid.body.cylinders for p in (c.start, c.end)] + [d.center for d in rigid.body.discs]
-        radius = max(float(np.linalg.norm(p)) for p in points)
+        radius = max((float(np.linalg.norm(p)) for shape in rigid.body.shapes for p in shape.points), default=0.0)
         lever[data.GetNodeLTGODE2(rigid.node)] = 1.0, 1.0, radius
     for link in system.links.values():
         for node in link.nodes:
@@ -167,18 +173,19 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
     if simulation is None:
         simulation = settings(scene)
     recorder = _Recorder(system, progress)
-    mbs.SetPostStepUserFunction(recorder)
     solver = exu.MainSolverImplicitSecondOrder()
     problem, success = "", False
     with _on_interrupt(recorder.interrupt), _silent():
+        if scene.settle:
+            settle(system, simulation, recorder.lever)
+        mbs.SetPostStepUserFunction(recorder)
         began = time.perf_counter()
         try:
             success = solver.SolveSystem(mbs, simulation)
         except (exu.ExudynError, RuntimeError) as error:
             problem = str(error).strip().splitlines()[0]
         seconds = time.perf_counter() - began
-    states = recorder.states[: recorder.rows]
-    size = recorder.size
+    states, count = recorder.states[: recorder.rows], recorder.size
     return Trajectory(
         status=_status(scene, recorder, success, problem, solver),
         cost=Cost(
@@ -189,10 +196,12 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
             load_calls=0 if system.bed is None else system.bed.load_calls,
         ),
         time=states[:, 0],
-        q=states[:, 1 : 1 + size] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
-        v=states[:, 1 + size :],
-        load=None if system.bed is None else system.bed.accepted,
+        q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
+        v=states[:, 1 + count :],
+        load=None if system.bed is None else system.bed.accepted.since(0.0),
         mass=mass_matrix(system),
+        # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+        reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},
     )
 
 

@@ -7,16 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from granular_contact.multibody.system import System
 from granular_contact.scene.types import FlexibleLink, RigidBody
-
-if TYPE_CHECKING:
-    from granular_contact.multibody.build import System
 
 Vector = NDArray[np.float64]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from granular_contact.reduced.modes import Modes, roots
 from granular_contact.scene.reducible import check_reducible
-from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Vector
+from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector
 
 # Wavelengths need strips: so many for each mode, where the scene has fewer.
 STRIPS_PER_MODE = 4
@@ -55,9 +55,9 @@ class Bar:
 class Model:
     """The pendulum: coordinates q_1 (rad) and q_{1+i} (m), n + 1 of them.
 
-    view: how it is seen from the pivot; turn: angle of the root's body less q_1, both below the horizontal (rad);
-    reach: of the farthest point from the pivot (m); speed: scale of speeds (m/s); start: state at the start, see
-    `modal_motion`.
+    others: shapes that meet no sand, points as seen from the pivot; view: how it is seen from there; turn: angle of the
+    root's body less q_1, both below the horizontal (rad); reach: of the farthest point from the pivot (m); speed: scale
+    of speeds (m/s); start: state at the start, see `modal_motion`.
     """
 
     scene: Scene
@@ -65,7 +65,7 @@ class Model:
     link: FlexibleLink | None
     modes: Modes
     bars: tuple[Bar, ...]
-    discs: tuple[tuple[str, Vector, float], ...]
+    others: tuple[Shape, ...]
     view: View
     turn: float
     reach: float
@@ -100,26 +100,35 @@ def model(scene: Scene, method: Reduced) -> Model:
     view = View(axis, pin.parent_point)
     modes = Modes(roots(method.modes), 1.0 if link is None else link.length)
     bars = tuple(_bars(scene, method, view))
-    discs = tuple((d.part, view.of(root, d.center), d.diameter) for d in root.discs)
-    points = [(p, 0.0) for bar in bars for p in (bar.start, bar.end)] + [(p, 0.5 * d) for _, p, d in discs]
-    reach = max(float(np.linalg.norm(p)) + radius for p, radius in points)
+    others = tuple(
+        replace(shape, points=np.array([view.of(root, p) for p in shape.points]))
+        for shape in root.shapes
+        if not _is_bar(shape)
+    )
+    points = [p for bar in bars for p in (bar.start, bar.end)] + [p for shape in others for p in shape.points]
+    reach = max(float(np.linalg.norm(p)) for p in points)
     speed = reach * abs(root.motion.rate) + math.sqrt(abs(scene.gravity) * reach)
     start = np.zeros(2 * (method.modes + 1) + 2)
     start[0], start[method.modes + 1] = -axis, -root.motion.rate
     return Model(
-        scene, method, link, modes, bars, discs, view, axis - root.motion.angle, reach, max(speed, 1e-6), start
+        scene, method, link, modes, bars, others, view, axis - root.motion.angle, reach, max(speed, 1e-6), start
     )
+
+
+def _is_bar(shape: Shape) -> bool:
+    """Whether the reduced model lays strips along it: straight, round and in the sand."""
+    return shape.in_sand and shape.kind == "round" and len(shape.points) == 2
 
 
 def _bars(scene: Scene, method: Reduced, view: View) -> Iterator[Bar]:
     for body in scene.rigid:
-        for c in body.cylinders:
-            start, end = view.of(body, c.start), view.of(body, c.end)
-            yield Bar(c.part, start, end, c.diameter, c.free, False, scene.load.strips_per_rigid_part)
+        for shape in filter(_is_bar, body.shapes):
+            start, end = view.of(body, shape.points[0]), view.of(body, shape.points[1])
+            yield Bar(shape.part, start, end, shape.width, shape.free, False, scene.load.strips_per_rigid_part)
     for link in scene.links:
         start = view.of(link, np.zeros(2))
         strips = scene.load.strips_per_rigid_part
         if method.modes > 0:
             strips = max(link.elements * scene.load.strips_per_element, STRIPS_PER_MODE * method.modes)
         end = start + np.array([link.length, 0.0])
-        yield Bar(link.name, start, end, link.diameter, link.free, method.modes > 0, strips)
+        yield Bar(link.name, start, end, link.width, link.free, method.modes > 0, strips)

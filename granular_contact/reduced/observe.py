@@ -104,8 +104,8 @@ class Observer:
     def outlines(self, instant: int) -> tuple[Outline, ...]:
         """The mechanism as drawn at an instant (index)."""
         outlines = [
-            Outline(part, self.positions(None, center[None, :])[instant], diameter)
-            for part, center, diameter in self.model.discs
+            Outline(shape.part, self.positions(None, shape.points)[instant], shape.thickness)
+            for shape in self.model.others
         ]
         for bar in self.model.bars:
             line = self.positions(bar, bar.places(POINTS if bar.bends else 2))[instant]

@@ -60,7 +60,7 @@ def _pendulum(reduced: Model) -> NDArray[np.void]:
     a, b = reduced.bars[-1].start
     middle = a + 0.5 * link.length
     # The engine's beam has no rotary inertia of its section; its rigid bar has.
-    section = 0.0 if n else link.diameter**2 / 16.0
+    section = 0.0 if n else link.thickness**2 / 16.0
     record["J"] += link.mass * (middle**2 + b**2 + link.length**2 / 12.0 + section)
     record["S_e"] += link.mass * middle
     record["S_n"] += link.mass * b

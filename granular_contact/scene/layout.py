@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -33,50 +35,109 @@ class Frame:
         return moved
 
 
+@dataclass(frozen=True)
+class Twist:
+    """How a body's frame moves at the start: velocity (2,) m/s of the world's origin moving along, rate rad/s."""
+
+    velocity: Vector
+    rate: float
+
+    def at(self, world: Vector) -> Vector:
+        """Velocity (2,) m/s of the body's point at a world position (2,) m."""
+        return self.velocity + self.rate * np.array([-world[1], world[0]])
+
+
+@dataclass(frozen=True)
+class JointState:
+    """Coordinates of a joint and their rates, (k,) each: rad clockwise, or m; of a free joint x, y and the angle."""
+
+    value: Vector
+    rate: Vector
+
+
 def point(xy: tuple[float, float]) -> Vector:
     """Point of a config as an array (2,) m."""
     return np.array(xy, dtype=float)
 
 
+def degrees_of_freedom(joint: schema.Joint) -> int:
+    """Number of coordinates of a joint."""
+    return {"hinge": 1, "slider": 1, "free": 3}.get(joint.type, 0)
+
+
 def _joints_outward(model: schema.Model) -> Iterator[tuple[str, schema.Joint]]:
     """Joints in an order in which every parent is placed before its children."""
-    placed, waiting = {GROUND}, dict(model.joints)
+    below: dict[str, list[str]] = defaultdict(list)
+    for name, joint in model.all_joints.items():
+        below[joint.parent].append(name)
+    waiting = below[GROUND][::-1]
     while waiting:
-        name = next(n for n, joint in waiting.items() if joint.parent in placed)
-        placed.add(waiting[name].child)
-        yield name, waiting.pop(name)
+        name = waiting.pop()
+        joint = model.all_joints[name]
+        yield name, joint
+        waiting += below[joint.child][::-1]
 
 
-def _frames(model: schema.Model, impact_angle: float) -> dict[str, Frame]:
-    """Frames of all bodies, undeformed; what hangs on the ground points impact_angle (rad) below the horizontal."""
-    frames = {GROUND: Frame(ZERO, -impact_angle)}
-    for _, joint in _joints_outward(model):
-        parent = frames[joint.parent]
-        angle = parent.angle + math.radians(joint.angle_deg if isinstance(joint, schema.Weld) else 0.0)
-        pin = point(joint.parent_point_m) if joint.parent == GROUND else parent.world(point(joint.parent_point_m))
+@dataclass(frozen=True)
+class Pose:
+    """Frames and twists of all bodies, the ground among them, in a state of the joints."""
+
+    frames: dict[str, Frame]
+    twists: dict[str, Twist]
+
+
+def pose(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Pose:
+    """Place and move all bodies, undeformed; what is welded to the ground is turned by ground_angle (rad)."""
+    still = Twist(ZERO, 0.0)
+    frames, twists = {GROUND: Frame(ZERO, 0.0)}, {GROUND: still}
+    for name, joint in _joints_outward(model):
+        parent, motion = frames[joint.parent], twists[joint.parent]
+        pin, angle, relative = _relative(joint, states.get(name), parent)
+        if isinstance(joint, schema.Weld) and joint.parent == GROUND:
+            angle += ground_angle
         frames[joint.child] = Frame(pin - rotation(angle) @ point(joint.child_point_m), angle)
-    return frames
+        twists[joint.child] = Twist(motion.velocity + relative.velocity, motion.rate + relative.rate)
+    return Pose(frames, twists)
 
 
-def _tethers(model: schema.Model) -> dict[str, Tether]:
-    """How far from the ground joint each body can get, whatever the joints do in between."""
-    tethers = {GROUND: Tether(ZERO, 0.0)}
+def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> tuple[Vector, float, Twist]:
+    """Where a joint holds its child (m), at which angle (rad), and how the child moves against the parent."""
+    at = point(joint.parent_point_m)
+    pin = parent.world(at)
+    if state is None or isinstance(joint, schema.Weld):
+        assert isinstance(joint, schema.Weld)  # all others have a state
+        return pin, parent.angle + math.radians(joint.angle_deg), Twist(ZERO, 0.0)
+    if isinstance(joint, schema.Slider):
+        axis = rotation(parent.angle + math.radians(joint.axis_deg))[:, 0]
+        pin = pin + state.value[0] * axis
+        return pin, parent.angle + math.radians(joint.angle_deg), Twist(state.rate[0] * axis, 0.0)
+    shift, speed = (state.value[:2], state.rate[:2]) if isinstance(joint, schema.Free) else (ZERO, ZERO)
+    pin, rate = pin + shift, -float(state.rate[-1])
+    return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)
+
+
+def tethers(model: schema.Model) -> dict[str, Tether]:
+    """How far from the origin each body can get, whatever the joints do; without end behind sliders and free joints."""
+    held = {GROUND: Tether(ZERO, 0.0)}
     for _, joint in _joints_outward(model):
-        length = tethers[joint.parent].reach(point(joint.parent_point_m))
-        tethers[joint.child] = Tether(point(joint.child_point_m), length)
-    return tethers
+        length = held[joint.parent].reach(point(joint.parent_point_m))
+        if isinstance(joint, schema.Slider | schema.Free):
+            length = math.inf
+        held[joint.child] = Tether(point(joint.child_point_m), length)
+    return held
 
 
-def _is_rigid(model: schema.Model, name: str) -> bool:
+def is_rigid(model: schema.Model, name: str) -> bool:
+    """Whether a body (or the ground) is rigid."""
     if name == GROUND:
         return True
-    body = model.bodies[name]
+    body = model.all_bodies[name]
     return not (isinstance(body, schema.Link) and body.flexible is not None)
 
 
 def _weld_groups(model: schema.Model) -> list[list[str]]:
     """Rigid bodies (and the ground) grouped by the welds between them: each group moves as one."""
-    groups = {name: [name] for name in (GROUND, *model.bodies) if _is_rigid(model, name)}
+    groups = {name: [name] for name in (GROUND, *model.all_bodies) if is_rigid(model, name)}
     for _, joint in _joints_outward(model):
         if isinstance(joint, schema.Weld) and joint.parent in groups and joint.child in groups:
             merged = groups[joint.parent]
@@ -88,48 +149,39 @@ def _weld_groups(model: schema.Model) -> list[list[str]]:
 
 
 @dataclass(frozen=True)
-class Spin:
-    """Initial motion: everything turns about one axis (2,) m at one rate (rad/s, counter-clockwise)."""
-
-    axis: Vector
-    rate: float
-
-    def motion(self, frame: Frame) -> Motion:
-        """Pose and velocity of a frame that turns along."""
-        arm = frame.origin - self.axis
-        return Motion(frame.origin, frame.angle, self.rate * np.array([-arm[1], arm[0]]), self.rate)
-
-
-def _axis(model: schema.Model) -> Vector:
-    hinges = (j for j in model.joints.values() if isinstance(j, schema.Hinge) and j.parent == GROUND)
-    hinge = next(hinges, None)
-    return ZERO if hinge is None else point(hinge.parent_point_m)
-
-
-@dataclass(frozen=True)
 class Layout:
-    """A model laid out: frame and tether of every body, groups of rigid bodies that are welded together, the motion."""
+    """A model laid out: the pose and tether of every body, groups of rigid bodies that are welded together."""
 
     model: schema.Model
-    frames: dict[str, Frame]
+    pose: Pose
     tethers: dict[str, Tether]
     groups: list[list[str]]
-    spin: Spin
+
+    @property
+    def frames(self) -> dict[str, Frame]:
+        """Frames of all bodies, the ground among them."""
+        return self.pose.frames
+
+    def motion(self, name: str, frame: Frame) -> Motion:
+        """Pose and velocity of a frame that moves with a body."""
+        twist = self.pose.twists[name]
+        return Motion(frame.origin, frame.angle, twist.at(frame.origin), twist.rate)
+
+    @cached_property
+    def _joined(self) -> dict[str, list[Vector]]:
+        """Points of every body at which it is joined to another."""
+        points: dict[str, list[Vector]] = defaultdict(list)
+        for joint in (*self.model.all_joints.values(), *self.model.closures.values()):
+            if joint.type != "free":
+                points[joint.parent].append(point(joint.parent_point_m))
+                points[joint.child].append(point(joint.child_point_m))
+        return points
 
     def is_free(self, name: str, end: Vector) -> bool:
         """Whether nothing is joined to a body at this end (2,) m of it."""
-        joints = self.model.joints.values()
-        points = [point(j.parent_point_m) for j in joints if j.parent == name]
-        points += [point(j.child_point_m) for j in joints if j.child == name]
-        return not any(np.allclose(at, end, rtol=0.0, atol=1e-9) for at in points)
+        return not any(np.allclose(at, end, rtol=0.0, atol=1e-9) for at in self._joined.get(name, ()))
 
 
-def lay_out(model: schema.Model, impact_angle: float, impact_speed: float) -> Layout:
-    """Lay out a model that points impact_angle (rad) below the horizontal and turns down at impact_speed (rad/s)."""
-    return Layout(
-        model=model,
-        frames=_frames(model, impact_angle),
-        tethers=_tethers(model),
-        groups=_weld_groups(model),
-        spin=Spin(_axis(model), -impact_speed),
-    )
+def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
+    """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
+    return Layout(model, pose(model, states, ground_angle), tethers(model), _weld_groups(model))

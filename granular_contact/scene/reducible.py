@@ -23,7 +23,7 @@ def check_reducible(scene: Scene, modes: int) -> None:
     SceneError
         With the key `method`, all that stands in the way, and what can be reduced.
     """
-    obstacles = [*_bodies(scene), *_joints(scene)]
+    obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene)]
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
@@ -46,6 +46,17 @@ def _joints(scene: Scene) -> Iterator[str]:
         if not fits:
             where = "the ground" if joint.parent is None else joint.parent
             yield f"{joint.name} is a {joint.kind} between {where} and {child}"
+
+
+def _extras(scene: Scene) -> Iterator[str]:
+    """What a reduced model has not: drives, settling, springs and the like in joints."""
+    if scene.drives:
+        yield f"{scene.drives[0].joint} is driven"
+    if scene.settle:
+        yield "initial.settle is true"
+    for joint in scene.connections:
+        if not joint.law.is_idle:
+            yield f"{joint.name} has a spring, damper, stops or friction"
 
 
 def _reduces(scene: Scene, joint: Connection) -> tuple[str, bool]:

@@ -1,8 +1,7 @@
 """The scene that the engine gets: bodies, joints, medium and numbers, as frozen plain data.
 
-World frame: x horizontal, y up, origin where the mechanism is joined to the ground. A body's frame has its x axis along
-the body. Angles turn counter-clockwise here; the angle below the horizontal that configs and results speak of is their
-negative.
+World frame: x horizontal, y up. A body's frame has its x axis along the body. Angles of bodies turn counter-clockwise
+here; those of hinges turn clockwise, as configs and results have them: on the ground, below the horizontal.
 """
 
 from __future__ import annotations
@@ -14,30 +13,35 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.media.kinds import Kind
 from granular_contact.media.lee_marghitu import LeeMarghitu
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.signals import Signal
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """Straight round bar from start to end, (2,) m in its body's frame; diameter in m; `free` tells a free end face."""
+class Shape:
+    """A part of a body as the medium meets it and as it is drawn.
+
+    points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
+    point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
+    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
+    """
 
     part: str
-    start: Vector
-    end: Vector
-    diameter: float
+    kind: Kind
+    points: Vector
+    width: float
+    thickness: float
+    in_sand: bool = True
     free: bool = False
 
-
-@dataclass(frozen=True)
-class Disc:
-    """Round disc whose axis is normal to the plane; center (2,) m in its body's frame, diameter in m."""
-
-    part: str
-    center: Vector
-    diameter: float
+    @property
+    def drop(self) -> float:
+        """How far it reaches below its points (m), for the medium."""
+        return self.width / 2 if self.kind == "ball" else 0.0
 
 
 @dataclass(frozen=True)
@@ -69,19 +73,23 @@ class RigidBody:
     name: str
     mass: float
     inertia: float
-    cylinders: tuple[Cylinder, ...]
-    discs: tuple[Disc, ...]
+    shapes: tuple[Shape, ...]
     motion: Motion
     tether: Tether
 
 
 @dataclass(frozen=True)
 class FlexibleLink:
-    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s."""
+    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s.
+
+    kind, width and thickness as of a `Shape`.
+    """
 
     name: str
     length: float
-    diameter: float
+    kind: Kind
+    width: float
+    thickness: float
     mass_per_length: float
     bending_stiffness: float
     axial_stiffness: float
@@ -99,15 +107,83 @@ class FlexibleLink:
 
 
 @dataclass(frozen=True)
+class JointLaw:
+    """What acts in a joint by its own coordinate (rad or m) and rate; torques in N m or forces in N.
+
+    Spring (stiffness, rest) and damper; stops beyond `lower` and `upper`, of stop_stiffness x depth x (1 + dissipation x
+    rate of depth); dry friction as a bristle that yields at `slip`, with a damping time (s).
+    """
+
+    stiffness: float = 0.0
+    rest: float = 0.0
+    damping: float = 0.0
+    lower: float = -math.inf
+    upper: float = math.inf
+    stop_stiffness: float = 0.0
+    dissipation: float = 0.0
+    friction: float = 0.0
+    slip: float = 1.0
+    damping_time: float = 0.0
+
+    @property
+    def has_stops(self) -> bool:
+        """Whether the joint has ends of its range."""
+        return self.stop_stiffness > 0.0
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether a spring and a damper are all there is."""
+        return not self.has_stops and self.friction == 0.0
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing acts."""
+        return self.is_linear and self.stiffness == 0.0 and self.damping == 0.0
+
+
+@dataclass(frozen=True)
 class Connection:
-    """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground."""
+    """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
+
+    axis: of a slider, unit vector (2,) in the parent's frame. offset: what a hinge's coordinate is beyond parent's angle
+    less child's (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its rate at the start.
+    closes: whether it closes a loop.
+    """
 
     name: str
-    kind: Literal["hinge", "weld"]
+    kind: Literal["hinge", "weld", "slider", "free"]
     parent: str | None
     parent_point: Vector
     child: str
     child_point: Vector
+    axis: Vector | None = None
+    offset: float = 0.0
+    start: float = 0.0
+    rate: float = 0.0
+    closes: bool = False
+    law: JointLaw = JointLaw()
+
+    @property
+    def has_coordinate(self) -> bool:
+        """Whether it is a hinge or a slider."""
+        return self.kind in ("hinge", "slider")
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What acts at a hinge or slider over time, in its coordinate: N m, rad, rad/s or N, m, m/s.
+
+    load: the signal is the torque or force. motion: the coordinate follows the signal. control: gain times the error of
+    the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the rate wanted.
+    """
+
+    joint: str
+    kind: Literal["load", "motion", "control"]
+    signal: Signal
+    gain: float = 0.0
+    rate_gain: float = 0.0
+    limit: float = math.inf
+    of_rate: bool = False
 
 
 @dataclass(frozen=True)
@@ -150,9 +226,10 @@ class Reduced:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum; impact angle rad and speed rad/s.
+    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum.
 
-    method: None for the engine.
+    tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
+    method: None for the engine. settle: find rest first. body_columns: report the motion of every body.
     """
 
     name: str
@@ -164,11 +241,12 @@ class Scene:
     medium: LeeMarghitu | None
     load: Load
     solver: Solver
-    impact_angle: float
-    impact_speed: float
     tip: tuple[str, Vector]
     output_interval: float | None
     method: Reduced | None = None
+    drives: tuple[Drive, ...] = ()
+    settle: bool = False
+    body_columns: bool = False
 
     @property
     def bodies(self) -> list[RigidBody | FlexibleLink]:
@@ -186,14 +264,45 @@ class Scene:
 
     @property
     def tip_position(self) -> Vector:
-        """Initial world position (2,) m of the tip, the farthest end of the mechanism."""
+        """Initial world position (2,) m of the tip."""
         name, point = self.tip
         return place(self.body(name).motion, point)
 
     @property
+    def length(self) -> float:
+        """Size (m) of the mechanism at the start: from the origin to the tip, or from the tip to the farthest body."""
+        tip = self.tip_position
+        if self.pivot is not None:
+            return math.hypot(*tip)
+        return max(math.hypot(*(body.motion.position - tip)) for body in self.bodies)
+
+    @property
+    def speed(self) -> float:
+        """Greatest speed (m/s) at the start: of the tip, and of bodies that slide or fly."""
+        motion = self.body(self.tip[0]).motion
+        arm = self.tip_position - motion.position
+        of_tip = math.hypot(*(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))
+        if self.pivot is not None:
+            return of_tip
+        return max(of_tip, *(math.hypot(*body.motion.velocity) for body in self.bodies))
+
+    @property
     def pivot(self) -> Connection | None:
-        """First hinge to the ground."""
-        return next((c for c in self.connections if c.kind == "hinge" and c.parent is None), None)
+        """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""
+        on_ground = [c for c in self.connections if c.parent is None]
+        if any(c.kind in ("slider", "free") for c in on_ground) or any(c.closes for c in self.connections):
+            return None
+        return next((c for c in on_ground if c.kind == "hinge"), None)
+
+    @property
+    def floating(self) -> Connection | None:
+        """The joint of a mechanism that flies free: its only joint to the ground, with three degrees of freedom."""
+        on_ground = [c for c in self.connections if c.parent is None]
+        return on_ground[0] if len(on_ground) == 1 and on_ground[0].kind == "free" else None
+
+    def drive(self, joint: str) -> Drive | None:
+        """Drive of a joint."""
+        return next((drive for drive in self.drives if drive.joint == joint), None)
 
 
 def rotation(angle: float) -> NDArray[np.float64]:

@@ -4,8 +4,12 @@ import pydantic
 import pytest
 
 from granular_contact.config import json_schema, schema
-from granular_contact.config.schema.mechanism import BODIES, JOINTS, SHAPES
+from granular_contact.config.schema.drives import DRIVES
+from granular_contact.config.schema.joints import CLOSURES, JOINTS
+from granular_contact.config.schema.mechanism import BODIES
+from granular_contact.config.schema.shapes import SHAPES
 from granular_contact.config.schema.scenario import FRICTIONS
+from granular_contact.config.schema.signals import SIGNALS
 
 
 def test_json_schema_takes_names_and_mappings():
@@ -15,8 +19,16 @@ def test_json_schema_takes_names_and_mappings():
 
 
 def test_every_class_is_closed_and_frozen():
-    classes = [schema.Scenario, schema.Model, schema.Solver, schema.Load, schema.Impact, schema.Output, schema.Flexible]
-    for choices in (BODIES, JOINTS, SHAPES, FRICTIONS, schema.LAWS):
+    classes = [
+        schema.Scenario,
+        schema.Model,
+        schema.Solver,
+        schema.Load,
+        schema.Initial,
+        schema.Output,
+        schema.Flexible,
+    ]
+    for choices in (BODIES, JOINTS, CLOSURES, DRIVES, SIGNALS, SHAPES, FRICTIONS, schema.LAWS):
         classes += choices.values()
     for one in classes:
         assert (one.model_config["extra"], one.model_config["frozen"], one.model_config["strict"]) == (
@@ -30,6 +42,9 @@ def test_tags_name_their_class():
     for key, choices in (
         ("type", BODIES),
         ("type", JOINTS),
+        ("type", CLOSURES),
+        ("type", DRIVES),
+        ("type", SIGNALS),
         ("type", SHAPES),
         ("type", FRICTIONS),
         ("law", schema.LAWS),

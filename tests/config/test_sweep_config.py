@@ -91,7 +91,7 @@ FAULTS = {
     # dotted keys and what they hold, at the line of the sweep
     "unknown dotted": (named("  a: {medium.eta_q: 1}\n"), 3, "medium.eta_q", ["unknown key", "did you mean eta_"]),
     "unknown part": (named("  a:\n    mediun.eta_h: 1\n"), 4, "mediun", ["did you mean medium?"]),
-    "unknown in a body": (named("  a: {model.bodies.arm.width_m: 1}\n"), 3, "model.bodies.arm.width_m", ["length_m"]),
+    "unknown in a body": (named("  a: {model.bodies.arm.lenght_m: 1}\n"), 3, "model.bodies.arm.lenght_m", ["length_m"]),
     "below a number": (named("  a: {gravity_m_s2.x: 1}\n"), 3, "gravity_m_s2.x", ["has no keys"]),
     "empty part": (named("  a: {medium..eta_h: 1}\n"), 3, "", ["'medium..eta_h'", "no dotted key"]),
     "bad value": (named("  a: {}\n  b:\n    medium.eta_h: -1\n"), 5, "medium.eta_h", ["-1", "of at least 0"]),

@@ -20,7 +20,7 @@ model:
       type: rigid
       density_kg_m3: 2700
       shapes:
-        - {type: disc, diameter_m: 0.03, thickness_m: 0.02, center_m: [0.01, 0.004]}
+        - {type: disc, diameter_m: 0.03, thickness_m: 0.02, center_m: [0.01, 0.004], in_sand: false}
         - {type: cylinder, diameter_m: 0.012, end_m: [0.05, 0.02]}
     link:
       type: link

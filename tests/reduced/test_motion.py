@@ -49,7 +49,7 @@ def test_equations_of_motion_are_those_of_lagrange(text, modes):
     slow = lagrange(reduced, q, v)
     matrix = mass_matrix(reduced, q)
     # Rigid links have the rotary inertia of their section besides, which points on the axis have not.
-    section = reduced.link.mass * reduced.link.diameter**2 / 16 if modes == 0 else 0.0
+    section = reduced.link.mass * reduced.link.thickness**2 / 16 if modes == 0 else 0.0
     matrix[0, 0] += section
     # Central differences with a step of 1e-6: 1e-10 of the largest term, which is elastic.
     np.testing.assert_allclose(forces, slow, atol=1e-8 * max(1.0, np.abs(slow).max()))

@@ -53,8 +53,7 @@ def test_welded_bodies_are_one() -> None:
     scene = scene_of("pendulum_rigid")
     (body,) = scene.rigid
     assert body.name == "RB1+RB2+link"
-    assert [c.part for c in body.cylinders] == ["RB2", "link"]
-    assert [d.part for d in body.discs] == ["RB1"]
+    assert [(s.part, s.kind) for s in body.shapes] == [("RB1", "outline"), ("RB2", "round"), ("link", "round")]
     assert [c.name for c in scene.connections] == ["pivot"]
     assert not scene.links
 
@@ -152,12 +151,12 @@ def test_weld_at_an_angle() -> None:
     angles = np.radians([20.0, 80.0])
     elbow = 0.2 * np.array([math.cos(angles[0]), -math.sin(angles[0])])
     end = elbow + 0.1 * np.array([math.cos(angles[1]), -math.sin(angles[1])])
-    cylinder = next(c for c in body.cylinders if c.part == "finger")
+    cylinder = next(s for s in body.shapes if s.part == "finger")
     # Round-off.
-    np.testing.assert_allclose(place(body.motion, cylinder.start), elbow, atol=1e-15)
-    np.testing.assert_allclose(place(body.motion, cylinder.end), end, atol=1e-15)
+    np.testing.assert_allclose(place(body.motion, cylinder.points[0]), elbow, atol=1e-15)
+    np.testing.assert_allclose(place(body.motion, cylinder.points[1]), end, atol=1e-15)
     assert scene.surface == pytest.approx(end[1], rel=1e-14)
-    assert [c.free for c in body.cylinders] == [False, True]
+    assert [s.free for s in body.shapes] == [False, True]
     # Parallel axes by hand, masses 2 : 1; round-off.
     mass = DENSITY * math.pi / 4 * 0.01**2 * np.array([0.2, 0.1])
     centers = np.array([0.5 * elbow, 0.5 * (elbow + end)])

@@ -1,4 +1,4 @@
-"""Schema of a mechanism: bodies, and the joints that hang them on the ground. SI units, named in the keys."""
+"""Schema of the bodies of a mechanism. SI units, named in the keys."""
 
 from __future__ import annotations
 
@@ -6,46 +6,54 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import Listed, NotNegative, Point, Positive, Strict, Tagged, Text, refusal
-from granular_contact.config.schema.structure import structure_faults
-
-
-class DiscShape(Strict):
-    """A cylinder seen from its end: its axis is normal to the plane of motion."""
-
-    type: Literal["disc"]
-    diameter_m: Positive
-    thickness_m: Positive
-    """Extent along the axis."""
-    center_m: Point = (0.0, 0.0)
-    """In the frame of the body."""
-
-
-class CylinderShape(Strict):
-    """A cylinder whose axis lies in the plane of motion, from `start_m` to `end_m` in the frame of the body."""
-
-    type: Literal["cylinder"]
-    diameter_m: Positive
-    start_m: Point = (0.0, 0.0)
-    end_m: Point
-
-    @model_validator(mode="after")
-    def _has_a_length(self) -> CylinderShape:
-        if self.start_m == self.end_m:
-            raise refusal([(("end_m",), f"got {list(self.end_m)}, the same as start_m; the two must differ")])
-        return self
-
-
-SHAPES: dict[str, type[Strict]] = {"disc": DiscShape, "cylinder": CylinderShape}
-Shape = Annotated[DiscShape | CylinderShape, Tagged("type", SHAPES)]
+from granular_contact.config.schema.base import (
+    Listed,
+    LocalFault,
+    NotNegative,
+    Point,
+    Positive,
+    Strict,
+    Tagged,
+    refusal,
+)
+from granular_contact.config.schema.shapes import Shape, section_faults
 
 
 class Rigid(Strict):
-    """A rigid body made of shapes of one density."""
+    """A rigid body: shapes of one density, or shapes for the medium alone and the mass given beside them."""
 
     type: Literal["rigid"]
-    density_kg_m3: Positive
-    shapes: Annotated[tuple[Shape, ...], Listed, Field(min_length=1)]
+    density_kg_m3: Positive | None = None
+    """Of all shapes; give this or the mass."""
+    mass_kg: Positive | None = None
+    inertia_kg_m2: Positive | None = None
+    """About the centre of mass, for turning in the plane."""
+    center_of_mass_m: Point | None = None
+    """In the frame of the body; null: its origin."""
+    shapes: Annotated[tuple[Shape, ...], Listed] = ()
+
+    @model_validator(mode="after")
+    def _one_source_of_mass(self) -> Rigid:
+        given = [n for n in ("mass_kg", "inertia_kg_m2", "center_of_mass_m") if getattr(self, n) is not None]
+        faults: list[LocalFault] = []
+        if self.density_kg_m3 is not None:
+            faults += [((name,), "stands beside density_kg_m3, from which it follows; give one") for name in given]
+            if not self.shapes:
+                faults.append((("shapes",), "are missing; a density needs shapes, or give mass_kg and inertia_kg_m2"))
+        else:
+            needed = ("mass_kg", "inertia_kg_m2")
+            faults += [
+                ((name,), "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2")
+                for name in needed
+                if name not in given
+            ]
+            if len(faults) == len(needed) and not given:
+                faults = [
+                    (("density_kg_m3",), "is missing; allowed is a density with shapes, or mass_kg and inertia_kg_m2")
+                ]
+        if faults:
+            raise refusal(faults)
+        return self
 
 
 class Flexible(Strict):
@@ -72,60 +80,26 @@ class Flexible(Strict):
 
 
 class Link(Strict):
-    """A straight uniform cylinder along the x axis of its frame, from the root at the origin to the tip."""
+    """A straight uniform bar along the x axis of its frame, from the root at the origin to the tip."""
 
     type: Literal["link"]
     length_m: Positive
-    diameter_m: Positive
+    diameter_m: Positive | None = None
+    """Of a round section; a rectangular one has width_m and thickness_m."""
+    width_m: Positive | None = None
+    """Normal to the plane of motion."""
+    thickness_m: Positive | None = None
+    """In the plane."""
     density_kg_m3: Positive
     flexible: Flexible | None = None
     """null: the link is rigid."""
 
+    @model_validator(mode="after")
+    def _one_section(self) -> Link:
+        if faults := section_faults(self.diameter_m, self.width_m, self.thickness_m):
+            raise refusal(faults)
+        return self
+
 
 BODIES: dict[str, type[Strict]] = {"rigid": Rigid, "link": Link}
 Body = Annotated[Rigid | Link, Tagged("type", BODIES)]
-
-
-class _Joint(Strict):
-    parent: str
-    """A body, or `ground`."""
-    child: str
-    """A body; each is the child of exactly one joint."""
-    parent_point_m: Point = (0.0, 0.0)
-    """Where the joint sits in the frame of the parent."""
-    child_point_m: Point = (0.0, 0.0)
-    """Where the joint sits in the frame of the child."""
-
-
-class Hinge(_Joint):
-    """The child turns freely about the normal of the plane."""
-
-    type: Literal["hinge"]
-
-
-class Weld(_Joint):
-    """The child is held at a fixed angle."""
-
-    type: Literal["weld"]
-    angle_deg: float = 0.0
-    """From the x axis of the parent to that of the child, counter-clockwise."""
-
-
-JOINTS: dict[str, type[Strict]] = {"hinge": Hinge, "weld": Weld}
-Joint = Annotated[Hinge | Weld, Tagged("type", JOINTS)]
-
-
-class Model(Strict):
-    """A mechanism in the plane, x horizontal and y up, before it is placed and set in motion."""
-
-    name: Text
-    description: Text = ""
-    bodies: Annotated[dict[str, Body], Field(min_length=1)]
-    joints: dict[str, Joint]
-
-    @model_validator(mode="after")
-    def _is_a_tree(self) -> Model:
-        faults = structure_faults(self.bodies, {name: (j.parent, j.child) for name, j in self.joints.items()})
-        if faults:
-            raise refusal(faults)
-        return self

@@ -2,43 +2,48 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
-from pydantic import Field
+from granular_contact.config.schema.ball_laws import (
+    Allen,
+    Bingham,
+    KatsuragiDurian,
+    LinearDepth,
+    Poncelet,
+    TsimringVolfson,
+)
+from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu
+from granular_contact.config.schema.base import Tagged
+from granular_contact.config.schema.provenance import MediumBase
+from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text
-
-
-class _Medium(Strict):
-    name: Text | None = None
-    density_kg_m3: Positive
-    """Density of the medium as its law uses it."""
-    source: Text | None = None
-    """Where the coefficients come from."""
-
-
-class VerticalStatic(Strict):
-    """Vertical static resistance, eta_v (z/d)^lambda per weight of displaced medium at depth z."""
-
-    eta_v: NotNegative
-    lambda_: Annotated[float, Field(alias="lambda", ge=0, le=5)]
-    """`lambda` in YAML."""
-
-
-class LeeMarghitu(_Medium):
-    """Drag quadratic in speed, static resistance that grows with depth; all coefficients are dimensionless."""
-
-    law: Literal["lee_marghitu"]
-    eta_d: NotNegative
-    """Drag."""
-    eta_h: NotNegative
-    """Horizontal static resistance."""
-    plunging: VerticalStatic
-    """Where the link moves down."""
-    withdrawing: VerticalStatic | None = None
-    """Where the link moves up; null: as plunging."""
-
-
-LAWS: dict[str, type[_Medium]] = {"lee_marghitu": LeeMarghitu}
+LAWS: dict[str, type[MediumBase]] = {
+    "lee_marghitu": LeeMarghitu,
+    "albert": Albert,
+    "hill": Hill,
+    "rft": Rft,
+    "drft": Drft,
+    "rft3d": Rft3d,
+    "bingham": Bingham,
+    "poncelet": Poncelet,
+    "allen": Allen,
+    "linear_depth": LinearDepth,
+    "tsimring_volfson": TsimringVolfson,
+    "katsuragi_durian": KatsuragiDurian,
+}
+AnyLaw = (
+    LeeMarghitu
+    | Albert
+    | Hill
+    | Rft
+    | Drft
+    | Rft3d
+    | Bingham
+    | Poncelet
+    | Allen
+    | LinearDepth
+    | TsimringVolfson
+    | KatsuragiDurian
+)
 # For the type checker this is the union of all laws; at run time `LAWS` decides.
-Medium = Annotated[LeeMarghitu, Tagged("law", LAWS)]
+Medium = Annotated[AnyLaw, Tagged("law", LAWS)]

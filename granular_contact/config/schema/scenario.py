@@ -7,18 +7,13 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
-from granular_contact.config.schema.mechanism import Model
+from granular_contact.config.schema.drives import Drive
+from granular_contact.config.schema.fitting import drive_faults, initial_faults
+from granular_contact.config.schema.initial import Initial
 from granular_contact.config.schema.medium import Medium
 from granular_contact.config.schema.method import Method
-
-
-class Impact(Strict):
-    """The start: the undeformed mechanism, turning about the ground joint."""
-
-    impact_angle_deg: Annotated[float, Field(ge=-90, le=90)]
-    """Angle of the undeformed mechanism below the horizontal."""
-    impact_speed_rad_s: float = 0.0
-    """Positive turns the link into the medium."""
+from granular_contact.config.schema.model import Model
+from granular_contact.config.schema.signals import Signal
 
 
 class Elastoplastic(Strict):
@@ -58,7 +53,7 @@ class Solver(Strict):
     end_time_s: Positive = 0.5
     step_s: Positive = 2e-4
     rest_time_s: Positive | None = 0.02
-    """Stop once all has been slower than rest_speed_m_s for this long; null: never."""
+    """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives never stops so."""
     rest_speed_m_s: Positive = 1e-3
     spectral_radius: Annotated[float, Field(ge=0, le=1)] = 0.9
     """Of the integrator at high frequency: 1 keeps all, 0 damps most."""
@@ -78,6 +73,9 @@ class Output(Strict):
     interval_s: Positive | None = None
     """Time between rows of the table; null: every accepted step."""
     figures: bool = True
+    bodies: Literal["auto", "all", "none"] = "auto"
+    """Columns of the motion of every body. auto: where more than one joint moves or the ground joint is no hinge, and
+    there are at most 32 bodies."""
 
 
 class Scenario(Strict):
@@ -91,12 +89,23 @@ class Scenario(Strict):
     gravity_m_s2: float = 9.81
     """Positive is downward."""
     surface_height_m: float | None = None
-    """Height of the free surface above the ground joint; null: the surface that the mechanism touches at the start."""
-    initial: Impact
+    """Height of the free surface above the origin; null: the surface that the mechanism touches at the start."""
+    initial: Initial
+    drives: dict[str, Drive] = {}
+    """What acts at joints over time, by the name of the joint."""
+    signals: dict[str, Signal] = {}
+    """Signals that several drives share, by a name."""
     load: Load = Load()
     solver: Solver = Solver()
     method: Method = Method()
     output: Output = Output()
+
+    @model_validator(mode="after")
+    def _fits_its_mechanism(self) -> Scenario:
+        faults = [*initial_faults(self.initial, self.model), *drive_faults(self.drives, self.signals, self.model)]
+        if faults:
+            raise refusal(faults)
+        return self
 
     @model_validator(mode="after")
     def _one_static_law(self) -> Scenario:

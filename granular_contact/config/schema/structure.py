@@ -7,17 +7,28 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from difflib import get_close_matches
 
 from granular_contact.config.schema.base import LocalFault
 
 GROUND = "ground"
+_ALLOWED = "a letter or _, then letters, digits, _ and -, are allowed"
+_MOST_LISTED = 12  # names in a message
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
 
+# Of a chain: what it hangs on, and the names of its links and hinges.
+Names = tuple[str, list[str], list[str]]
+
+
 def structure_faults(
-    bodies: Collection[str], joints: Mapping[str, tuple[str, str]], *, complete: bool = True
+    bodies: Collection[str],
+    joints: Mapping[str, tuple[str, str]],
+    *,
+    closures: Mapping[str, tuple[str, str]] | None = None,
+    chain: Names | None = None,
+    complete: bool = True,
 ) -> list[LocalFault]:
     """Faults of a mechanism, with paths below the model.
 
@@ -27,19 +38,38 @@ def structure_faults(
         Names of the bodies.
     joints
         Parent and child of each joint.
+    closures
+        Parent and child of each joint that closes a loop.
+    chain
+        The links and hinges that a chain adds.
     complete
         False if `joints` lacks some whose ends could not be read; a body without a joint is then no fault.
     """
-    faults = _name_faults("bodies", bodies) + _name_faults("joints", joints)
+    closures = closures or {}
+    faults = [fault for kind, names in _kinds(bodies, joints, closures) for fault in _name_faults(kind, names)]
+    faults += _twice("closures", closures, joints, "joint")
+    all_bodies, all_joints = dict.fromkeys(bodies), dict(joints)
+    if chain is not None:
+        parent, links, hinges = chain
+        faults += _chain_faults(chain, all_bodies, {**joints, **closures})
+        all_joints |= zip(hinges, zip([parent, *links], links, strict=False), strict=True)
+        all_bodies |= dict.fromkeys(links)
     joints_of: dict[str, list[str]] = defaultdict(list)
-    for joint, (parent, child) in joints.items():
-        faults += _end_faults(joint, parent, child, bodies)
-        if child in bodies:
+    for joint, (parent, child) in all_joints.items():
+        if joint in joints:
+            faults += _end_faults("joints", joint, parent, child, all_bodies)
+        if child in all_bodies:
             joints_of[child].append(joint)
+    for name, (parent, child) in closures.items():
+        faults += _end_faults("closures", name, parent, child, all_bodies)
     for child, names in joints_of.items():
         faults += [
-            (("joints", name, "child"), f"{child} is the child of {names[0]} already; one joint holds a body")
+            (
+                ("joints", name, "child"),
+                f"{child} is the child of {names[0]} already; one joint holds a body, and closures close loops",
+            )
             for name in names[1:]
+            if name in joints
         ]
     if complete:
         faults += [
@@ -47,40 +77,68 @@ def structure_faults(
             for body in bodies
             if body not in joints_of
         ]
-    return faults + _cycle_faults({child: names[0] for child, names in joints_of.items()}, joints)
+    return faults + _cycle_faults({child: names[0] for child, names in joints_of.items()}, joints, all_joints)
+
+
+def _kinds(*names: Collection[str]) -> Iterator[tuple[str, Collection[str]]]:
+    return zip(("bodies", "joints", "closures"), names, strict=True)
+
+
+def _twice(kind: str, names: Collection[str], others: Collection[str], what: str) -> list[LocalFault]:
+    return [((kind, name), f"{name} is the name of a {what} already; give another") for name in names if name in others]
+
+
+def _chain_faults(chain: Names, bodies: Collection[str], joints: Collection[str]) -> list[LocalFault]:
+    """What a chain hangs on and how its parts are called; `bodies` and `joints` are those besides it."""
+    parent, links, hinges = chain
+    faults: list[LocalFault] = []
+    for key, own, others, what in (("link_name", links, bodies, "body"), ("hinge_name", hinges, joints, "joint")):
+        if own and not _NAME.fullmatch(own[0]):
+            faults.append((("chain", key), f"got the name {own[0].removesuffix('_1')!r}; {_ALLOWED}"))
+        clash = next((name for name in own if name in others), None)
+        if clash is not None:
+            faults.append((("chain", key), f"{clash} is the name of a {what} already; give another"))
+    if parent not in bodies and parent != GROUND:
+        what = f"{parent} is a link of this chain" if parent in links else _unknown_body(parent, [GROUND, *bodies])
+        faults.append((("chain", "parent"), what))
+    return faults
 
 
 def _name_faults(kind: str, names: Collection[str]) -> list[LocalFault]:
-    allowed = "a letter or _, then letters, digits, _ and -, are allowed"
     faults: list[LocalFault] = [
-        ((kind, name), f"got the name {name!r}; {allowed}") for name in names if not _NAME.fullmatch(name)
+        ((kind, name), f"got the name {name!r}; {_ALLOWED}") for name in names if not _NAME.fullmatch(name)
     ]
     if GROUND in names and kind == "bodies":
         faults.append(((kind, GROUND), "the name ground is that of the fixed frame; give the body another"))
     return faults
 
 
-def _end_faults(joint: str, parent: str, child: str, bodies: Collection[str]) -> list[LocalFault]:
+def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collection[str]) -> list[LocalFault]:
     faults: list[LocalFault] = []
     if parent not in bodies and parent != GROUND:
-        faults.append((("joints", joint, "parent"), _unknown_body(parent, [GROUND, *bodies])))
+        faults.append(((kind, joint, "parent"), _unknown_body(parent, [GROUND, *bodies])))
     if child == GROUND:
-        faults.append((("joints", joint, "child"), "the ground can't be a child; it moves with nothing"))
+        faults.append(((kind, joint, "child"), "the ground can't be a child; it moves with nothing"))
     elif child not in bodies:
-        faults.append((("joints", joint, "child"), _unknown_body(child, list(bodies))))
+        faults.append(((kind, joint, "child"), _unknown_body(child, list(bodies))))
     elif child == parent:
-        faults.append((("joints", joint, "child"), f"joins {child} to itself; parent and child must differ"))
+        faults.append(((kind, joint, "child"), f"joins {child} to itself; parent and child must differ"))
     return faults
 
 
 def _unknown_body(name: str, known: list[str]) -> str:
     near = get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known[:_MOST_LISTED])}{', ...' * (len(known) > _MOST_LISTED)}"
     return f"there is no body {name!r}; {hint}"
 
 
-def _cycle_faults(joint_of: Mapping[str, str], joints: Mapping[str, tuple[str, str]]) -> list[LocalFault]:
-    """One fault for each closed chain, at the joint of its first body; self-joints have their fault already."""
+def _cycle_faults(
+    joint_of: Mapping[str, str], own: Collection[str], joints: Mapping[str, tuple[str, str]]
+) -> list[LocalFault]:
+    """One fault for each ring of joints, at the joint of its first body; self-joints have their fault already.
+
+    own: the joints that are written out; the others are those of a chain, which hangs on its parent.
+    """
     faults: list[LocalFault] = []
     seen: set[str] = set()
     for start in joint_of:
@@ -93,5 +151,6 @@ def _cycle_faults(joint_of: Mapping[str, str], joints: Mapping[str, tuple[str, s
         if body in chain and chain.index(body) < len(chain) - 1:
             loop = [*chain[chain.index(body) :], body]
             message = f"{' -> '.join(reversed(loop))} is a closed chain; each body must lead back to the ground"
-            faults.append((("joints", joint_of[body], "parent"), message))
+            path: tuple[str, ...] = ("joints", joint_of[body], "parent")
+            faults.append((path if joint_of[body] in own else ("chain", "parent"), message))
     return faults

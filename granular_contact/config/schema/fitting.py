@@ -1,0 +1,82 @@
+"""Whether the parts of a scenario fit its mechanism: initial states and drives by joint, shared signals by name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from difflib import get_close_matches
+
+from granular_contact.config.schema.base import LocalFault
+from granular_contact.config.schema.drives import TARGETS, AnyDrive, target
+from granular_contact.config.schema.initial import KEYS, Initial
+from granular_contact.config.schema.model import Model
+from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
+from granular_contact.config.schema.structure import GROUND
+
+
+def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
+    """Faults of an initial state, with paths below the scenario."""
+    joints = model.all_joints
+    on_ground = {joint.type for joint in joints.values() if joint.parent == GROUND}
+    if initial.impact_angle_deg is not None and not on_ground & {"hinge", "weld"}:
+        words = f"got {initial.impact_angle_deg:g}, but no hinge and no weld is on the ground: use initial.joints"
+        yield ("initial", "impact_angle_deg"), words
+    for name, start in (initial.joints or {}).items():
+        path = ("initial", "joints", name)
+        if name not in joints:
+            what = "closes a loop, which follows from the others" if name in model.closures else None
+            yield path, f"{name} {what}" if what else _unknown("joint", name, joints)
+            continue
+        kind = joints[name].type
+        if kind == "weld":
+            yield path, f"{name} is a weld, which has no state; allowed are hinges, sliders and free joints"
+            continue
+        for key in sorted(start.model_fields_set - set(KEYS[kind])):
+            yield (*path, key), f"{name} is a {kind}; allowed are {', '.join(KEYS[kind])}"
+        if start.angle_deg is not None and initial.impact_angle_deg is not None and joints[name].parent == GROUND:
+            yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
+
+
+def drive_faults(
+    drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal], model: Model
+) -> Iterator[LocalFault]:
+    """Faults of the drives and the signals that they share, with paths below the scenario."""
+    joints = model.all_joints | model.closures
+    for name, signal in signals.items():
+        if isinstance(signal, Shared):
+            yield ("signals", name), f"got the name {signal.name!r}; allowed is a signal that says itself what it is"
+    used = set()
+    for name, drive in drives.items():
+        path, key = ("drives", name), target(drive)
+        signal = getattr(drive, key)
+        if isinstance(signal, Shared):
+            used.add(signal.name)
+            yield from _shared_faults((*path, key), signal, signals)
+        if name not in joints:
+            yield path, _unknown("joint", name, joints)
+            continue
+        kind = joints[name].type
+        if kind not in TARGETS.values():
+            yield path, f"{name} is a {kind}, which can't be driven; allowed are hinges and sliders"
+        elif kind != TARGETS[key]:
+            allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)
+            yield (*path, key), f"{name} is a {kind}; a drive of a {kind} has one of the keys {allowed}"
+    for name in signals:
+        if name not in used:
+            yield ("signals", name), "no drive follows it; a drive names it where it has its signal"
+
+
+def _shared_faults(path: tuple[str, ...], shared: Shared, signals: Mapping[str, AnySignal]) -> Iterator[LocalFault]:
+    signal = signals.get(shared.name)
+    if signal is None:
+        yield path, _unknown("signal", shared.name, signals)
+    elif isinstance(signal, Buehler) and path[-1] != "angle_deg":
+        yield path, f"{shared.name} is a buehler clock, which gives angles; allowed are the other signals"
+    elif shared.phase_deg != 0.0 and not isinstance(signal, Buehler | Sine):
+        words = f"got {shared.phase_deg:g}, but {shared.name} is a {signal.type}: allowed is 0"
+        yield (*path, "phase_deg"), words
+
+
+def _unknown(what: str, name: str, known: Collection[str]) -> str:
+    near = get_close_matches(name, known, 1)
+    listed = ", ".join(list(known)[:12]) + ", ..." * (len(known) > 12)
+    return f"there is no {what} {name!r}; " + (f"did you mean {near[0]}?" if near else f"there are {listed or 'none'}")

@@ -1,0 +1,72 @@
+"""Schema of the start of a run: angles, positions and rates of joints, or the strike of a pendulum."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from granular_contact.config.schema.base import LocalFault, Strict, refusal
+
+
+class JointStart(Strict):
+    """State of one joint, in its own coordinate; what is left out starts at home, at rest."""
+
+    angle_deg: float | None = None
+    """Of a hinge, clockwise; of a free body, below the horizontal."""
+    rate_rad_s: float | None = None
+    position_m: float | None = None
+    """Of a slider, along its axis."""
+    speed_m_s: float | None = None
+    x_m: float | None = None
+    """Of a free body: where its joint sits, from the joint's place on the ground."""
+    y_m: float | None = None
+    vx_m_s: float | None = None
+    """Of a free body: velocity of the place where its joint sits."""
+    vy_m_s: float | None = None
+
+
+KEYS = {
+    "hinge": ("angle_deg", "rate_rad_s"),
+    "slider": ("position_m", "speed_m_s"),
+    "free": ("x_m", "y_m", "angle_deg", "vx_m_s", "vy_m_s", "rate_rad_s"),
+}
+RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s")
+
+
+class Initial(Strict):
+    """The start: the undeformed mechanism, in the state of its joints."""
+
+    impact_angle_deg: Annotated[float, Field(ge=-90, le=90)] | None = None
+    """Angle below the horizontal of all that is hinged or welded to the ground; not needed if joints say the start."""
+    impact_speed_rad_s: float = 0.0
+    """Rate of the ground hinge; positive turns the link into the medium."""
+    impact_tip_speed_m_s: float | None = None
+    """The same by the speed of the tip, the farthest end of the mechanism, turning about the ground hinge."""
+    joints: dict[str, JointStart] | None = None
+    """By the name of the joint; joints that are not named start at home, at rest, or as a loop or a drive has them."""
+    settle: bool = False
+    """Find rest under gravity first, with damping, and with the drives as they are at the start."""
+
+    @model_validator(mode="after")
+    def _is_a_start(self) -> Initial:
+        faults: list[LocalFault] = []
+        if self.impact_angle_deg is None and self.joints is None and not self.settle:
+            message = "is missing; allowed is a finite number from -90 to 90, or joints in its place"
+            faults.append((("impact_angle_deg",), message))
+        if self.impact_tip_speed_m_s is not None and self.impact_speed_rad_s != 0.0:
+            message = "got both this and impact_speed_rad_s; allowed is one of them"
+            faults.append((("impact_tip_speed_m_s",), message))
+        if self.settle:
+            faults += [(path, f"got {value:g}, but settle is true: allowed is 0") for path, value in self._speeds()]
+        if faults:
+            raise refusal(faults)
+        return self
+
+    def _speeds(self) -> list[tuple[tuple[str, ...], float]]:
+        speeds: list[tuple[tuple[str, ...], float | None]] = [
+            ((key,), getattr(self, key)) for key in ("impact_speed_rad_s", "impact_tip_speed_m_s")
+        ]
+        for name, start in (self.joints or {}).items():
+            speeds += [(("joints", name, key), getattr(start, key)) for key in RATES]
+        return [(path, value) for path, value in speeds if value]

@@ -1,0 +1,152 @@
+"""Schema of joints: how two bodies move against each other in the plane, and what acts between them there.
+
+The coordinate of a joint is what its column in the results shows. A hinge turns clockwise: its angle is that of the
+child below the x axis of the parent, on the ground below the horizontal. A slider grows along its axis.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import model_validator
+
+from granular_contact.config.schema.base import NotNegative, Point, Positive, Strict, Tagged, refusal
+
+
+class _Ends(Strict):
+    parent: str
+    """A body, or `ground`."""
+    child: str
+    """A body; each is the child of exactly one joint, besides the closures of loops."""
+    parent_point_m: Point = (0.0, 0.0)
+    """Where the joint sits in the frame of the parent."""
+    child_point_m: Point = (0.0, 0.0)
+    """Where the joint sits in the frame of the child."""
+
+
+class HingeSpring(Strict):
+    """Linear torsional spring."""
+
+    stiffness_Nm_per_rad: Positive
+    rest_deg: float = 0.0
+
+
+class HingeStops(Strict):
+    """Ends of the range, as springs that act beyond them: stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+
+    lower_deg: float
+    upper_deg: float
+    stiffness_Nm_per_rad: Positive
+    dissipation_s_per_rad: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _in_order(self) -> HingeStops:
+        if self.lower_deg >= self.upper_deg:
+            raise refusal([(("lower_deg",), f"got {self.lower_deg:g}; allowed is below upper_deg, {self.upper_deg:g}")])
+        return self
+
+
+class HingeFriction(Strict):
+    """Dry friction that holds still: an elastic bristle which slips."""
+
+    torque_Nm: Positive
+    slip_deg: Positive = 0.01
+    """Turn at which it slips."""
+    damping_time_s: NotNegative = 1e-3
+    """Of the bristle, so that it does not ring."""
+
+
+class HingeClosure(_Ends):
+    """The child turns about the normal of the plane."""
+
+    type: Literal["hinge"]
+    spring: HingeSpring | None = None
+    damping_Nm_s_per_rad: NotNegative = 0.0
+    stops: HingeStops | None = None
+    friction: HingeFriction | None = None
+
+
+class Hinge(HingeClosure):
+    """The child turns about the normal of the plane."""
+
+    home_deg: float = 0.0
+    """Angle at the start, unless the run says otherwise; clockwise, from the x axis of the parent."""
+
+
+class Weld(_Ends):
+    """The child is held at a fixed angle."""
+
+    type: Literal["weld"]
+    angle_deg: float = 0.0
+    """From the x axis of the parent to that of the child, counter-clockwise."""
+
+
+class SliderSpring(Strict):
+    """Linear spring along the axis."""
+
+    stiffness_N_per_m: Positive
+    rest_m: float = 0.0
+
+
+class SliderStops(Strict):
+    """Ends of the range, as springs that act beyond them: stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
+
+    lower_m: float
+    upper_m: float
+    stiffness_N_per_m: Positive
+    dissipation_s_per_m: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _in_order(self) -> SliderStops:
+        if self.lower_m >= self.upper_m:
+            raise refusal([(("lower_m",), f"got {self.lower_m:g}; allowed is below upper_m, {self.upper_m:g}")])
+        return self
+
+
+class SliderFriction(Strict):
+    """Dry friction that holds still: an elastic bristle which slips."""
+
+    force_N: Positive
+    slip_m: Positive = 1e-5
+    """Displacement at which it slips."""
+    damping_time_s: NotNegative = 1e-3
+    """Of the bristle, so that it does not ring."""
+
+
+class SliderClosure(_Ends):
+    """The child moves along an axis that is fixed in the parent, and does not turn."""
+
+    type: Literal["slider"]
+    axis_deg: float = 0.0
+    """Direction of the axis in the frame of the parent, counter-clockwise from its x axis; 90 on the ground is up."""
+    angle_deg: float = 0.0
+    """From the x axis of the parent to that of the child, counter-clockwise."""
+    spring: SliderSpring | None = None
+    damping_N_s_per_m: NotNegative = 0.0
+    stops: SliderStops | None = None
+    friction: SliderFriction | None = None
+
+
+class Slider(SliderClosure):
+    """The child moves along an axis that is fixed in the parent, and does not turn."""
+
+    home_m: float = 0.0
+    """Position along the axis at the start, unless the run says otherwise."""
+
+
+class Free(_Ends):
+    """The child moves freely in the plane; where it starts is said by `initial.joints` of the run."""
+
+    type: Literal["free"]
+
+    @model_validator(mode="after")
+    def _on_the_ground(self) -> Free:
+        if self.parent != "ground":
+            raise refusal([(("parent",), f"got {self.parent!r}; a free body has the parent ground")])
+        return self
+
+
+JOINTS: dict[str, type[Strict]] = {"hinge": Hinge, "weld": Weld, "slider": Slider, "free": Free}
+Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
+CLOSURES: dict[str, type[Strict]] = {"hinge": HingeClosure, "weld": Weld, "slider": SliderClosure}
+Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]

@@ -1,0 +1,56 @@
+"""Schema of a mechanism: bodies, the joints that hang them on the ground, closures of loops, and a chain."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from pydantic import model_validator
+
+from granular_contact.config.schema.base import LocalFault, Strict, Text, refusal
+from granular_contact.config.schema.chain import Chain, expand, names
+from granular_contact.config.schema.joints import Closure, Joint
+from granular_contact.config.schema.mechanism import Body
+from granular_contact.config.schema.structure import structure_faults
+
+
+class Model(Strict):
+    """A mechanism in the plane, x horizontal and y up, before it is placed and set in motion."""
+
+    name: Text
+    description: Text = ""
+    bodies: dict[str, Body] = {}
+    joints: dict[str, Joint] = {}
+    """The tree: each body is the child of one joint, and leads back to the ground."""
+    closures: dict[str, Closure] = {}
+    """Joints that close loops: between bodies that hang on the ground already."""
+    chain: Chain | None = None
+    """Many equal links in a row, besides the bodies and joints."""
+
+    @cached_property
+    def all_bodies(self) -> dict[str, Body]:
+        """Bodies by name, the links of the chain at the end."""
+        return self.bodies | (expand(self.chain)[0] if self.chain is not None else {})
+
+    @cached_property
+    def all_joints(self) -> dict[str, Joint]:
+        """Joints of the tree by name, the hinges of the chain at the end."""
+        return self.joints | (expand(self.chain)[1] if self.chain is not None else {})
+
+    @model_validator(mode="after")
+    def _is_a_mechanism(self) -> Model:
+        faults: list[LocalFault] = []
+        if not self.bodies and self.chain is None:
+            faults.append((("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"))
+        faults += structure_faults(
+            self.bodies,
+            {name: (j.parent, j.child) for name, j in self.joints.items()},
+            closures={name: (j.parent, j.child) for name, j in self.closures.items()},
+            chain=None if self.chain is None else self._chain_names(self.chain),
+        )
+        if faults:
+            raise refusal(faults)
+        return self
+
+    @staticmethod
+    def _chain_names(chain: Chain) -> tuple[str, list[str], list[str]]:
+        return chain.parent, names(chain.link_name, chain.count), names(chain.hinge_name, chain.count)

@@ -1,0 +1,200 @@
+"""Schema of the shapes of rigid bodies: mass, outline, and what the medium meets. SI units, named in the keys."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from granular_contact.config.schema.base import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
+
+
+class _Shape(Strict):
+    in_sand: bool = True
+    """Whether the medium acts on it; false: it has mass and is drawn, no more."""
+
+
+class DiscShape(_Shape):
+    """A cylinder seen from its end, a wheel: its axis is normal to the plane of motion."""
+
+    type: Literal["disc"]
+    diameter_m: Positive
+    thickness_m: Positive
+    """Extent along the axis."""
+    center_m: Point = (0.0, 0.0)
+    """In the frame of the body."""
+
+
+class SphereShape(_Shape):
+    """A ball."""
+
+    type: Literal["sphere"]
+    diameter_m: Positive
+    center_m: Point = (0.0, 0.0)
+
+
+class _Straight(_Shape):
+    start_m: Point = (0.0, 0.0)
+    end_m: Point
+
+    @model_validator(mode="after")
+    def _has_a_length(self) -> _Straight:
+        if self.start_m == self.end_m:
+            raise refusal([(("end_m",), f"got {list(self.end_m)}, the same as start_m; the two must differ")])
+        return self
+
+
+class CylinderShape(_Straight):
+    """A cylinder whose axis lies in the plane of motion, from `start_m` to `end_m` in the frame of the body."""
+
+    type: Literal["cylinder"]
+    diameter_m: Positive
+
+
+class PlateShape(_Straight):
+    """A flat plate seen from its edge, from `start_m` to `end_m` in the frame of the body."""
+
+    type: Literal["plate"]
+    width_m: Positive
+    """Extent normal to the plane of motion."""
+    thickness_m: Positive
+
+
+def section_faults(diameter: float | None, width: float | None, thickness: float | None) -> list[LocalFault]:
+    """Faults of a section that is round, with a diameter, or rectangular, with a width and a thickness."""
+    if diameter is None and width is None and thickness is None:
+        return [(("diameter_m",), "is missing; allowed is a number above 0, or else width_m and thickness_m")]
+    if diameter is not None and (width is not None or thickness is not None):
+        return [(("diameter_m",), "stands beside width_m or thickness_m; a section is round or rectangular")]
+    if diameter is None and (width is None or thickness is None):
+        missing = "width_m" if width is None else "thickness_m"
+        return [((missing,), "is missing; a rectangular section has width_m and thickness_m")]
+    return []
+
+
+class _Bent(_Shape):
+    diameter_m: Positive | None = None
+    """Of a round bar."""
+    width_m: Positive | None = None
+    """Of a flat bar, normal to the plane of motion."""
+    thickness_m: Positive | None = None
+    """Of a flat bar, in the plane."""
+
+    @model_validator(mode="after")
+    def _one_section(self) -> _Bent:
+        if faults := section_faults(self.diameter_m, self.width_m, self.thickness_m):
+            raise refusal(faults)
+        return self
+
+
+class ArcShape(_Bent):
+    """A round or flat bar along a circular arc, the C-leg of a walking machine."""
+
+    type: Literal["arc"]
+    radius_m: Positive
+    """Of the middle line."""
+    center_m: Point = (0.0, 0.0)
+    start_deg: Annotated[float, Field(ge=-720, le=720)]
+    """Where the arc begins, from the x axis of the body, counter-clockwise."""
+    end_deg: Annotated[float, Field(ge=-720, le=720)]
+
+    @model_validator(mode="after")
+    def _has_an_opening(self) -> ArcShape:
+        sweep = abs(self.end_deg - self.start_deg)
+        if not 0.0 < sweep <= 360.0:
+            got = f"got {self.end_deg:g}, which is {sweep:g} from start_deg"
+            raise refusal([(("end_deg",), f"{got}; allowed is above 0 and at most 360")])
+        return self
+
+
+class PolylineShape(_Bent):
+    """A round or flat bar along straight pieces."""
+
+    type: Literal["polyline"]
+    points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=2, max_length=1000)]
+    """Corners in the frame of the body."""
+
+    @model_validator(mode="after")
+    def _moves_on(self) -> PolylineShape:
+        if faults := _repeated(self.points_m):
+            raise refusal(faults)
+        return self
+
+
+class PolygonShape(_Shape):
+    """A solid with a polygon as its section."""
+
+    type: Literal["polygon"]
+    points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=3, max_length=1000)]
+    """Corners in the frame of the body, in either sense; the last joins the first."""
+    width_m: Positive
+    """Extent normal to the plane of motion."""
+
+    @model_validator(mode="after")
+    def _encloses(self) -> PolygonShape:
+        faults = _repeated((*self.points_m, self.points_m[0]))
+        if not faults and abs(doubled_area(self.points_m)) < 1e-12 * _extent(self.points_m) ** 2:
+            faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
+        if faults:
+            raise refusal(faults)
+        return self
+
+
+class FootShape(_Shape):
+    """A flat sole with round toe and heel: a rectangle that ends in half circles, along the x axis of its own frame."""
+
+    type: Literal["foot"]
+    length_m: Positive
+    """From heel to toe, the round ends included."""
+    height_m: Positive
+    width_m: Positive
+    """Extent normal to the plane of motion."""
+    center_m: Point = (0.0, 0.0)
+    angle_deg: float = 0.0
+    """Of the sole in the frame of the body, counter-clockwise."""
+
+    @model_validator(mode="after")
+    def _is_longer_than_high(self) -> FootShape:
+        if self.length_m < self.height_m:
+            allowed = f"allowed is at least height_m, {self.height_m:g}"
+            raise refusal([(("length_m",), f"got {self.length_m:g}; {allowed}")])
+        return self
+
+
+def doubled_area(points: tuple[tuple[float, float], ...]) -> float:
+    """Twice the area (m2) of a polygon, negative for a clockwise one."""
+    following = (*points[1:], points[0])
+    return math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(points, following, strict=True))
+
+
+def _extent(points: tuple[tuple[float, float], ...]) -> float:
+    (x0, x1), (y0, y1) = ((min(c), max(c)) for c in zip(*points, strict=True))
+    return max(x1 - x0, y1 - y0)
+
+
+def _repeated(points: tuple[tuple[float, float], ...]) -> list[LocalFault]:
+    """A fault for each corner that is the same as the one before it."""
+    faults: list[LocalFault] = []
+    for i, (one, other) in enumerate(pairwise(points)):
+        if one == other:
+            message = f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
+            faults.append((("points_m",), message))
+    return faults
+
+
+SHAPES: dict[str, type[Strict]] = {
+    "disc": DiscShape,
+    "sphere": SphereShape,
+    "cylinder": CylinderShape,
+    "plate": PlateShape,
+    "arc": ArcShape,
+    "polyline": PolylineShape,
+    "polygon": PolygonShape,
+    "foot": FootShape,
+}
+Shape = Annotated[
+    DiscShape | SphereShape | CylinderShape | PlateShape | ArcShape | PolylineShape | PolygonShape | FootShape,
+    Tagged("type", SHAPES),
+]

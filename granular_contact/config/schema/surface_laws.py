@@ -1,0 +1,65 @@
+"""Schema of the resistive force theories, for plates, outlines and round bars."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from granular_contact.config.schema.base import NotNegative, Positive, Strict
+from granular_contact.config.schema.provenance import MediumBase
+
+
+class RftCoefficients(Strict):
+    """Fourier coefficients of alpha_z (A, B) and alpha_x (C, D); B_11 and C_11 are those with the index -1,1."""
+
+    A00: float
+    A10: float
+    B11: float
+    B01: float
+    B_11: float
+    C11: float
+    C01: float
+    C_11: float
+    D10: float
+
+
+# The generic set of Li, Zhang and Goldman (2013), which a medium scales by its zeta.
+GENERIC = RftCoefficients(
+    A00=0.206, A10=0.169, B11=0.212, B01=0.358, B_11=0.055, C11=-0.124, C01=0.253, C_11=0.007, D10=0.088
+)
+
+
+class _Rft(MediumBase):
+    zeta: Positive = 1.0
+    """Factor of the coefficients."""
+    alpha_N_cm3: RftCoefficients = GENERIC
+    """Left out: the generic set, for which zeta is the medium's."""
+
+
+class Rft(_Rft):
+    """Resistive force theory in the plane: stress zeta alpha(beta, gamma) z."""
+
+    law: Literal["rft"]
+
+
+class Drft(_Rft):
+    """The stress of rft, and the inertia -lambda rho v_n^2 n of the grains pushed away."""
+
+    law: Literal["drft"]
+    density_kg_m3: Positive
+    lambda_: Annotated[float, Field(alias="lambda", ge=0)]
+    """`lambda` in YAML."""
+    surface_drop_m: NotNegative = 0.0
+    """delta_h, by which the free surface is lowered."""
+
+
+class Rft3d(MediumBase):
+    """Three-dimensional resistive force theory, used in the plane; no fitted coefficients, density and friction only."""
+
+    law: Literal["rft3d"]
+    density_kg_m3: Positive
+    mu_int: Positive
+    """Internal friction of the medium."""
+    mu_surf: NotNegative
+    """Friction between the medium and the surface."""

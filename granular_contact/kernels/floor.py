@@ -1,0 +1,85 @@
+"""Stiff contact with the floor of a bed: a spring and a damper per unit of length, normal to a level floor.
+
+    dF_y/ds = k delta max(0, 1 - d v_y)
+
+with the depth delta below the floor and the vertical velocity v_y at mid-strip. The damping grows with the depth, so
+the force is continuous at the touch, and it never pulls. On a ball k acts over its diameter.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import balls, law, strips
+from granular_contact.kernels.immersion import pressure_integral_gradients, pressure_integrals
+
+TERMS = ("floor",)
+# N/m^2, s/m. The order makes two types of them, one for strips and one for balls.
+STRIP_RECORD = np.dtype([("floor_stiffness", "f8"), ("floor_damping", "f8")])
+BALL_RECORD = np.dtype([("floor_damping", "f8"), ("floor_stiffness", "f8")])
+
+
+@law.provide(law.strip_force, "m", STRIP_RECORD)
+@njit(cache=True)
+def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):  # noqa: ARG001
+    """Add the end forces of a strip; z0, z1 are depths below the floor, else as in `law.strip_force`."""
+    share = max(0.0, 1.0 - m.floor_damping * 0.5 * (v0y + v1y))
+    k = m.floor_stiffness * share * math.hypot(cx, cy)
+    j0, j1 = pressure_integrals(z0, z1)
+    f[0, 0, 1] += k * j0
+    f[0, 1, 1] += k * j1
+
+
+@law.provide(law.strip_tangent, "m", STRIP_RECORD)
+@njit(cache=True)
+def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):  # noqa: ARG001
+    """Add the derivatives of `strip_force`; arguments as in `law.strip_tangent`."""
+    share = 1.0 - m.floor_damping * 0.5 * (v0y + v1y)
+    if share <= 0.0:
+        return
+    length = math.hypot(cx, cy)
+    k = m.floor_stiffness
+    j0, j1 = pressure_integrals(z0, z1)
+    g00, g01, g10, g11 = pressure_integral_gradients(z0, z1)
+    for row, j, gz0, gz1 in ((1, j0, g00, g01), (3, j1, g10, g11)):
+        stretch = k * share * j / length
+        kp[row, 0] -= stretch * cx
+        kp[row, 1] -= stretch * cy
+        kp[row, 2] += stretch * cx
+        kp[row, 3] += stretch * cy
+        kz[row, 0] += k * share * length * gz0
+        kz[row, 1] += k * share * length * gz1
+        kv[row, 1] -= 0.5 * k * length * j * m.floor_damping
+        kv[row, 3] -= 0.5 * k * length * j * m.floor_damping
+
+
+@law.provide(law.ball_force, "m", BALL_RECORD)
+@njit(cache=True)
+def ball_force(z, vx, vy, ex, ey, run, m, f):  # noqa: ARG001
+    """Add the force of a ball, z being the depth of its lowest point below the floor; as in `law.ball_force`."""
+    f[0, 1] += m.floor_stiffness * run.width * z * max(0.0, 1.0 - m.floor_damping * vy)
+
+
+@law.provide(law.ball_tangent, "m", BALL_RECORD)
+@njit(cache=True)
+def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):  # noqa: ARG001
+    """Add the derivatives of `ball_force`; arguments as in `law.ball_tangent`."""
+    share = 1.0 - m.floor_damping * vy
+    if share > 0.0:
+        kz[1] += m.floor_stiffness * run.width * share
+        kv[1, 1] -= m.floor_stiffness * run.width * z * m.floor_damping
+
+
+@law.provide(law.drag_anchor, "m", STRIP_RECORD)
+@law.provide(law.drag_anchor, "m", BALL_RECORD)
+@njit(cache=True)
+def drag_anchor(px, py, ax, ay, m):  # noqa: ARG001
+    """A floor has no bristles."""
+    return ax, ay
+
+
+strips.line_law(STRIP_RECORD, caps=False)
+balls.ball_law(BALL_RECORD)

@@ -1,0 +1,97 @@
+"""Scalar laws of a ball: a force against its motion, of its speed v and the depth z of its lowest point.
+
+    F = -s (F0 + k z^p) u - (b + c |v|) v
+
+with the direction u and the share s of `planar_friction`. Bingham has F0 and b; Poncelet F0 and c; Allen et al. all
+three; the linear static law k with p = 1; Tsimring and Volfson c, k and p; Katsuragi and Durian k, p = 1 and
+c = m / d1, with the mass m of the ball in the run and d1 given (m) or as a multiple of the diameter.
+
+What does not grow with depth by itself grows from nothing to its full value over the first SHALLOW diameters [ours], so
+that the force is continuous at the touch.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import balls, law
+from granular_contact.kernels.planar_friction import mobilised, mobilised_slopes, radial_return
+
+STATIC, VISCOUS = 0, 1  # terms; where the quadratic one goes is the record's `quadratic`
+SHALLOW = 1e-3
+
+RECORD = np.dtype(
+    [
+        ("F0", "f8"),  # N
+        ("k", "f8"),  # N/m^p
+        ("p", "f8"),
+        ("b", "f8"),  # N s/m
+        ("c", "f8"),  # kg/m
+        ("d1", "f8"),  # m; 0: none
+        ("d1_per_diameter", "f8"),  # 0: none
+        ("quadratic", "i8"),
+        ("friction", "i8"),
+        ("u_y", "f8"),
+        ("tau", "f8"),
+        ("v_eps", "f8"),
+    ]
+)
+
+
+@njit(cache=True)
+def coefficient(run, m):
+    """Coefficient c (kg/m) of the quadratic term."""
+    d1 = m.d1 + m.d1_per_diameter * run.width
+    return m.c + (run.mass / d1 if d1 > 0.0 else 0.0)
+
+
+@njit(cache=True)
+def grown(z, run):
+    """What is there of the terms without depth, in [0, 1], and its derivative by z (1/m)."""
+    depth = SHALLOW * run.width
+    return (z / depth, 1.0 / depth) if z < depth else (1.0, 0.0)
+
+
+@law.provide(law.ball_force, "m", RECORD)
+@njit(cache=True)
+def ball_force(z, vx, vy, ex, ey, run, m, f):
+    """Add the force of a ball to f[term, xy]; arguments as in `law.ball_force`."""
+    there, _ = grown(z, run)
+    ux, uy, share = mobilised(ex, ey, vx, vy, m)
+    static = share * (there * m.F0 + (m.k * z if m.p == 1.0 else m.k * z**m.p))
+    f[STATIC, 0] -= static * ux
+    f[STATIC, 1] -= static * uy
+    viscous, quadratic = there * m.b, there * coefficient(run, m) * math.hypot(vx, vy)
+    f[VISCOUS, 0] -= viscous * vx
+    f[VISCOUS, 1] -= viscous * vy
+    f[m.quadratic, 0] -= quadratic * vx
+    f[m.quadratic, 1] -= quadratic * vy
+
+
+@law.provide(law.ball_tangent, "m", RECORD)
+@njit(cache=True)
+def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):
+    """Add the derivatives of `ball_force`; arguments as in `law.ball_tangent`."""
+    there, there_z = grown(z, run)
+    c, speed = coefficient(run, m), math.hypot(vx, vy)
+    ux, uy, share = mobilised(ex, ey, vx, vy, m)
+    s_q, s_over_q, q_e, q_v = mobilised_slopes(ex, ey, vx, vy, m)
+    depth_part = m.k * z if m.p == 1.0 else m.k * z**m.p
+    static, static_z = there * m.F0 + depth_part, there_z * m.F0 + depth_part * m.p / z
+    drag, drag_z = there * (m.b + c * speed), there_z * (m.b + c * speed)
+    for i, u_i, v_i in ((0, ux, vx), (1, uy, vy)):
+        kz[i] -= share * static_z * u_i + drag_z * v_i
+        for j, u_j, v_j in ((0, ux, vx), (1, uy, vy)):
+            same = 1.0 if i == j else 0.0
+            by_q = static * (s_q * u_i * u_j + s_over_q * (same - u_i * u_j))
+            kp[i, j] -= by_q * q_e
+            kv[i, j] -= by_q * q_v + drag * same
+            if speed > 0.0:
+                kv[i, j] -= there * c * v_i * v_j / speed
+
+
+law.provide(law.drag_anchor, "m", RECORD)(radial_return)
+balls.ball_law(RECORD)

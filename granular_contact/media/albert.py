@@ -1,0 +1,36 @@
+"""Medium of Albert et al. (1999): horizontal resistance eta_h g rho_g H^2 d of a thin round bar; nothing else.
+
+Compiled equations: `kernels.albert`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.validity import Validity
+
+
+@dataclass(frozen=True)
+class Albert:
+    """density: rho_g (kg/m3); eta_h: fitted to the medium."""
+
+    density: float
+    eta_h: float
+    name: str = "albert"
+    validity: Validity = Validity()
+
+    terms = ("horizontal_static",)
+    takes = frozenset({"round"})
+
+    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
+        """As `Medium.record`."""
+        from granular_contact.kernels import albert
+
+        record = np.zeros(1, albert.RECORD)
+        record["eta_h_g_rho"] = self.eta_h * abs(gravity) * self.density
+        static.fill(record)
+        return record

@@ -1,0 +1,31 @@
+"""Linear static medium: a force k z on a ball.
+
+Compiled equations: `kernels.scalar`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.media.scalar import scalar_record
+from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.validity import Validity
+
+
+@dataclass(frozen=True)
+class LinearDepth:
+    """stiffness: k (N/m)."""
+
+    stiffness: float
+    name: str = "linear_depth"
+    validity: Validity = Validity()
+
+    terms = ("static",)
+    takes = frozenset({"ball"})
+
+    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
+        """As `Medium.record`; the coefficient does not depend on gravity."""
+        return scalar_record(static, self.terms, k=self.stiffness)

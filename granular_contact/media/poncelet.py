@@ -1,0 +1,32 @@
+"""Poncelet medium: a constant force and one quadratic in speed, F0 + c v^2, on a ball.
+
+Compiled equations: `kernels.scalar`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.media.scalar import scalar_record
+from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.validity import Validity
+
+
+@dataclass(frozen=True)
+class Poncelet:
+    """constant_force: F0 (N); drag: c (kg/m)."""
+
+    constant_force: float
+    drag: float
+    name: str = "poncelet"
+    validity: Validity = Validity()
+
+    terms = ("constant", "drag")
+    takes = frozenset({"ball"})
+
+    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
+        """As `Medium.record`; the coefficients do not depend on gravity."""
+        return scalar_record(static, self.terms, F0=self.constant_force, c=self.drag)

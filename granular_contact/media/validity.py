@@ -1,0 +1,44 @@
+"""Where a medium's coefficients were measured, and by how much a run left that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+Interval = tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Validity:
+    """Intervals of the speed (m/s), depth (m) and size (m) that the coefficients were measured in; None: not stated."""
+
+    speed: Interval = None
+    depth: Interval = None
+    size: Interval = None
+
+    def departures(self, speed: float, depth: float, sizes: tuple[float, ...]) -> Iterator[str]:
+        """Sentences on what lies outside: greatest speed and depth of a run, sizes of the parts that met the medium.
+
+        A run passes through all speeds and depths below its greatest, so of these only the upper ends count.
+        """
+        yield from _beyond("speed", speed, "m/s", self.speed, lower=False)
+        yield from _beyond("depth", depth, "m", self.depth, lower=False)
+        if sizes:
+            yield from _beyond("size", min(sizes), "m", self.size, upper=False)
+            yield from _beyond("size", max(sizes), "m", self.size, lower=False)
+
+
+def _beyond(
+    what: str, value: float, unit: str, interval: Interval, *, lower: bool = True, upper: bool = True
+) -> Iterator[str]:
+    if interval is None:
+        return
+    low, high = interval
+    if upper and value > high:
+        yield f"{what} {value:.4g} {unit} is {_share(value, high)} the greatest stated, {high:g} {unit}"
+    if lower and value < low:
+        yield f"{what} {value:.4g} {unit} is {low - value:.2g} {unit} below the least stated, {low:g} {unit}"
+
+
+def _share(value: float, limit: float) -> str:
+    return f"{value / limit:.2f} times" if limit > 0.0 else "above"

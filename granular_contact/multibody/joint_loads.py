@@ -1,0 +1,138 @@
+"""What acts in a joint by its coordinate: spring, damper, stops, dry friction, and a drive that is no prescribed motion.
+
+Laid over the joint's two nodes as a massless `ObjectGenericODE2` with an analytic tangent, as the granular bed is. The
+same functions tell afterwards, from the accepted steps, what work each did.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+
+from granular_contact.multibody.coordinates import Hinge, Numbers, Slider
+from granular_contact.scene.types import Drive, JointLaw, Vector
+
+
+class Force(NamedTuple):
+    """Torque or force along a coordinate (N m or N), and its derivatives by the coordinate and by its rate."""
+
+    value: float
+    by_place: float = 0.0
+    by_rate: float = 0.0
+
+
+def stop(law: JointLaw, s: float, rate: float) -> tuple[float, Force]:
+    """Elastic part of the force of the stops, and the whole of it; it pushes only."""
+    depth = s - law.upper if s > law.upper else s - law.lower if s < law.lower else 0.0
+    if depth == 0.0:
+        return 0.0, Force(0.0)
+    elastic = -law.stop_stiffness * depth
+    # Hunt and Crossley: the faster it gets deeper, the harder; what would pull back is left out.
+    growing = rate if depth > 0.0 else -rate
+    factor = 1.0 + law.dissipation * growing
+    if factor <= 0.0:
+        return elastic, Force(0.0)
+    by_rate = elastic * law.dissipation * (1.0 if depth > 0.0 else -1.0)
+    return elastic, Force(elastic * factor, -law.stop_stiffness * factor, by_rate)
+
+
+def friction(law: JointLaw, s: float, rate: float, anchor: float) -> Force:
+    """Dry friction of a bristle that is held at its anchor."""
+    strain = (s - anchor + law.damping_time * rate) / law.slip
+    if abs(strain) >= 1.0:
+        return Force(-math.copysign(law.friction, strain))
+    slope = -law.friction / law.slip
+    return Force(law.friction * -strain, slope, slope * law.damping_time)
+
+
+def follow(law: JointLaw, s: float, anchor: float) -> float:
+    """Anchor of the bristle after a step that ended at s."""
+    return min(max(anchor, s - law.slip), s + law.slip)
+
+
+def drive_force(drive: Drive, t: float, s: float, rate: float) -> Force:
+    """Torque or force of a drive; before t = 0 its clock stands, and it wants no speed."""
+    wanted = drive.signal.value(max(t, 0.0))
+    if drive.kind == "load":
+        return Force(wanted)
+    if drive.of_rate:
+        error, rate_error = 0.0, (wanted if t >= 0.0 else 0.0) - rate
+    else:
+        error, rate_error = wanted - s, (drive.signal.rate(t) if t >= 0.0 else 0.0) - rate
+    force = drive.gain * error + drive.rate_gain * rate_error
+    if abs(force) >= drive.limit:
+        return Force(math.copysign(drive.limit, force))
+    return Force(force, -drive.gain, -drive.rate_gain)
+
+
+class JointLoad:
+    """What acts in one joint; `nodes` are those of parent and child, without the ground's."""
+
+    def __init__(self, coordinate: Hinge | Slider, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
+        self.coordinate, self.nodes, self.law, self.drive = coordinate, nodes, law, drive
+        self.anchor = self.first_anchor = coordinate.joint.start
+        self._size = coordinate.parent.size + coordinate.child.size
+
+    def add(self, mbs: Any) -> None:
+        """Put it into a system, before it is assembled."""
+        mbs.AddObject(
+            items.ObjectGenericODE2(
+                nodeNumbers=[exu.NodeIndex(node) for node in self.nodes],
+                forceUserFunction=self._force,
+                jacobianUserFunction=self._jacobian,
+                visualization=items.VObjectGenericODE2(show=False),
+            )
+        )
+
+    def total(self, t: float, s: float, rate: float) -> Force:
+        """All that acts along the coordinate."""
+        law = self.law
+        total = [Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)]
+        if law.has_stops:
+            total.append(stop(law, s, rate)[1])
+        if law.friction > 0.0:
+            total.append(friction(law, s, rate, self.anchor))
+        if self.drive is not None and self.drive.kind != "motion":
+            total.append(drive_force(self.drive, t, s, rate))
+        return Force(*map(sum, zip(*total, strict=True)))
+
+    def accept(self, q: Vector, v: Vector) -> None:
+        """End of a step at this state (all coordinates of the system, as the engine has them)."""
+        if self.law.friction > 0.0:
+            s, _, _ = self.coordinate.at(q[self._where].tolist(), v[self._where].tolist())
+            self.anchor = follow(self.law, s, self.anchor)
+
+    def start(self, mbs: Any) -> None:
+        """Find the nodes' coordinates in the assembled system."""
+        data = mbs.systemData
+        self._where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
+
+    def _force(self, mbs: Any, t: float, item: int, q: Numbers, v: Numbers) -> Numbers:  # noqa: ARG002
+        s, rate, slope = self.coordinate.at(list(q), list(v))
+        force = self.total(t, s, rate).value
+        return [force * g for g in slope]
+
+    def _jacobian(
+        self,
+        mbs: Any,  # noqa: ARG002
+        t: float,
+        item: int,  # noqa: ARG002
+        q: Numbers,
+        v: Numbers,
+        factor_q: float,
+        factor_v: float,
+    ) -> Any:
+        q, v = list(q), list(v)
+        s, rate, slope = self.coordinate.at(q, v)
+        force, gradient, second = self.total(t, s, rate), np.array(slope), self.coordinate.second(q)
+        by_q = np.outer(gradient, force.by_place * gradient + force.by_rate * (second @ np.array(v)))
+        by_q += force.value * second
+        by_v = force.by_rate * np.outer(gradient, gradient)
+        container = exu.MatrixContainer()
+        # The engine keeps these on the left-hand side, opposite in sign to the force.
+        container.SetWithDenseMatrix(-factor_q * by_q - factor_v * by_v, useDenseMatrix=False)
+        return container

@@ -1,0 +1,169 @@
+"""Joints, what acts in them, and prescribed motions, in Exudyn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+
+from granular_contact.multibody.coordinates import End, Hinge, Numbers, Slider, coordinate
+from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.multibody.system import System
+from granular_contact.scene.types import Connection, Drive, Vector, rotation
+
+
+def add_joint(system: System, ground: Any, joint: Connection) -> None:
+    """Put a joint into the system, with its spring, damper, stops, friction and drive."""
+    _constrain(system, ground, joint)
+    if not joint.has_coordinate:
+        return
+    drive = system.scene.drive(joint.name)
+    rigid = joint.child in system.rigid and (joint.parent is None or joint.parent in system.rigid)
+    if drive is not None and drive.kind == "motion":
+        system.motions[joint.name] = _add_motion(system, joint, drive)
+        drive = None
+    if drive is None and joint.law.is_idle:
+        return
+    if drive is None and joint.law.is_linear and joint.kind == "hinge" and rigid:
+        _add_spring(system, joint)
+        return
+    load = JointLoad(_coordinate(system, joint), _nodes(system, joint), joint.law, drive)
+    load.add(system.mbs)
+    system.loads[joint.name] = load
+
+
+def _constrain(system: System, ground: Any, joint: Connection) -> None:
+    if joint.kind == "free":
+        return
+    mbs = system.mbs
+    ends = (_seat(system, ground, joint.parent, joint.parent_point), _seat(system, ground, joint.child, joint.child_point))
+    if joint.kind == "hinge":
+        markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
+        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
+        return
+    # Both bodies must see the joint along the same direction: it keeps the angle that they start with.
+    angles = (_angle(system, joint.child) - _angle(system, joint.parent), 0.0)
+    markers = [_rigid_marker(mbs, *end, angle) for end, angle in zip(ends, angles, strict=True)]
+    if joint.kind == "weld":
+        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1]))
+        return
+    assert joint.axis is not None
+    axis = rotation(-angles[0]) @ joint.axis
+    mbs.AddObject(
+        items.ObjectJointPrismatic2D(
+            markerNumbers=markers, axisMarker0=[*axis, 0.0], normalMarker1=[-axis[1], axis[0], 0.0]
+        )
+    )
+
+
+def _rigid_marker(mbs: Any, body: Any, point: list[float], angle: float) -> Any:
+    turn = np.eye(3)
+    turn[:2, :2] = rotation(angle)
+    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=turn, translation=point)))
+
+
+def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:
+    """Exudyn body and local position of a joint's end."""
+    if name is None:
+        return ground, [*point, 0.0]
+    if name in system.rigid:
+        return system.rigid[name].object, [*point, 0.0]
+    handle = system.links[name]
+    if handle.end(point):
+        return handle.elements[-1], [handle.link.length / handle.link.elements, 0.0, 0.0]
+    return handle.elements[0], [0.0, 0.0, 0.0]
+
+
+def _angle(system: System, name: str | None) -> float:
+    return 0.0 if name is None else system.scene.body(name).motion.angle
+
+
+# ---- coordinates ----
+
+
+def _nodes(system: System, joint: Connection) -> list[int]:
+    ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
+    return [system.node_at(body, point) for body, point in ends if body is not None]
+
+
+def _coordinate(system: System, joint: Connection) -> Hinge | Slider:
+    return coordinate(
+        joint, _end(system, joint.parent, joint.parent_point), _end(system, joint.child, joint.child_point)
+    )
+
+
+def _end(system: System, body: str | None, point: Vector) -> End:
+    if body is None:
+        return End([], point.tolist())
+    reference = system.mbs.GetNode(system.node_at(body, point))["referenceCoordinates"]
+    at = point.tolist() if body in system.rigid else [0.0, 0.0]
+    return End([float(x) for x in reference], at, system.scene.body(body).motion.angle)
+
+
+def _add_spring(system: System, joint: Connection) -> None:
+    """Linear spring and damper of a hinge of rigid bodies: the engine's own, between their angles."""
+    mbs, law = system.mbs, joint.law
+    ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
+    mbs.AddObject(
+        items.ObjectConnectorCoordinateSpringDamper(
+            markerNumbers=ends,
+            stiffness=law.stiffness,
+            damping=law.damping,
+            # The engine counts angles from the start.
+            offset=law.rest - joint.start,
+        )
+    )
+
+
+def _angle_marker(system: System, body: str | None) -> Any:
+    """Marker of the angle of a rigid body, or of the ground's."""
+    mbs = system.mbs
+    node = mbs.AddNode(items.NodePointGround()) if body is None else system.rigid[body].node
+    return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0 if body is None else 2))
+
+
+def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
+    """Constraint s(q) = signal(t)."""
+    mbs, s = system.mbs, _coordinate(system, joint)
+    nodes = _nodes(system, joint)
+    if joint.parent is None:
+        nodes = [mbs.AddNode(items.NodePointGround()), *nodes]
+    markers = [mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
+    constraint, jacobian = _motion_functions(s, drive)
+    return int(
+        mbs.AddObject(
+            items.ObjectConnectorCoordinateVector(
+                markerNumbers=markers,
+                # One row each: how the engine learns the number of equations.
+                scalingMarker0=np.zeros((1, s.parent.size or 3)),
+                scalingMarker1=np.zeros((1, s.child.size)),
+                constraintUserFunction=constraint,
+                jacobianUserFunction=jacobian,
+            )
+        )
+    )
+
+
+def _motion_functions(s: Hinge | Slider, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
+    signal, size = drive.signal, s.parent.size + s.child.size
+
+    def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
+        q, v = list(q), list(v)
+        # The coordinates of a ground node come first, and are not asked for.
+        value, rate, _ = s.at(q[len(q) - size :], v[len(v) - size :])
+        if by_velocity:
+            return [rate - (signal.rate(t) if t >= 0.0 else 0.0)]
+        return [value - signal.value(max(t, 0.0))]
+
+    def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
+        q, v = list(q), list(v)
+        ground = len(q) - size
+        _, _, slope = s.at(q[ground:], v[ground:])
+        container = exu.MatrixContainer()
+        container.SetWithDenseMatrix(np.array([[0.0] * ground + slope]), useDenseMatrix=True)
+        return container
+
+    return constraint, jacobian

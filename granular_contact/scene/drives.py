@@ -1,0 +1,61 @@
+"""Drives of a scenario in SI units of the joints' coordinates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granular_contact.config import schema
+from granular_contact.config.schema.drives import target
+from granular_contact.errors import Fault
+from granular_contact.scene import signals
+from granular_contact.scene.types import Drive
+
+
+def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
+    """All drives of a scenario; what can't be made is appended to the faults."""
+    made = []
+    for name, spec in scenario.drives.items():
+        key = target(spec)
+        given, phase = getattr(spec, key), 0.0
+        if isinstance(given, schema.Shared):
+            given, phase = scenario.signals[given.name], given.phase_deg
+        if isinstance(given, schema.Csv):
+            words = f"{given.file} was not read: load the config from its file, or give the signal as a table"
+            faults.append(Fault("", None, f"drives.{name}.{key}", words))
+            continue
+        signal = _signal(given, math.radians(1.0) if key == "angle_deg" else 1.0, phase)
+        made.append(_drive(name, spec, signal))
+    return tuple(made)
+
+
+def _drive(name: str, spec: schema.AnyDrive, signal: signals.Signal) -> Drive:
+    if isinstance(spec, schema.Torque | schema.Force):
+        return Drive(name, "load", signal)
+    if isinstance(spec, schema.Motion):
+        return Drive(name, "motion", signal)
+    if isinstance(spec, schema.HingeControl):
+        gains, limit = (spec.gain_Nm_per_rad, spec.rate_gain_Nm_s_per_rad), spec.limit_Nm
+        of_rate = spec.rate_rad_s is not None
+    else:
+        gains, limit = (spec.gain_N_per_m, spec.speed_gain_N_s_per_m), spec.limit_N
+        of_rate = spec.speed_m_s is not None
+    return Drive(name, "control", signal, *gains, math.inf if limit is None else limit, of_rate)
+
+
+def _signal(spec: schema.AnySignal, unit: float, phase_deg: float) -> signals.Signal:
+    """A signal whose values are `unit` times those of the config, ahead by a phase."""
+    if isinstance(spec, schema.Constant):
+        return signals.Constant(unit * spec.value)
+    if isinstance(spec, schema.Sine):
+        phase = math.radians(spec.phase_deg + phase_deg)
+        return signals.Sine(unit * spec.amplitude, 2.0 * math.pi * spec.frequency_Hz, phase, unit * spec.offset)
+    if isinstance(spec, schema.Ramp):
+        return signals.Ramp(unit * spec.from_, unit * spec.to, spec.start_s, spec.duration_s)
+    if isinstance(spec, schema.Buehler):
+        sweep, offset = math.radians(spec.stance_sweep_deg), math.radians(spec.stance_offset_deg)
+        phase = (spec.phase_deg + phase_deg) / 360.0
+        return signals.Buehler(spec.frequency_Hz, sweep, offset, spec.duty_factor, phase, spec.blend)
+    assert isinstance(spec, schema.Table)  # the others were resolved
+    return signals.piecewise(np.array(spec.time_s), unit * np.array(spec.values), spec.interpolation == "cubic")

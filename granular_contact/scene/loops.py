@@ -1,0 +1,211 @@
+"""Closed loops at the start: whether they close, the state of the joints that follow, redundant constraints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from granular_contact.config import schema
+from granular_contact.errors import Fault
+from granular_contact.scene.layout import JointState, Pose, is_rigid, point, pose
+from granular_contact.scene.start import Start
+from granular_contact.scene.types import Drive, Vector, rotation
+
+# A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.
+GAP, TILT = 1e-4, math.radians(0.01)
+RANK_TOLERANCE = 1e-9  # of the largest singular value
+_STEPS = 8  # in which a loop is led from home to where the run wants it
+
+
+class Loops:
+    """The loops of a model, as equations C(x) = 0 of the coordinates x of its tree of joints."""
+
+    def __init__(self, model: schema.Model, ground_angle: float) -> None:
+        self.model, self.ground_angle = model, ground_angle
+        self.joints = [name for name, joint in model.all_joints.items() if not isinstance(joint, schema.Weld)]
+        self.sizes = [3 if isinstance(model.all_joints[name], schema.Free) else 1 for name in self.joints]
+
+    def states(self, x: Vector, rates: Vector) -> dict[str, JointState]:
+        """Joint states of coordinates (n,) and their rates (n,)."""
+        ends = np.cumsum(self.sizes)[:-1]
+        split = zip(self.joints, np.split(x, ends), np.split(rates, ends), strict=True)
+        return {name: JointState(value, rate) for name, value, rate in split}
+
+    def vector(self, states: Mapping[str, JointState]) -> tuple[Vector, Vector]:
+        """Coordinates (n,) and their rates (n,) of joint states."""
+        values = np.concatenate([states[name].value for name in self.joints])
+        return values, np.concatenate([states[name].rate for name in self.joints])
+
+    def mask(self, names: frozenset[str]) -> Vector:
+        """Which coordinates (n,) belong to these joints."""
+        return np.repeat([name in names for name in self.joints], self.sizes)
+
+    def at(self, x: Vector, rates: Vector) -> Pose:
+        """Pose of the mechanism."""
+        return pose(self.model, self.states(x, rates), self.ground_angle)
+
+    def gaps(self, name: str, placed: Pose) -> Vector:
+        """What is left to close one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
+        joint = self.model.closures[name]
+        parent, child = placed.frames[joint.parent], placed.frames[joint.child]
+        gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
+        if isinstance(joint, schema.HingeClosure):
+            return gap
+        turn = child.angle - parent.angle - math.radians(joint.angle_deg)
+        turn -= 2.0 * math.pi * round(turn / (2.0 * math.pi))
+        if isinstance(joint, schema.SliderClosure):
+            return np.array([_across(joint, parent.angle) @ gap, turn])
+        return np.array([*gap, turn])
+
+    def gap_rates(self, name: str, placed: Pose) -> Vector:
+        """How fast a loop that is closed opens."""
+        joint = self.model.closures[name]
+        parent, child = placed.twists[joint.parent], placed.twists[joint.child]
+        pin = placed.frames[joint.child].world(point(joint.child_point_m))
+        gap = child.at(pin) - parent.at(pin)
+        if isinstance(joint, schema.HingeClosure):
+            return gap
+        turn = child.rate - parent.rate
+        if isinstance(joint, schema.SliderClosure):
+            return np.array([_across(joint, placed.frames[joint.parent].angle) @ gap, turn])
+        return np.array([*gap, turn])
+
+    def all_gaps(self, x: Vector) -> Vector:
+        """All gaps (m,)."""
+        placed = self.at(x, np.zeros_like(x))
+        return np.concatenate([self.gaps(name, placed) for name in self.model.closures])
+
+    def jacobian(self, x: Vector) -> dict[str, Vector]:
+        """Derivatives of the gaps of every closure by the coordinates, (rows, n) each, in a closed pose."""
+        columns: dict[str, list[Vector]] = {name: [] for name in self.model.closures}
+        for unit in np.eye(len(x)):
+            placed = self.at(x, unit)
+            for name, column in columns.items():
+                column.append(self.gap_rates(name, placed))
+        return {name: np.array(column).T for name, column in columns.items()}
+
+    def close(self, x: Vector, movable: Vector) -> Vector:
+        """Coordinates near x that close all loops, or as far as Newton's method gets; only the movable (n,) change."""
+        for _ in range(20):
+            gap = self.all_gaps(x)
+            if np.abs(gap).max() < 1e-14:
+                break
+            slope = np.concatenate(list(self.jacobian(x).values()))[:, movable]
+            x = x.copy()
+            x[movable] -= np.linalg.lstsq(slope, gap, rcond=1e-10)[0]
+        return x
+
+
+def _across(joint: schema.SliderClosure, angle: float) -> Vector:
+    return rotation(angle + math.radians(joint.axis_deg))[:, 1]
+
+
+def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:
+    """Joint states in which all loops are closed and stay so; what was not said follows. Faults are appended."""
+    model = scenario.model
+    if not model.closures:
+        return begun.states
+    loops = Loops(model, ground_angle)
+    wanted, rates = loops.vector(begun.states)
+    home = _home(loops, wanted, begun)
+    faults += _open(loops, home, "at home")
+    if faults:
+        return begun.states
+    placed = loops.mask(begun.placed)
+    x = loops.close(home, ~loops.mask(frozenset()))
+    if placed.any():
+        first = x
+        for share in np.linspace(0.0, 1.0, _STEPS + 1)[1:]:
+            x = np.where(placed, first + share * (wanted - first), x)
+            x = loops.close(x, ~placed)
+        faults += _open(loops, x, "at the start")
+    slopes = np.concatenate(list(loops.jacobian(x).values()))
+    moved = loops.mask(begun.moved)
+    rates = np.where(moved, rates, 0.0)
+    follow = ~moved
+    rates[follow] = np.linalg.lstsq(slopes[:, follow], -slopes @ rates, rcond=1e-10)[0] if follow.any() else 0.0
+    opening = float(np.abs(slopes @ rates).max())
+    if opening > 1e-6 * max(1.0, float(np.abs(rates).max())):
+        words = f"the rates of the joints open a loop at {opening:.3g} m/s or rad/s: name fewer of them"
+        faults.append(Fault("", None, "initial.joints", words))
+    return loops.states(x, rates)
+
+
+def _home(loops: Loops, wanted: Vector, begun: Start) -> Vector:
+    """Coordinates in which the loops are to close as the model is written; free bodies are where the run has them."""
+    home = []
+    for name, size in zip(loops.joints, loops.sizes, strict=True):
+        joint = loops.model.all_joints[name]
+        if isinstance(joint, schema.Hinge):
+            home.append(math.radians(joint.home_deg))
+        elif isinstance(joint, schema.Slider):
+            home.append(joint.home_m)
+        else:
+            home += begun.states[name].value.tolist()
+        assert size in (1, 3)
+    return np.array(home)
+
+
+def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
+    """A fault for every loop that does not close."""
+    faults = []
+    placed = loops.at(x, np.zeros_like(x))
+    for name, joint in loops.model.closures.items():
+        gap = loops.gaps(name, placed)
+        turn = 0.0 if isinstance(joint, schema.HingeClosure) else abs(float(gap[-1]))
+        distance = float(np.linalg.norm(gap if isinstance(joint, schema.HingeClosure) else gap[:-1]))
+        if distance > GAP or turn > TILT:
+            words = f"the loop does not close {when}: {joint.parent} and {joint.child} are {distance:.4g} m"
+            words += f" and {math.degrees(turn):.4g} deg" if turn > TILT else ""
+            words += f" apart there; allowed are {GAP:g} m" + (f" and {math.degrees(TILT):g} deg" if turn else "")
+            faults.append(Fault("", None, f"model.closures.{name}", words))
+    return faults
+
+
+def redundant(
+    model: schema.Model, states: Mapping[str, JointState], ground_angle: float, drives: tuple[Drive, ...]
+) -> list[Fault]:
+    """Closures and prescribed motions that hold what is held already, by the rank of the constraints at the start.
+
+    A loop through a flexible link is never redundant: the link gives way.
+    """
+    if not model.closures:
+        return []
+    loops = Loops(model, ground_angle)
+    x, _ = loops.vector(states)
+    rows = {("closures", name): slope for name, slope in loops.jacobian(x).items() if not _gives_way(model, name)}
+    begins = dict(zip(loops.joints, np.cumsum([0, *loops.sizes]), strict=False))
+    for drive in drives:
+        if drive.kind == "motion" and drive.joint in begins:
+            rows["drives", drive.joint] = np.eye(len(x))[[begins[drive.joint]]]
+    held, rank, faults = np.zeros((0, len(x))), 0, []
+    scale = max((float(np.abs(slope).max(initial=0.0)) for slope in rows.values()), default=1.0)
+    for (kind, name), slope in rows.items():
+        tried = np.vstack([held, slope])
+        gained = int(np.linalg.matrix_rank(tried, tol=RANK_TOLERANCE * max(scale, 1.0))) - rank
+        if gained == len(slope):
+            held, rank = tried, rank + gained
+            continue
+        spare = len(slope) - gained
+        words = f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} hold{'s' * (spare == 1)} what"
+        words += " the other joints hold already: leave it out, or choose a type that holds less"
+        faults.append(Fault("", None, f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
+    return faults
+
+
+def _gives_way(model: schema.Model, closure: str) -> bool:
+    """Whether the loop of a closure has a flexible link in it."""
+    joint_of = {joint.child: joint for joint in model.all_joints.values()}
+
+    def path(body: str) -> list[str]:
+        bodies = [body]
+        while bodies[-1] in joint_of:
+            bodies.append(joint_of[bodies[-1]].parent)
+        return bodies
+
+    ends = model.closures[closure]
+    one, other = path(ends.parent), path(ends.child)
+    loop = set(one) ^ set(other) | {ends.parent, ends.child}
+    return any(not is_rigid(model, body) for body in loop)

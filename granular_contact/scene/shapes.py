@@ -1,0 +1,171 @@
+"""Shapes of a config -> lines and outlines in the frame of their body, with their mass properties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from granular_contact.config import schema
+from granular_contact.media.kinds import Kind
+from granular_contact.scene.types import Shape, Vector, rotation
+
+CHORDS = 48  # of a full circle, at the least
+
+
+@dataclass(frozen=True)
+class Lump:
+    """Volume (m3) of a shape, its centre (2,) m in the body's frame, and its inertia about it per mass (m2)."""
+
+    volume: float
+    center: Vector
+    gyration: float
+
+
+def made(part: str, spec: schema.Shape, strips: int) -> tuple[Shape, Lump]:
+    """Shape of a config with its mass properties; curves get at least `strips` chords."""
+    shape, lump = _SHAPES[type(spec)](part, spec, strips)
+    return shape, lump
+
+
+def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool = True) -> tuple[Shape, Lump]:
+    """Straight bar from start to end, (2,) m."""
+    length = float(np.linalg.norm(end - start))
+    lump = Lump(section.area * length, (start + end) / 2, length**2 / 12 + section.gyration)
+    return Shape(part, section.kind, np.stack([start, end]), section.width, section.thickness, in_sand), lump
+
+
+@dataclass(frozen=True)
+class Section:
+    """Section of a bar: round, or rectangular with its width normal to the plane and its thickness in it (m)."""
+
+    is_round: bool
+    width: float
+    thickness: float
+
+    @property
+    def kind(self) -> Kind:
+        """What the medium meets."""
+        return "round" if self.is_round else "flat"
+
+    @property
+    def area(self) -> float:
+        """Area (m2)."""
+        return self.width * self.thickness * (math.pi / 4 if self.is_round else 1.0)
+
+    @property
+    def gyration(self) -> float:
+        """Second moment for bending in the plane, per area (m2)."""
+        return self.thickness**2 / (16 if self.is_round else 12)
+
+
+def section(spec: schema.Link | schema.ArcShape | schema.PolylineShape) -> Section:
+    """Section of what has a diameter, or a width and a thickness."""
+    if spec.diameter_m is not None:
+        return Section(True, spec.diameter_m, spec.diameter_m)
+    assert spec.width_m is not None  # the schema takes a diameter or both others
+    assert spec.thickness_m is not None
+    return Section(False, spec.width_m, spec.thickness_m)
+
+
+def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, Lump]:
+    radius, center = spec.diameter_m / 2, np.array(spec.center_m)
+    circle = center + radius * _circle(max(CHORDS, strips))
+    lump = Lump(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
+    return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand), lump
+
+
+def _sphere(part: str, spec: schema.SphereShape, _: int) -> tuple[Shape, Lump]:
+    d, center = spec.diameter_m, np.array(spec.center_m)
+    return Shape(part, "ball", center[None, :], d, d, spec.in_sand), Lump(math.pi / 6 * d**3, center, d**2 / 10)
+
+
+def _cylinder(part: str, spec: schema.CylinderShape, _: int) -> tuple[Shape, Lump]:
+    size = Section(True, spec.diameter_m, spec.diameter_m)
+    return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
+
+
+def _plate(part: str, spec: schema.PlateShape, _: int) -> tuple[Shape, Lump]:
+    size = Section(False, spec.width_m, spec.thickness_m)
+    return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
+
+
+def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, Lump]:
+    size, radius, center = section(spec), spec.radius_m, np.array(spec.center_m)
+    start, end = math.radians(spec.start_deg), math.radians(spec.end_deg)
+    half = abs(end - start) / 2
+    chords = max(strips, math.ceil(CHORDS * half / math.pi))
+    angles = np.linspace(start, end, chords + 1)
+    points = center + radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    # Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector.
+    off = radius * math.sin(half) / half
+    middle = (start + end) / 2
+    lump = Lump(
+        size.area * radius * 2 * half,
+        center + off * np.array([math.cos(middle), math.sin(middle)]),
+        radius**2 - off**2 + size.gyration,
+    )
+    return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand), lump
+
+
+def _polyline(part: str, spec: schema.PolylineShape, _: int) -> tuple[Shape, Lump]:
+    size, points = section(spec), np.array(spec.points_m)
+    pieces = [bar(part, a, b, size)[1] for a, b in pairwise(points)]
+    volume = sum(piece.volume for piece in pieces)
+    center: Vector = sum((piece.volume * piece.center for piece in pieces), np.zeros(2)) / volume
+    gyration = sum(p.volume * (p.gyration + float(np.sum((p.center - center) ** 2))) for p in pieces) / volume
+    shape = Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand)
+    return shape, Lump(volume, center, gyration)
+
+
+def _polygon(part: str, spec: schema.PolygonShape, _: int) -> tuple[Shape, Lump]:
+    return _solid(part, np.array(spec.points_m), spec.width_m, spec.in_sand)
+
+
+def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, Lump]:
+    radius = spec.height_m / 2
+    half = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # from the x axis over y to its other side
+    turned = half @ rotation(math.pi / 2)  # the toe, from below to above
+    reach = np.array([spec.length_m / 2 - radius, 0.0])
+    outline = np.vstack([turned + reach, -turned - reach])
+    if not reach.any():
+        outline = _circle(CHORDS)[:-1] * radius
+    corners = np.array(spec.center_m) + outline @ rotation(math.radians(spec.angle_deg)).T
+    return _solid(part, corners, spec.width_m, spec.in_sand)
+
+
+def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, Lump]:
+    """Solid with a polygon as its section, corners (k, 2) m without the repeated first one."""
+    closed = np.vstack([corners, corners[:1]])
+    origin = corners.mean(axis=0)
+    (x0, y0), (x1, y1) = (closed[:-1] - origin).T, (closed[1:] - origin).T
+    twice = x0 * y1 - x1 * y0  # of the triangles with the origin
+    area = twice.sum() / 2
+    center = np.array([((x0 + x1) * twice).sum(), ((y0 + y1) * twice).sum()]) / (6 * area)
+    polar = ((x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) * twice).sum() / 12
+    lump = Lump(abs(area) * width, origin + center, polar / area - float(center @ center))
+    return Shape(part, "outline", closed, width, 0.0, in_sand), lump
+
+
+def _circle(chords: int) -> Vector:
+    """Points (chords + 1, 2) around the unit circle, counter-clockwise from the x axis."""
+    angles = np.linspace(0.0, 2 * math.pi, chords + 1)
+    points = np.column_stack([np.cos(angles), np.sin(angles)])
+    points[-1] = points[0]
+    return points
+
+
+_SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, Lump]]] = {
+    schema.DiscShape: _disc,
+    schema.SphereShape: _sphere,
+    schema.CylinderShape: _cylinder,
+    schema.PlateShape: _plate,
+    schema.ArcShape: _arc,
+    schema.PolylineShape: _polyline,
+    schema.PolygonShape: _polygon,
+    schema.FootShape: _foot,
+}

@@ -1,0 +1,93 @@
+"""Where the joints of a scenario start: at home, as the run says, or as a drive prescribes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from granular_contact.config import schema
+from granular_contact.errors import Fault
+from granular_contact.scene.layout import GROUND, JointState
+from granular_contact.scene.types import Drive
+
+# What a start may differ by from a prescribed motion (rad, m, rad/s, m/s): the digits of a config.
+AGREEMENT = 1e-6
+
+
+@dataclass(frozen=True)
+class Start:
+    """States of the joints of the tree; those whose coordinate, or whose rate, was said by the run or a drive."""
+
+    states: dict[str, JointState]
+    placed: frozenset[str]
+    moved: frozenset[str]
+
+
+def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: float, faults: list[Fault]) -> Start:
+    """Initial states of all joints of the tree, not looking at loops; faults are appended.
+
+    impact_speed: rate of the ground hinges (rad/s).
+    """
+    initial, driven = scenario.initial, {drive.joint: drive for drive in drives}
+    states, placed, moved = {}, set(), set()
+    for name, joint in scenario.model.all_joints.items():
+        if isinstance(joint, schema.Weld):
+            continue
+        said = (initial.joints or {}).get(name, schema.JointStart())
+        state = _said(joint, said, initial, impact_speed)
+        struck = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
+        has_place = struck or any(v is not None for v in (said.angle_deg, said.position_m, said.x_m, said.y_m))
+        has_rate = (struck and impact_speed != 0.0) or said.rate_rad_s is not None or said.speed_m_s is not None
+        drive = driven.get(name)
+        if drive is not None and drive.kind == "motion":
+            follows = JointState(np.array([drive.signal.value(0.0)]), np.array([drive.signal.rate(0.0)]))
+            faults += _gaps(name, joint, state, follows, has_place, has_rate)
+            state, has_place, has_rate = follows, True, True
+            if initial.settle and state.rate[0] != 0.0:
+                words = f"the motion starts at {state.rate[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
+                faults.append(Fault("", None, f"drives.{name}", words))
+        elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
+            state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rate), True
+        states[name] = state
+        placed |= {name} if has_place or isinstance(joint, schema.Free) else set()
+        moved |= {name} if has_rate or isinstance(joint, schema.Free) else set()
+    return Start(states, frozenset(placed), frozenset(moved))
+
+
+def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
+    """State of a joint by the run, at home and at rest where it says nothing."""
+    if isinstance(joint, schema.Slider):
+        at = joint.home_m if said.position_m is None else said.position_m
+        return JointState(np.array([at]), np.array([said.speed_m_s or 0.0]))
+    if isinstance(joint, schema.Free):
+        value = [said.x_m or 0.0, said.y_m or 0.0, math.radians(said.angle_deg or 0.0)]
+        return JointState(np.array(value), np.array([said.vx_m_s or 0.0, said.vy_m_s or 0.0, said.rate_rad_s or 0.0]))
+    assert isinstance(joint, schema.Hinge)  # a weld has no state
+    on_ground = joint.parent == GROUND
+    home = initial.impact_angle_deg if on_ground and initial.impact_angle_deg is not None else joint.home_deg
+    angle = home if said.angle_deg is None else said.angle_deg
+    speed = impact_speed if on_ground else 0.0
+    return JointState(
+        np.array([math.radians(angle)]), np.array([speed if said.rate_rad_s is None else said.rate_rad_s])
+    )
+
+
+def _gaps(
+    name: str, joint: schema.Joint, state: JointState, follows: JointState, has_place: bool, has_rate: bool
+) -> Iterator[Fault]:
+    """Differences between what the run says and what a prescribed motion starts with."""
+    hinge = isinstance(joint, schema.Hinge)
+    unit = math.degrees(1.0) if hinge else 1.0
+    keys = ("angle_deg", "rate_rad_s") if hinge else ("position_m", "speed_m_s")
+    asked = (
+        (has_place, keys[0], unit, float(state.value[0]), float(follows.value[0])),
+        (has_rate, keys[1], 1.0, float(state.rate[0]), float(follows.rate[0])),
+    )
+    for given, key, factor, got, wanted in asked:
+        if given and abs(got - wanted) > AGREEMENT:
+            words = f"got {factor * got:g}, but the drive of {name} starts at {factor * wanted:g}, "
+            words += f"{factor * abs(got - wanted):.3g} away: allowed is that, or no value"
+            yield Fault("", None, f"initial.joints.{name}.{key}", words)

@@ -1,0 +1,168 @@
+"""Every law with sample coefficients, short ways to call its kernels, and the published formulas once more in NumPy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from granular_contact.kernels import law
+from granular_contact.media.albert import Albert
+from granular_contact.media.allen import Allen
+from granular_contact.media.bingham import Bingham
+from granular_contact.media.drft import Drft
+from granular_contact.media.hill import Hill
+from granular_contact.media.katsuragi_durian import KatsuragiDurian
+from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.media.linear_depth import LinearDepth
+from granular_contact.media.poncelet import Poncelet
+from granular_contact.media.rft import Coefficients, Rft
+from granular_contact.media.rft3d import Rft3d
+from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.tsimring_volfson import TsimringVolfson
+
+Array = NDArray[np.float64]
+
+G = 9.81
+MASS, DIAMETER = 0.0667, 0.0254  # of the balls here
+# tanh(v / 1e-12) is exactly the sign of any |v| > 2e-11 m/s.
+TRUE_SIGN = Smooth(1e-12)
+
+GENERIC = Coefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088)
+LOOSE = Coefficients(0.051, 0.047, 0.053, 0.083, 0.020, -0.026, 0.057, 0.000, 0.025)
+CLOSE = Coefficients(0.094, 0.092, 0.092, 0.151, 0.035, -0.039, 0.086, 0.018, 0.046)
+SAND = Rft3d(1617.0, 1.07, 0.1806)
+# So rough that the friction of the surface never limits: S / xi_n is then alpha, but for what would drive.
+ROUGH = Rft3d(1617.0, 1.07, 1e9)
+
+SURFACE_LAWS = (Rft(GENERIC, 0.3), Rft(LOOSE), Rft(CLOSE), Drft(LOOSE, 1500.0, 1.1), SAND, ROUGH)
+BAR_LAWS = (
+    LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(3.0, 1.7)),
+    Albert(2500.0, 8.0),
+    Hill(2500.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7)),
+    Hill(2500.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7), length_scale=0.02),
+)
+SCALAR_LAWS = (
+    Bingham(3.0, 2.0),
+    Poncelet(3.0, 0.7),
+    Allen(0.7, 2.0, 3.0),
+    LinearDepth(90.0),
+    TsimringVolfson(0.7, 400.0, 1.6),
+    KatsuragiDurian(90.0, drag_length_per_diameter=3.4),
+    KatsuragiDurian(90.0, drag_length=0.09),
+)
+ALL_LAWS = SURFACE_LAWS + BAR_LAWS + SCALAR_LAWS
+
+
+def label(medium: object) -> str:
+    return str(medium.name)
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Ends P (2, 2) m, their velocities V (2, 2) m/s, stretch of the bristle e (2,) m; surface at y = 0."""
+
+    P: Array
+    V: Array
+    e: Array
+    width: float = 0.01
+    side: int = 0
+
+
+def run_record(width: float, side: int = 0, mass: float = 0.0) -> NDArray[np.void]:
+    run = np.zeros(1, law.RUN)
+    run["width"], run["side"], run["mass"] = width, side, mass
+    return run
+
+
+@njit
+def _strip(z0, z1, c, V, e, run, m, f):
+    law.strip_force(z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0], e[1], run[0], m[0], f)
+
+
+@njit
+def _strip_tangent(z0, z1, c, V, e, run, m, kp, kz, kv):
+    law.strip_tangent(
+        z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0], e[1], run[0], m[0], kp, kz, kv
+    )
+
+
+@njit
+def _ball(z, v, e, run, m, f):
+    law.ball_force(z, v[0], v[1], e[0], e[1], run[0], m[0], f)
+
+
+@njit
+def _ball_tangent(z, v, e, run, m, kp, kz, kv):
+    law.ball_tangent(z, v[0], v[1], e[0], e[1], run[0], m[0], kp, kz, kv)
+
+
+@njit
+def _drag(p, a, m):
+    return law.drag_anchor(p[0], p[1], a[0], a[1], m[0])
+
+
+def strip_force(s: Strip, record: NDArray[np.void], depths: Array | None = None) -> Array:
+    """End forces f[term, end, xy] of a strip."""
+    z0, z1 = -s.P[:, 1] if depths is None else depths
+    f = np.zeros((law.TERMS, 2, 2))
+    _strip(z0, z1, s.P[1] - s.P[0], s.V, s.e, run_record(s.width, s.side), record, f)
+    return f
+
+
+def strip_tangent(s: Strip, record: NDArray[np.void]) -> tuple[Array, Array, Array]:
+    kp, kz, kv = np.zeros((4, 4)), np.zeros((4, 2)), np.zeros((4, 4))
+    z0, z1 = -s.P[:, 1]
+    _strip_tangent(z0, z1, s.P[1] - s.P[0], s.V, s.e, run_record(s.width, s.side), record, kp, kz, kv)
+    return kp, kz, kv
+
+
+def ball_force(z: float, v: Array, e: Array, record: NDArray[np.void]) -> Array:
+    """Forces f[term, xy] on a ball."""
+    f = np.zeros((law.TERMS, 2))
+    _ball(z, v, e, run_record(DIAMETER, mass=MASS), record, f)
+    return f
+
+
+def ball_tangent(z: float, v: Array, e: Array, record: NDArray[np.void]) -> tuple[Array, Array, Array]:
+    kp, kz, kv = np.zeros((2, 2)), np.zeros(2), np.zeros((2, 2))
+    _ball_tangent(z, v, e, run_record(DIAMETER, mass=MASS), record, kp, kz, kv)
+    return kp, kz, kv
+
+
+def dragged(p: Array, anchor: Array, record: NDArray[np.void]) -> Array:
+    return np.array(_drag(p, anchor, record))
+
+
+def element(beta: float, gamma: float, depth: float = 1.0, speed: float = 1.0, side: int = 0) -> Strip:
+    """Square metre of a plate at beta (deg), its middle at a depth, that moves at gamma (deg) below the horizontal."""
+    b, g = np.radians([beta, gamma])
+    t, v = np.array([np.cos(b), np.sin(b)]), speed * np.array([np.cos(g), -np.sin(g)])
+    P = np.array([-0.5 * t, 0.5 * t]) - [0.0, depth]
+    return Strip(P, np.array([v, v]), np.zeros(2), 1.0, side)
+
+
+def published_rft(c: Coefficients, beta: float, gamma: float) -> tuple[float, float]:
+    """alpha_x, alpha_z (N/cm3) as printed; angles in degrees."""
+    b, g = np.radians([beta, gamma])
+    alpha_z = c.A00 + c.A10 * np.cos(2 * b) + c.B11 * np.sin(2 * b + g) + c.B01 * np.sin(g)
+    alpha_z += c.B_11 * np.sin(-2 * b + g)
+    alpha_x = c.C11 * np.cos(2 * b + g) + c.C01 * np.cos(g) + c.C_11 * np.cos(-2 * b + g) + c.D10 * np.sin(2 * b)
+    return alpha_x, alpha_z
+
+
+def central(function: object, x: Array, h: Array | float) -> Array:
+    """Jacobian by central differences of fourth order; steps h, one for all or one each."""
+    columns = []
+    for j, step in enumerate(np.broadcast_to(h, x.shape)):
+        d = np.zeros(x.size)
+        d[j] = step
+        near, far = function(x + d) - function(x - d), function(x + 2 * d) - function(x - 2 * d)
+        columns.append((8 * near - far) / (12 * step))
+    return np.stack(columns, axis=-1)
+
+
+SOFT = Elastoplastic(0.02, 0.01)
+CREEPING = Smooth(0.5)

@@ -1,0 +1,119 @@
+"""Mass properties and outlines of shapes, against a brute count of small squares; which shapes may meet which sand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.path import Path
+
+from granular_contact.config import schema
+from granular_contact.errors import SceneError
+from granular_contact.scene.shapes import made
+
+STRIPS = 400  # chords of curves: their polygon is the curve to 1e-4
+
+
+def shape(**keys: Any) -> Any:
+    return schema.Rigid(type="rigid", density_kg_m3=1.0, shapes=[keys]).shapes[0]
+
+
+def counted(inside: Callable[[np.ndarray], np.ndarray], reach: float) -> tuple[float, np.ndarray, float]:
+    """Area, centre and polar second moment per area about the centre, from 1200 x 1200 squares."""
+    axis = (np.arange(1200) + 0.5) / 600 - 1.0
+    points = reach * np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+    held = points[inside(points)]
+    center = held.mean(axis=0)
+    return len(held) * (reach / 600) ** 2, center, float(np.sum((held - center) ** 2, axis=1).mean())
+
+
+def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Points beside the pieces of a polyline, at most `half` away, without round ends."""
+
+    def inside(points: np.ndarray) -> np.ndarray:
+        found = np.zeros(len(points), bool)
+        for a, b in zip(line, line[1:], strict=False):
+            along = (points - a) @ (b - a) / np.sum((b - a) ** 2)
+            off = points - a - along[:, None] * (b - a)
+            found |= (along >= 0) & (along <= 1) & (np.linalg.norm(off, axis=1) <= half)
+        return found
+
+    return inside
+
+
+ARC = {"type": "arc", "radius_m": 0.05, "center_m": [0.01, -0.02], "start_deg": 40, "end_deg": 250}
+SOLIDS: dict[str, dict[str, Any]] = {
+    "disc": {"type": "disc", "diameter_m": 0.08, "thickness_m": 0.5, "center_m": [0.02, -0.01]},
+    "polygon": {"type": "polygon", "width_m": 0.5, "points_m": [[0, 0], [0.08, 0.01], [0.03, 0.02], [0.05, 0.07]]},
+    "clockwise": {"type": "polygon", "width_m": 0.5, "points_m": [[0.05, 0.07], [0.03, 0.02], [0.08, 0.01], [0, 0]]},
+    "foot": {"type": "foot", "length_m": 0.1, "height_m": 0.03, "width_m": 0.5, "center_m": [0.01, 0], "angle_deg": 20},
+    "round foot": {"type": "foot", "length_m": 0.06, "height_m": 0.06, "width_m": 0.5},
+}
+
+
+@pytest.mark.parametrize("keys", SOLIDS.values(), ids=list(SOLIDS))
+def test_solids_have_the_mass_of_their_outline(keys: dict[str, Any]) -> None:
+    solid, lump = made("part", shape(**keys), STRIPS)
+    assert solid.kind == "outline"
+    np.testing.assert_array_equal(solid.points[0], solid.points[-1])
+    area, center, gyration = counted(Path(solid.points).contains_points, 0.12)
+    # Squares of 0.2 mm along an outline of 0.3 m, in and out at random: some 1e-3 of the area; a disc's 400 chords
+    # and a foot's 24 at each end lose as much again.
+    assert lump.volume / 0.5 == pytest.approx(area, rel=3e-3)
+    np.testing.assert_allclose(lump.center, center, atol=1e-4)
+    assert lump.gyration == pytest.approx(gyration, rel=5e-3)
+
+
+BARS: dict[str, dict[str, Any]] = {
+    "plate": {"type": "plate", "width_m": 0.5, "thickness_m": 0.01, "start_m": [-0.03, 0.02], "end_m": [0.05, 0.04]},
+    "arc": {**ARC, "width_m": 0.5, "thickness_m": 0.004},
+    "polyline": {
+        "type": "polyline", "width_m": 0.5, "thickness_m": 0.002, "points_m": [[0, 0], [0.08, 0.0], [0.08, 0.05]],
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("keys", BARS.values(), ids=list(BARS))
+def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
+    bar, lump = made("part", shape(**keys), STRIPS)
+    assert bar.kind == "flat"
+    area, center, gyration = counted(near_line(bar.points, keys["thickness_m"] / 2), 0.1)
+    # As above, with squares of 0.17 mm along bands of 2 to 10 mm, and half a square of thickness at the corners.
+    assert lump.volume / 0.5 == pytest.approx(area, rel=2e-2)
+    np.testing.assert_allclose(lump.center, center, atol=3e-4)
+    assert lump.gyration == pytest.approx(gyration, rel=2e-2)
+
+
+def test_round_bars_and_balls_by_hand() -> None:
+    arc, lump = made("part", shape(**{**ARC, "start_deg": 0, "end_deg": 180}, diameter_m=0.004), STRIPS)
+    assert arc.kind == "round"
+    # Half a ring of radius R: length pi R, centre 2 R / pi from that of the circle; round-off.
+    assert lump.volume == pytest.approx(np.pi * 0.002**2 * np.pi * 0.05, rel=1e-13)
+    np.testing.assert_allclose(lump.center, [0.01, -0.02 + 2 * 0.05 / np.pi], rtol=1e-13)
+    assert lump.gyration == pytest.approx(0.05**2 - (2 * 0.05 / np.pi) ** 2 + 0.004**2 / 16, rel=1e-13)
+    ball, lump = made("part", shape(type="sphere", diameter_m=0.02, center_m=[0.1, 0.2]), STRIPS)
+    assert (ball.kind, ball.drop) == ("ball", 0.01)
+    assert lump.volume == pytest.approx(4 / 3 * np.pi * 0.01**3, rel=1e-14)
+    assert lump.gyration == pytest.approx(0.4 * 0.01**2, rel=1e-14)
+
+
+def test_a_given_mass_stands_for_the_shapes(scene_of: Callable[..., Any]) -> None:
+    scene = scene_of(
+        "{type: rigid, mass_kg: 2, inertia_kg_m2: 0.03, center_of_mass_m: [0.1, 0],"
+        " shapes: [{type: cylinder, diameter_m: 0.01, end_m: [0.2, 0]}]}"
+    )
+    assert (scene.rigid[0].mass, scene.rigid[0].inertia) == (2.0, 0.03)
+    np.testing.assert_allclose(scene.rigid[0].shapes[0].points, [[-0.1, 0], [0.1, 0]], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "spec", [BARS["plate"], BARS["arc"], SOLIDS["disc"], SOLIDS["foot"], {"type": "sphere", "diameter_m": 0.05}]
+)
+def test_shapes_that_the_law_does_not_take_are_refused(scene_of: Callable[..., Any], spec: dict[str, Any]) -> None:
+    body = "{{type: rigid, density_kg_m3: 1000, shapes: [{shape}]}}"
+    text = ", ".join(f"{key}: {value}" for key, value in spec.items())
+    with pytest.raises(SceneError, match=r"model\.bodies\.body: can get into the sand, but play_sand takes round bars"):
+        scene_of(body.format(shape=f"{{{text}}}"))
+    scene_of(body.format(shape=f"{{{text}, in_sand: false}}, {{type: cylinder, diameter_m: 0.01, end_m: [0.2, 0]}}"))
