@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from granular_contact.media.static_friction import Elastoplastic, Smooth
     from granular_contact.multibody.bed import GranularBed
     from granular_contact.run import run as simulate
-    from granular_contact.scene.build import build, preset
+    from granular_contact.scene.build import build
+    from granular_contact.scene.media import preset
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
 _HOMES = {
@@ -25,7 +26,7 @@ _HOMES = {
     "VerticalResistance": ("granular_contact.media.lee_marghitu", "VerticalResistance"),
     "build": ("granular_contact.scene.build", "build"),
     "load": ("granular_contact.config", "load"),
-    "preset": ("granular_contact.scene.build", "preset"),
+    "preset": ("granular_contact.scene.media", "preset"),
     "simulate": ("granular_contact.run", "run"),
 }
 

@@ -22,12 +22,14 @@ from granular_contact.results import Results
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
-TABLE, SWEEP, CASES = "table.csv", "sweep.yaml", "cases"
+TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
     "sweep": (TABLE, SWEEP, CASES),
     "compare": ("compare.csv", FIGURES),
+    "compare-media": ("compare-media.csv", FIGURES),
+    "media": (LAW,),
 }
 CHUNK = 4096  # rows of the table that are Python floats at one time
 

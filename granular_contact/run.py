@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.limits import Reach, warnings
+from granular_contact.media.kinds import term_names
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.types import Connection, Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
@@ -33,7 +35,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
     solved = _by_engine(scene, progress) if scene.method is None else _reduced(scene, scene.method, progress)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    touch = find_touch(time, series["depth_m"]) if scene.medium is not None else None
+    touch = find_touch(time, series["depth_m"]) if scene.media else None
     stop = None if touch is None else solved.stop(touch)
     instants = {
         "touch": 0 if touch is None else touch.index,
@@ -41,6 +43,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         "end": len(time) - 1,
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
+    summary["warnings"] += _limits(scene, solved.reach)
     return Results(
         name=scene.name,
         status=solved.status,
@@ -49,7 +52,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         summary=summary,
         scenario=scenario_to_dict(scenario),
         snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in instants.items()),
-        surface=scene.surface if scene.medium is not None else None,
+        surface=scene.surface if scene.media else None,
         warnings=tuple(summary["warnings"]),
         terms=solved.terms,
     )
@@ -59,7 +62,8 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    terms: names of the terms of the granular force; more: what the summary has besides.
+    terms: names of the terms of the granular force; reach: None where nothing could meet the medium; more: what the
+    summary has besides.
     """
 
     status: Status
@@ -69,12 +73,14 @@ class _Solved:
     stop: Callable[[Touch], Stop | None]
     outlines: Callable[[int], tuple[Outline, ...]]
     terms: tuple[str, ...]
+    reach: Reach | None
     more: dict[str, Any]
 
 
 def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
     from granular_contact.multibody.build import build
     from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.observe_mechanism import key_numbers
     from granular_contact.multibody.solve import solve
 
     system = build(scene)
@@ -87,7 +93,8 @@ def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
         stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
         terms=observer.terms,
-        more={},
+        reach=observer.reach(),
+        more=key_numbers(observer),
     )
 
 
@@ -105,9 +112,14 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         *observer.columns(),
         stop=lambda _: observer.stop(),
         outlines=observer.outlines,
-        terms=scene.medium.terms if scene.medium is not None else (),
+        terms=term_names(scene.media),
+        reach=observer.reach(),
         more={"static_turns": trajectory.turns},
     )
+
+
+def _limits(scene: Scene, reach: Reach | None) -> list[str]:
+    return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
 
 
 def _rows(time: Vector, interval: float | None) -> Any:

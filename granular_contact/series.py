@@ -11,11 +11,12 @@ Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
 SPRING = "spring_J"
-JOINT_ENERGIES = {  # columns that a mechanism has if its joints have such things
+JOINT_ENERGIES = {  # columns that a run has if its joints or its bed have such things
     SPRING: "energy in the springs and stops of joints",
     "joint_damping_work_J": "work of dampers and stops in joints so far",
     "friction_work_J": "work of dry friction in joints so far",
     "drive_work_J": "work of the drives so far",
+    "floor_work_J": "work of the floor's contact on the mechanism so far",
 }
 
 
@@ -61,6 +62,19 @@ def body(name: str, center: Vector, angle: Vector, velocity: Vector, spin: Vecto
         f"{name}_vx_m_s": (f"horizontal velocity of the centre of mass of {name}", velocity[:, 0]),
         f"{name}_vy_m_s": (f"upward velocity of the centre of mass of {name}", velocity[:, 1]),
         f"{name}_spin_rad_s": (f"rate of {name}_orientation", spin),
+    }
+
+
+def body_force(name: str, force: Vector, center: Vector) -> Series:
+    """Force of the medium on a body, (n, 3): x, y (N) and moment about the origin (N m); its centre of mass (n, 2) m."""
+    fx, fy, moment = force.T
+    return {
+        f"{name}_granular_x_N": (f"force of the medium on {name}, horizontal", fx),
+        f"{name}_granular_y_N": (f"force of the medium on {name}, upward", fy),
+        f"{name}_granular_moment_Nm": (
+            f"moment of that force about the centre of mass of {name}, counter-clockwise",
+            moment - (center[:, 0] * fy - center[:, 1] * fx),
+        ),
     }
 
 

@@ -18,7 +18,7 @@ Vector = NDArray[np.float64]
 STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
 FALL_MEASURE = "from touch to the first zero of the vertical velocity of the lower end"
 STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
-WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J")
+WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J", "floor_work_J")
 IMBALANCE_LIMIT = 1e-2  # of the largest energy; a run beyond it carries a warning
 
 

@@ -21,16 +21,31 @@ MAY = {
     "scene": {"scene", "config", "media", "errors"},
     "energy": set(),
     "stopping": set(),
+    "limits": {"media", "scene"},
     "results": set(),
     "series": {"media", "results"},
     # Two ways through, which know nothing of each other.
-    "multibody": {"multibody", "scene", "media", "kernels", "energy", "results", "series", "errors"},
+    "multibody": {"multibody", "scene", "limits", "media", "kernels", "energy", "results", "series", "errors"},
     "summary": {"results", "stopping"},
-    "run": {"config", "scene", "multibody", "reduced", "results", "stopping", "summary"},
-    "reduced": {"reduced", "config", "scene", "media", "kernels", "energy", "results", "series", "stopping", "errors"},
+    "probe": {"media", "kernels"},
+    "run": {"config", "scene", "media", "limits", "multibody", "reduced", "results", "stopping", "summary"},
+    "reduced": {
+        "reduced",
+        "config",
+        "scene",
+        "limits",
+        "media",
+        "kernels",
+        "energy",
+        "results",
+        "series",
+        "stopping",
+        "errors",
+    },
     "plots": {"plots", "results"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
@@ -81,7 +96,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
-        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare")
+        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare", "compare_media")
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)

@@ -50,7 +50,7 @@ class _PointBed:
 
 def solve_naive(sand: Scene, kind: type[FloatPoint], load_jacobian: int) -> Cost:
     """Cost of the scene with a Python load function per point; load_jacobian: the engine's `computeLoadsJacobian`."""
-    system = replace(build(replace(sand, medium=None, surface=None)), scene=sand)
+    system = replace(build(replace(sand, bed=None)), scene=sand)
     points = add_points(system, kind)
     simulation = settings(sand)
     simulation.timeIntegration.computeLoadsJacobian = load_jacobian
@@ -60,7 +60,7 @@ def solve_naive(sand: Scene, kind: type[FloatPoint], load_jacobian: int) -> Cost
 def main(repeats: int = 5) -> int:
     """Print the table; 0 when the plugin keeps its bound, else 1."""
     sand = build_scene(load_scenario(CONFIG, SETTINGS))
-    vacuum = replace(sand, medium=None, surface=None)
+    vacuum = replace(sand, bed=None)
     ways: dict[str, Callable[[], Cost]] = {
         "no sand": lambda: solve(build(vacuum)).cost,
         "plugin": lambda: solve(build(sand)).cost,

@@ -24,8 +24,7 @@ class FloatPoint:
     """One quadrature point of a cable element; weight is its share of the arc length (m)."""
 
     def __init__(self, system: System, element: int, place: list[float], weight: float, diameter: float) -> None:
-        medium, load = system.scene.medium, system.scene.load
-        assert medium is not None
+        (medium,), load = system.scene.media, system.scene.load
         assert system.scene.surface is not None
         self.element, self.place, self.weight, self.d = element, place, weight, diameter
         self.medium, self.surface, self.g = medium, system.scene.surface, system.scene.gravity

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,6 +45,18 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
     """Add --out, whose default is `default` in words, and --quiet."""
     parser.add_argument("--out", metavar="DIR", help=f"folder of the results ({default})")
     parser.add_argument("--quiet", action="store_true", help="print faults only")
+
+
+@contextmanager
+def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
+    """Give a callable that tells on stderr what is under way, or None."""
+    if not shown:
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("") as status:
+        yield lambda name: status.update(f"running {name}")
 
 
 def folder_problem(folder: Path, kind: str = "run") -> str | None:

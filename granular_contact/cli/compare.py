@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, add_output, add_set, complain, folder_problem
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    add_output,
+    add_set,
+    complain,
+    folder_problem,
+    telling,
+)
 
 if TYPE_CHECKING:
     from granular_contact.compare import Comparison, Row
@@ -54,7 +62,7 @@ def act(chosen: argparse.Namespace) -> int:
     if problem:
         complain(problem)
         return FAULTY_INPUT
-    with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
         comparison = compare(
             chosen.config,
             chosen.modes,
@@ -68,18 +76,6 @@ def act(chosen: argparse.Namespace) -> int:
         _show(comparison)
         print(f"saved in {folder}")
     return FAILED if any(row.results.status.code == "failed" for row in comparison.rows) else FINE
-
-
-@contextmanager
-def _progress(shown: bool) -> Iterator[Callable[[str], None] | None]:
-    """Give a callable that tells on stderr which model is under way, or None."""
-    if not shown:
-        yield None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("") as status:
-        yield lambda name: status.update(f"running {name}")
 
 
 def _show(comparison: Comparison) -> None:

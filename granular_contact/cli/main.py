@@ -11,11 +11,11 @@ import os
 import sys
 from collections.abc import Sequence
 
-from granular_contact.cli import check, compare, run, schema, sweep, validate
+from granular_contact.cli import check, compare, compare_media, media, run, schema, sweep, validate
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, complain
 from granular_contact.errors import ConfigError, SceneError, SolveError
 
-COMMANDS = (run, sweep, compare, check, validate, schema)
+COMMANDS = (run, sweep, compare, compare_media, media, check, validate, schema)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,7 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("granular-contact", description="Links that strike and move in sand.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for module in COMMANDS:
-        name = module.__name__.rpartition(".")[2]
+        name = module.__name__.rpartition(".")[2].replace("_", "-")
         command = commands.add_parser(name, help=module.HELP)
         module.add_arguments(command)
         command.set_defaults(command=module.act)

@@ -8,7 +8,7 @@ many      sweep, sweep_cases, sweep_range          a config and what to replace 
 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
-from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario
+from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, is_sweep, load_sweep
 
@@ -23,6 +23,7 @@ __all__ = [
     "load_medium",
     "load_scenario",
     "load_sweep",
+    "medium_names",
     "scenario_to_dict",
     "schema",
 ]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+from granular_contact.config.schema.base import MANY, ONE
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Path
 
@@ -22,12 +23,20 @@ def walk(location: Sequence[str | int]) -> tuple[Path, Schema]:
     """Path in the file, and schema, of what pydantic calls `location`: it puts the tag of a union between two keys."""
     schema, path = _resolved(root()), list[str | int]()
     for step in location:
+        if _takes_one_or_more(schema):
+            schema = _resolved(schema["oneOf"][(ONE, MANY).index(step)]) if step in (ONE, MANY) else {}
+            continue
         if "discriminator" in schema:
             schema = _deref(schema["discriminator"]["mapping"].get(step, {}))
             continue
         path.append(step)
         schema = _below(schema, step)
     return tuple(path), schema
+
+
+def _takes_one_or_more(schema: Schema) -> bool:
+    """Whether pydantic puts the form of a value, ONE or MANY, between two keys."""
+    return "oneOf" in schema and "discriminator" not in schema
 
 
 def _below(schema: Schema, step: str | int) -> Schema:
@@ -73,6 +82,8 @@ def describe(schema: Schema) -> str:
 def _kind(schema: Schema) -> str:
     if "enum" in schema or "const" in schema:
         return f"one of {', '.join(schema.get('enum', [schema.get('const')]))}"
+    if _takes_one_or_more(schema):
+        return f"{_kind(_resolved(schema['oneOf'][0]))}, or a list of such"
     if tag := tags(schema):
         return f"a mapping whose {tag[0]} is one of {', '.join(tag[1])}"
     kind = schema.get("type")

@@ -19,6 +19,13 @@ def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
     return scenario.model_dump(mode="json", by_alias=True)
 
 
+def _single(whole: dict[str, Any]) -> dict[str, Any]:
+    """Of the schema of one or more media, that of one."""
+    several = next(option for option in whole["anyOf"] if "oneOf" in option)
+    single: dict[str, Any] = several["oneOf"][0]
+    return single
+
+
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`.
 
@@ -29,7 +36,12 @@ def json_schema() -> dict[str, Any]:
         whole = schema["properties"][key]
         name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}
         patch = {"type": "object", "required": [FROM], "properties": {FROM: name}}
-        schema["properties"][key] = {"anyOf": [name, patch, whole]}
+        forms = [name, patch, whole]
+        if key == "medium":
+            forms.append({"type": "array", "minItems": 1, "items": {"anyOf": [name, patch, _single(whole)]}})
+        schema["properties"][key] = {"anyOf": forms}
+    layer = schema["$defs"]["BedLayer"]["properties"]
+    layer["medium"] = {"anyOf": [name, patch, layer["medium"]]}
     words = {"enum": list(WORDS)}
     schema["properties"]["method"] = {"anyOf": [words, schema["properties"]["method"]]}
     return schema

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
+Change = Callable[[tree.Node], tree.Node]
 _MOST_KEPT = 64  # trees with their model and medium read in
 
 
@@ -127,11 +129,10 @@ class Template:
         before = len(faults)
         node = setting.apply(self._root, references, faults)
         resolver = Resolver(self._path, faults)
-        for library in (MODELS, MEDIA):
-            held = tree.child(node, library.key)
-            if held is not None and isinstance(node, tree.Mapping):
-                at = node.keys[library.key]
-                node = tree.set_key(node, library.key, resolver.resolve(held, library), at)
+        node = _under(node, "model", partial(resolver.resolve, library=MODELS))
+        medium = partial(resolver.resolve, library=MEDIA)
+        node = _under(node, "medium", partial(_each, change=medium))
+        node = _under(node, "bed", lambda bed: _under(bed, "layers", partial(_each, change=_in_layer(medium))))
         if len(faults) == before:
             if len(self._resolved) == _MOST_KEPT:
                 self._resolved.clear()
@@ -144,8 +145,29 @@ def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> S
     return load(path, overrides).scenario
 
 
-def load_medium(name: str) -> Medium:
+def _under(node: tree.Node, key: str, change: Change) -> tree.Node:
+    """`node` with what stands under a key changed, if it is there."""
+    if not isinstance(node, tree.Mapping) or key not in node.nodes:
+        return node
+    return tree.set_key(node, key, change(node.nodes[key]), node.keys[key])
+
+
+def _each(node: tree.Node, change: Change) -> tree.Node:
+    """The items of a list changed, or what stands there in its place."""
+    if not isinstance(node, tree.Items):
+        return change(node)
+    return tree.Items(node.position, tuple(change(item) for item in node.nodes))
+
+
+def _in_layer(change: Change) -> Change:
+    """Changes the medium of a layer."""
+    return lambda layer: _under(layer, "medium", change)
+
+
+def load_medium(name: str, **values: Any) -> Medium:
     """Medium preset called `name`, or the medium in a YAML file of that path (relative to the working folder).
+
+    values: top-level keys that replace those of the file.
 
     Raises
     ------
@@ -157,10 +179,15 @@ def load_medium(name: str) -> Medium:
     node = Resolver(Path("medium"), faults).resolve(tree.Scalar(at, name, name), MEDIA)
     if not faults:
         try:
-            return TypeAdapter[Medium](Medium).validate_python(tree.plain(node))
+            return TypeAdapter[Medium](Medium).validate_python(tree.plain(node) | values)
         except ValidationError as error:
             faults += faults_of(error.errors(include_url=False, include_input=False), node)
     raise ConfigError(sorted(faults, key=by_place))
+
+
+def medium_names() -> list[str]:
+    """Names of all medium presets."""
+    return sorted(path.stem for folder in MEDIA.folders(Path()) for path in folder.glob("*.yaml"))
 
 
 def by_place(fault: Fault) -> tuple[str, int]:

@@ -12,7 +12,10 @@ from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault
 
 # What these hold is itself a reference, so they must be set before references are resolved.
-_REFERENCES = (("model",), ("medium",), ("model", "from"), ("medium", "from"))
+_REFERENCES = (
+    *((*path, *more) for path in (("model",), ("medium",), ("bed", "layers", "medium")) for more in ((), ("from",))),
+    *(("bed",), ("bed", "layers")),
+)
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Override:
     @property
     def is_reference(self) -> bool:
         """Whether it must be applied before the model and the medium are read."""
-        return self.path in _REFERENCES
+        return tuple(key for key in self.path if not key.isdecimal()) in _REFERENCES
 
 
 def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:

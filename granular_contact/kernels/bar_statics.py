@@ -65,7 +65,7 @@ def vertical_force(z0, z1, cx, cy, sigma, k, lam, scale, f):
 
 @njit(cache=True)
 def vertical_tangent(z0, z1, cx, cy, sigma, sigma_p, sigma_v, k, lam, scale, kp, kz, kv):
-    """Add the derivatives of `vertical_force`; sigma_p, sigma_v those of sigma by the place and velocity at mid-strip."""
+    """Add the derivatives of `vertical_force`; sigma_p, sigma_v those of sigma by place and velocity of mid-strip."""
     j0, j1 = depth_integrals(z0 / scale, z1 / scale, lam)
     g00, g01, g10, g11 = depth_integral_gradients(z0 / scale, z1 / scale, lam)
     length = math.hypot(cx, cy)

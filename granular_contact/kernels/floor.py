@@ -24,7 +24,7 @@ BALL_RECORD = np.dtype([("floor_damping", "f8"), ("floor_stiffness", "f8")])
 
 @law.provide(law.strip_force, "m", STRIP_RECORD)
 @njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):  # noqa: ARG001
+def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
     """Add the end forces of a strip; z0, z1 are depths below the floor, else as in `law.strip_force`."""
     share = max(0.0, 1.0 - m.floor_damping * 0.5 * (v0y + v1y))
     k = m.floor_stiffness * share * math.hypot(cx, cy)
@@ -35,7 +35,7 @@ def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):  # noqa:
 
 @law.provide(law.strip_tangent, "m", STRIP_RECORD)
 @njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):  # noqa: ARG001
+def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
     """Add the derivatives of `strip_force`; arguments as in `law.strip_tangent`."""
     share = 1.0 - m.floor_damping * 0.5 * (v0y + v1y)
     if share <= 0.0:
@@ -58,14 +58,14 @@ def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv
 
 @law.provide(law.ball_force, "m", BALL_RECORD)
 @njit(cache=True)
-def ball_force(z, vx, vy, ex, ey, run, m, f):  # noqa: ARG001
+def ball_force(z, vx, vy, ex, ey, run, m, f):
     """Add the force of a ball, z being the depth of its lowest point below the floor; as in `law.ball_force`."""
     f[0, 1] += m.floor_stiffness * run.width * z * max(0.0, 1.0 - m.floor_damping * vy)
 
 
 @law.provide(law.ball_tangent, "m", BALL_RECORD)
 @njit(cache=True)
-def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):  # noqa: ARG001
+def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):
     """Add the derivatives of `ball_force`; arguments as in `law.ball_tangent`."""
     share = 1.0 - m.floor_damping * vy
     if share > 0.0:
@@ -76,7 +76,7 @@ def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):  # noqa: ARG001
 @law.provide(law.drag_anchor, "m", STRIP_RECORD)
 @law.provide(law.drag_anchor, "m", BALL_RECORD)
 @njit(cache=True)
-def drag_anchor(px, py, ax, ay, m):  # noqa: ARG001
+def drag_anchor(px, py, ax, ay, m):
     """A floor has no bristles."""
     return ax, ay
 

@@ -23,7 +23,8 @@ from numba import njit
 from granular_contact.kernels import runs as one
 from granular_contact.kernels.law import TERMS
 
-DEEPEST, NEARING = 0, 1  # of reach (runs, 2): depth of the deepest station (m), speed at which one nears the surface
+# Of reach (runs, 3): depth of the deepest station (m), speed at which one nears the surface (m/s), greatest depth so far.
+DEEPEST, NEARING, EVER = 0, 1, 2
 
 
 @njit(cache=True)
@@ -113,7 +114,7 @@ def tangent(
 def accept(
     system_q, system_v, reference, ends, places, geometry, runs, profile, medium, anchors, row, columns, reach
 ):
-    """End of a step for all runs, see `runs.accept`; columns (runs, 3), reach (runs, 2) is filled."""
+    """End of a step for all runs, see `runs.accept`; columns (runs, 3), reach (runs, 3) is filled."""
     room, body = rooms(ends)
     totals = np.zeros((TERMS, 3))
     for r in range(runs.shape[0]):
@@ -125,6 +126,7 @@ def accept(
             q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
             room[0, :n], room[1, :n], room[2, :n], totals, row, columns[r],
         )  # fmt: skip
+        reach[r, EVER] = max(reach[r, EVER], reach[r, DEEPEST])
 
 
 @njit(cache=True)

@@ -82,7 +82,7 @@ def alpha(nx, ny, ux, uy):
 
 @njit(cache=True)
 def alpha_slopes(nx, ny, ux, uy):
-    """alpha (2,), and its derivatives by n_x, n_y, u_x, u_y: two rows of four."""
+    """Response (2,) of `alpha` and its derivatives by n_x, n_y, u_x, u_y: two rows of four."""
     x1, x2, x3 = -uy, -ny, nx * ux + ny * uy
     f1, a1, b1, c1 = cubic(x1, x2, x3, 0)
     f2, a2, b2, c2 = cubic(x1, x2, x3, 1)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,12 @@ class Albert:
     density: float
     eta_h: float
     name: str = "albert"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F_h = -eta_h g rho z^2 d sgn(v_x)"
     terms = ("horizontal_static",)
     takes = frozenset({"round"})
+    by_component = True
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """As `Medium.record`."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.media.scalar import scalar_record
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,12 @@ class Allen:
     viscosity: float
     constant_force: float
     name: str = "allen"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F = A v^2 + B v + C"
     terms = ("constant", "viscous", "drag")
     takes = frozenset({"ball"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
         """As `Medium.record`; the coefficients do not depend on gravity."""

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from granular_contact.media.rft import Coefficients
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
 class Drft:
-    """As `Rft`; density: rho (kg/m3); lam: inertial factor; surface_drop: delta_h (m), how far the surface is lowered."""
+    """As `Rft`; density: rho (kg/m3); lam: inertial factor; surface_drop: delta_h (m), what lowers the surface."""
 
     coefficients: Coefficients
     density: float
@@ -25,10 +25,12 @@ class Drft:
     zeta: float = 1.0
     surface_drop: float = 0.0
     name: str = "drft"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "stress = zeta alpha(beta, gamma) z - lambda rho v_n |v_n| n"
     terms = ("static", "inertial")
     takes = frozenset({"round", "flat", "outline"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """As `Medium.record`."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.media.lee_marghitu import VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,12 @@ class Hill:
     withdrawing: VerticalResistance
     length_scale: float | None = None
     name: str = "hill"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F_v = -eta (z/l)^lambda g rho V sgn(v_y)"
     terms = ("vertical_static",)
     takes = frozenset({"round"})
+    by_component = True
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """As `Medium.record`."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.media.scalar import scalar_record
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,12 @@ class KatsuragiDurian:
     drag_length: float = 0.0
     drag_length_per_diameter: float = 0.0
     name: str = "katsuragi_durian"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F = k z + m v^2 / d1"
     terms = ("static", "inertial")
     takes = frozenset({"ball"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
         """As `Medium.record`; the coefficients do not depend on gravity."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.validity import Validity
 
 # What the medium meets: a thin round bar along a line, a thin plate along a line (both faces can lead), the closed
 # outline of a body (only its outside leads), or a ball.
@@ -24,17 +25,28 @@ WORDS: dict[Kind, str] = {
 class Medium(Protocol):
     """A law with its coefficients.
 
-    name: for messages and columns; terms: names of the law's terms, at most three; takes: kinds of shape it is for.
+    name: for messages and columns; equation: the published resultant or stress; terms: names of the law's terms, at most
+    three; takes: kinds of shape it is for; validity: where its coefficients were measured; by_component: whether its
+    static force opposes each component of the velocity by itself, and not the motion as a whole.
     """
 
     @property
     def name(self) -> str: ...  # noqa: D102
 
     @property
+    def equation(self) -> str: ...  # noqa: D102
+
+    @property
     def terms(self) -> tuple[str, ...]: ...  # noqa: D102
 
     @property
     def takes(self) -> Collection[str]: ...  # noqa: D102
+
+    @property
+    def by_component(self) -> bool: ...  # noqa: D102
+
+    @property
+    def validity(self) -> Validity: ...  # noqa: D102
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """Coefficients as the (1,) record that the kernels read; gravity in m/s2, its sense does not matter."""
@@ -49,7 +61,7 @@ def what_it_takes(medium: Medium) -> str:
 def term_names(media: Collection[Medium]) -> tuple[str, ...]:
     """Names of the terms of media that act together: those of one alone, else each after its medium."""
     if len(media) == 1:
-        return next(iter(media)).terms
+        return tuple(next(iter(media)).terms)
     names = [medium.name for medium in media]
     labels = [name if names.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(names)]
     return tuple(f"{label}_{term}" for label, medium in zip(labels, media, strict=True) for term in medium.terms)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.validity import NOT_STATED, Validity
 
 TERMS = ("drag", "horizontal_static", "vertical_static")
 
@@ -36,9 +37,14 @@ class LeeMarghitu:
     plunging: VerticalResistance
     withdrawing: VerticalResistance
     name: str = "lee_marghitu"
+    validity: Validity = NOT_STATED
 
+    equation = (
+        "F_d = -eta_d rho A_r |v| v,  F_h = -eta_h g rho z^2 d sgn(v_x),  F_v = -eta_v (z/d)^lambda g rho V sgn(v_y)"
+    )
     terms = TERMS
     takes = frozenset({"round"})
+    by_component = True
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """Coefficients as the (1,) record that the kernels read; gravity in m/s2, its sense does not matter.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.media.scalar import scalar_record
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,12 @@ class LinearDepth:
 
     stiffness: float
     name: str = "linear_depth"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F = k z"
     terms = ("static",)
     takes = frozenset({"ball"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
         """As `Medium.record`; the coefficient does not depend on gravity."""

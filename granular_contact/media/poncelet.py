@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.media.scalar import scalar_record
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -22,10 +22,12 @@ class Poncelet:
     constant_force: float
     drag: float
     name: str = "poncelet"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F = F0 + c v^2"
     terms = ("constant", "drag")
     takes = frozenset({"ball"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
         """As `Medium.record`; the coefficients do not depend on gravity."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 # The coefficients were measured on Earth. Stresses that come from friction grow in proportion to gravity [ours].
 MEASURED_AT = 9.81
@@ -47,10 +47,12 @@ class Rft:
     coefficients: Coefficients
     zeta: float = 1.0
     name: str = "rft"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "stress = zeta alpha(beta, gamma) z"
     terms = ("static",)
     takes = frozenset({"round", "flat", "outline"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
         """As `Medium.record`."""

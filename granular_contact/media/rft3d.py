@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -22,10 +22,12 @@ class Rft3d:
     mu_int: float
     mu_surf: float
     name: str = "rft3d"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "stress = xi_n [alpha_n + min(mu_surf |alpha_n| / |alpha_t|, 1) alpha_t] z"
     terms = ("static",)
     takes = frozenset({"round", "flat", "outline"})
+    by_component = False
 
     def stiffness(self, gravity: float) -> float:
         """xi_n (N/m3), by which the generic response is scaled; gravity in m/s2."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granular_contact.media.scalar import scalar_record
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.media.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,12 @@ class TsimringVolfson:
     friction: float
     exponent: float
     name: str = "tsimring_volfson"
-    validity: Validity = Validity()
+    validity: Validity = NOT_STATED
 
+    equation = "F = k z^p + c v^2"
     terms = ("friction", "drag")
     takes = frozenset({"ball"})
+    by_component = False
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
         """As `Medium.record`; the coefficients do not depend on gravity."""

@@ -28,6 +28,9 @@ class Validity:
             yield from _beyond("size", max(sizes), "m", self.size, lower=False)
 
 
+NOT_STATED = Validity()
+
+
 def _beyond(
     what: str, value: float, unit: str, interval: Interval, *, lower: bool = True, upper: bool = True
 ) -> Iterator[str]:

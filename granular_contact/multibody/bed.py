@@ -113,7 +113,7 @@ class GranularBed:
         free_end: bool = True,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on a straight cylinder fixed to a rigid body.
+        """Let the medium act on a straight cylinder fixed to a rigid body, planar or spatial with Euler parameters.
 
         start, end: axis of the cylinder, (2,) m in the body's frame; diameter in m; strips: how finely the static law
         is resolved along it; free_end: whether the face at `end` is free (for end caps); name: under which the forces

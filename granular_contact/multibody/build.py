@@ -93,12 +93,10 @@ def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
     return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
 
 
-
-
 def _add_bed(system: System) -> Any:
     """Bed with all parts that can reach its surface, to be attached; None when there are none."""
     scene = system.scene
-    if scene.medium is None or scene.surface is None:
+    if scene.bed is None or scene.surface is None or not scene.media:
         return None
     shapes = [
         (h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(scene.surface, h.body, shape)
@@ -111,12 +109,13 @@ def _add_bed(system: System) -> Any:
     load = scene.load
     bed = GranularBed(
         system.mbs,
-        scene.medium,
-        scene.surface,
+        scene.bed.layers,
+        scene.bed.profile,
         gravity=scene.gravity,
         static=load.static,
         form="resultant" if load.resultant else "distributed",
         end_cap=load.end_cap,
+        floor=scene.bed.floor,
     )
     for rigid, shape in shapes:
         _lay_over(bed, rigid, shape, load.strips_per_rigid_part)

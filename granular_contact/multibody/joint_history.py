@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from granular_contact.energy import accumulate
-from granular_contact.multibody.joint_loads import drive_force, follow, friction, stop
+from granular_contact.multibody.joint_loads import drive_force, follow, friction, stop, wanted
 from granular_contact.scene.types import Drive, JointLaw, Vector
 
 
@@ -47,4 +47,4 @@ def _friction(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Vector:
 def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector) -> Vector:
     """Torque or force (n,) of a drive that is no prescribed motion."""
     states: Iterable[tuple[float, float, float]] = zip(time.tolist(), s.tolist(), rate.tolist(), strict=True)
-    return np.array([drive_force(drive, *state).value for state in states])
+    return np.array([drive_force(drive, *wanted(drive, t), place, speed).value for t, place, speed in states])

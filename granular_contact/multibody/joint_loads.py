@@ -54,19 +54,30 @@ def follow(law: JointLaw, s: float, anchor: float) -> float:
     return min(max(anchor, s - law.slip), s + law.slip)
 
 
-def drive_force(drive: Drive, t: float, s: float, rate: float) -> Force:
-    """Torque or force of a drive; before t = 0 its clock stands, and it wants no speed."""
-    wanted = drive.signal.value(max(t, 0.0))
+def wanted(drive: Drive, t: float) -> tuple[float, float]:
+    """What a drive's signal is at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
+    if t < 0.0:
+        return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
+    value = drive.signal.value(t)
+    return value, value if drive.of_rate else drive.signal.rate(t) if drive.kind == "control" else 0.0
+
+
+def drive_force(drive: Drive, value: float, value_rate: float, s: float, rate: float) -> Force:
+    """Torque or force of a drive, from what it wants."""
     if drive.kind == "load":
-        return Force(wanted)
-    if drive.of_rate:
-        error, rate_error = 0.0, (wanted if t >= 0.0 else 0.0) - rate
-    else:
-        error, rate_error = wanted - s, (drive.signal.rate(t) if t >= 0.0 else 0.0) - rate
-    force = drive.gain * error + drive.rate_gain * rate_error
-    if abs(force) >= drive.limit:
+        return Force(value)
+    force = drive.rate_gain * (value_rate - rate)
+    by_place = 0.0
+    if not drive.of_rate:
+        force += drive.gain * (value - s)
+        by_place = -drive.gain
+    if force >= drive.limit or force <= -drive.limit:
         return Force(math.copysign(drive.limit, force))
-    return Force(force, -drive.gain, -drive.rate_gain)
+    return Force(force, by_place, -drive.rate_gain)
+
+
+def _sum(one: Force, other: Force) -> Force:
+    return Force(one[0] + other[0], one[1] + other[1], one[2] + other[2])
 
 
 class JointLoad:
@@ -75,7 +86,7 @@ class JointLoad:
     def __init__(self, coordinate: Hinge | Slider, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
         self.coordinate, self.nodes, self.law, self.drive = coordinate, nodes, law, drive
         self.anchor = self.first_anchor = coordinate.joint.start
-        self._size = coordinate.parent.size + coordinate.child.size
+        self._time, self._wanted = math.nan, (0.0, 0.0)
 
     def add(self, mbs: Any) -> None:
         """Put it into a system, before it is assembled."""
@@ -91,14 +102,16 @@ class JointLoad:
     def total(self, t: float, s: float, rate: float) -> Force:
         """All that acts along the coordinate."""
         law = self.law
-        total = [Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)]
+        total = Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)
         if law.has_stops:
-            total.append(stop(law, s, rate)[1])
+            total = _sum(total, stop(law, s, rate)[1])
         if law.friction > 0.0:
-            total.append(friction(law, s, rate, self.anchor))
-        if self.drive is not None and self.drive.kind != "motion":
-            total.append(drive_force(self.drive, t, s, rate))
-        return Force(*map(sum, zip(*total, strict=True)))
+            total = _sum(total, friction(law, s, rate, self.anchor))
+        if self.drive is not None:
+            if t != self._time:  # all iterations of a step ask for the same instant
+                self._time, self._wanted = t, wanted(self.drive, t)
+            total = _sum(total, drive_force(self.drive, *self._wanted, s, rate))
+        return total
 
     def accept(self, q: Vector, v: Vector) -> None:
         """End of a step at this state (all coordinates of the system, as the engine has them)."""

@@ -8,7 +8,9 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.multibody.joint_history import drive_history, joint_history
+from granular_contact.limits import Reach
+from granular_contact.media.kinds import term_names
+from granular_contact.multibody import observe_mechanism as mechanism
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
 from granular_contact.results import Column, Outline
@@ -29,13 +31,7 @@ class Observer:
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
         everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
-        for joint in self.scene.connections:
-            if joint.has_coordinate:
-                everything |= self._joint(joint)
-        everything |= self._drives()
-        if self.scene.body_columns:
-            for name in (*self._rigid, *self._links):
-                everything |= self._body(name)
+        everything |= mechanism.joint_columns(self) | mechanism.drive_columns(self) | mechanism.body_columns(self)
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
             return series.tabulate(everything | self._shape() | self._load() | self._energies())
 
@@ -86,17 +82,7 @@ class Observer:
         along = np.sum(axis * speed, axis=1) + parent_rate * (axis[:, 0] * way[:, 1] - axis[:, 1] * way[:, 0])
         return np.sum(axis * way, axis=1), along
 
-    def _joint(self, joint: Connection) -> series.Series:
-        columns = series.joint if joint.kind == "hinge" else series.slider
-        return columns(joint.name, joint.child, joint.parent, *self.coordinate(joint))
-
-    def _body(self, name: str) -> series.Series:
-        """Motion of the centre of mass and of the frame; of a link that bends, of its root."""
-        center, velocity = self._center(name)
-        angle, rate = self.angle(name, np.zeros(2))
-        return series.body(name.split("+")[0], center, -angle, velocity, -rate)
-
-    def _center(self, name: str) -> tuple[Vector, Vector]:
+    def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 2) m of a body, and its velocity."""
         t = self.trajectory
         if name in self._rigid:
@@ -114,24 +100,8 @@ class Observer:
 
     @cached_property
     def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
-        """Torque or force of every drive (n,), and its power (n,) W."""
-        forces = {}
-        for drive in self.scene.drives:
-            joint = next(c for c in self.scene.connections if c.name == drive.joint)
-            s, rate = self.coordinate(joint)
-            if drive.kind == "motion":
-                force = self.trajectory.reactions[drive.joint]
-            else:
-                force = drive_history(drive, self.trajectory.time, s, rate)
-            forces[drive.joint] = force, force * rate
-        return forces
-
-    def _drives(self) -> series.Series:
-        columns: series.Series = {}
-        for name, (force, power) in self.drive_forces.items():
-            hinge = next(c for c in self.scene.connections if c.name == name).kind == "hinge"
-            columns |= series.drive(name, hinge, force, power)
-        return columns
+        """Torque or force of every drive (n,), and its power (n,) W, by joint."""
+        return {drive.joint: mechanism.drive_force(self, drive) for drive in self.scene.drives}
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
@@ -192,30 +162,43 @@ class Observer:
 
     def depth(self) -> Vector:
         """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
-        heights = [
-            self.position(name, point)[0][:, 1] - shape.drop
-            for name, handle in self.system.rigid.items()
-            for shape in handle.body.shapes
-            if shape.in_sand
-            for point in shape.points
-        ]
-        heights += [self.trajectory.q[:, node[1]] for nodes in self._links.values() for node in nodes]
-        assert self.scene.surface is not None
-        depth: Vector = self.scene.surface - np.min(heights, axis=0)
+        assert self.scene.bed is not None
+        height = self.scene.bed.height
+        depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
+        depths = [height(place[:, 0]) - place[:, 1] for place in depths]
+        for name, handle in self.system.rigid.items():
+            for shape in (shape for shape in handle.body.shapes if shape.in_sand):
+                places = [self.position(name, point)[0] for point in shape.points]
+                depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
+        depth: Vector = np.max(depths, axis=0)
         return depth
+
+    def reach(self) -> Reach | None:
+        """Extremes of what was immersed; None where nothing could meet the medium."""
+        load, bed = self.trajectory.load, self.system.bed
+        if load is None:
+            return None
+        return Reach(
+            speed=float(load.speed.max()),
+            depth=float(load.depth.max()),
+            lowest=float(load.lowest.min()),
+            left=float(load.left.min()),
+            right=float(load.right.max()),
+            sizes=tuple(sorted({width for group in bed.groups for width in group.widths()})),
+        )
 
     # ---- forces and energies ----
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the terms of the granular force; none in vacuum."""
-        if self.scene.medium is None:
+        if not self.scene.media:
             return ()
         load = self.trajectory.load
-        return self.scene.medium.terms if load is None else load.term_names
+        return term_names(self.scene.media) if load is None else load.term_names
 
     def _load(self) -> series.Series:
-        if self.scene.medium is None:
+        if not self.scene.media:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
@@ -234,26 +217,7 @@ class Observer:
             damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
         work = np.zeros_like(kinetic) if t.load is None else t.load.work
         shown = elastic if self._links else None
-        return series.energies(kinetic, gravity - gravity[0], shown, work, damping, self._joint_energies())
-
-    def _joint_energies(self) -> dict[str, Vector]:
-        """What joints store, and the work done in them; only of what the mechanism has."""
-        laws, t = [(joint, joint.law) for joint in self.scene.connections if not joint.law.is_idle], self.trajectory
-        held = {name: load.first_anchor for name, load in self.system.loads.items()}
-        done = [
-            joint_history(law, held.get(joint.name, 0.0), t.time, *self.coordinate(joint)) for joint, law in laws
-        ]
-        energies = {}
-        if any(law.stiffness > 0.0 or law.has_stops for _, law in laws):
-            energies["spring_J"] = np.sum([one.stored for one in done], axis=0)
-        if any(law.damping > 0.0 or law.dissipation > 0.0 for _, law in laws):
-            energies["joint_damping_work_J"] = np.sum([one.damping for one in done], axis=0)
-        if any(law.friction > 0.0 for _, law in laws):
-            energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
-        if self.drive_forces:
-            power = np.sum([power for _, power in self.drive_forces.values()], axis=0)
-            energies["drive_work_J"] = accumulate(t.time, power)
-        return energies
+        return series.energies(kinetic, gravity - gravity[0], shown, work, damping, mechanism.joint_energies(self))
 
     # ---- pictures ----
 

@@ -58,7 +58,7 @@ class Group:
         sizes = [(len(run.geometry), run.size) for run in runs]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), 2))
-        self.reach = np.zeros((len(runs), 2))
+        self.reach = np.zeros((len(runs), 3))
         self.awake = np.ones(len(runs), dtype=bool)
         self.entries = sum(run.size**2 for run in runs)
         self._places = np.zeros((self.ends[-1, 1], 2), np.int64)
@@ -72,6 +72,7 @@ class Group:
         self._sand = (*self._where, self.runs, self.profile, self.medium, self.anchors)
         self._reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)
         self.awake[:] = True
+        self.reach[:, kernels.EVER] = -np.inf
         kernels.release(q, self._reference, *self._where, self.anchors)
         # Compiling, the first time on a machine, belongs to the start and not to the first step.
         size = int(self._places[:, 1].max()) + 1
@@ -89,6 +90,11 @@ class Group:
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
         kernels.accept(q, v, self._reference, *self._sand, row, self.columns, self.reach)
+
+    def widths(self) -> list[float]:
+        """Widths (m) of the runs that were ever immersed."""
+        touched: list[float] = self.runs["width"][self.reach[:, kernels.EVER] > 0.0].tolist()
+        return touched
 
     def remember(self) -> Memory:
         """Copy of all that `accept` changes, for `recall`."""

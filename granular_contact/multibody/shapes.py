@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
-from granular_contact.kernels import kinematics
+from granular_contact.kernels import kinematics, spatial
 from granular_contact.media.kinds import Kind
 from granular_contact.multibody.runs import Run
 
@@ -88,9 +88,17 @@ def _points(where: str, points: ArrayLike, least: int) -> Vector:
 
 def _rigid_run(where: str, mbs: Any, body: Any, geometry: NDArray[np.void], kind: Kind, flags: dict[str, Any]) -> Run:
     item = mbs.GetObject(body)
-    if item["objectType"] != "RigidBody2D":
-        raise scene_error(where, f"object {item['name']} is a {item['objectType']}, allowed is RigidBody2D")
-    run = Run([item["nodeNumber"]], 3, geometry, kind, flags)
+    if item["objectType"] == "RigidBody2D":
+        size = 3
+    elif item["objectType"] == "RigidBody":
+        node = mbs.GetNode(item["nodeNumber"])["nodeType"]
+        if node != "RigidBodyEP":
+            raise scene_error(where, f"the node of {item['name']} is a {node}, allowed is RigidBodyEP")
+        geometry, size = spatial.spatial_stations(geometry), spatial.SIZE
+    else:
+        allowed = "allowed are RigidBody2D and RigidBody"
+        raise scene_error(where, f"object {item['name']} is a {item['objectType']}, {allowed}")
+    run = Run([item["nodeNumber"]], size, geometry, kind, flags)
     run.body = item["name"]
     return run
 

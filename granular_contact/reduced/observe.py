@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact import series
+from granular_contact.limits import Reach
+from granular_contact.media.kinds import term_names
 from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
 from granular_contact.results import Column, Outline
@@ -33,8 +35,8 @@ class Observer:
         everything |= series.joint(pin.name, pin.child, None, self.angle + self.model.turn, self.rate)
         depth = None if self.scene.surface is None else self.depth()
         everything |= series.shape(self.mean_rate(), self.tip(), self.deflection(), depth)
-        if self.scene.medium is not None:
-            everything |= series.forces(self.scene.medium.terms, self.trajectory.terms, self.model.view.pivot)
+        if self.scene.media:
+            everything |= series.forces(term_names(self.scene.media), self.trajectory.terms, self.model.view.pivot)
         return series.tabulate(everything | self._energies())
 
     def stop(self) -> Stop | None:
@@ -87,6 +89,35 @@ class Observer:
         ]
         depth: Vector = self.scene.surface - np.min(np.concatenate(heights, axis=1), axis=1)
         return depth
+
+    def velocities(self, bar: Bar, places: Vector) -> Vector:
+        """World velocities (instants, points, 2) m/s of places (points, 2) m of a bar."""
+        shapes = self.model.shapes(bar, places)
+        x, x_rate = places[:, 1] + self.bends @ shapes.T, self.bend_rates @ shapes.T
+        c, s = np.cos(self.angle)[:, None], np.sin(self.angle)[:, None]
+        along, turn = places[:, 0], self.rate[:, None]
+        return np.stack([-(along * s + x * c) * turn - x_rate * s, (x * s - along * c) * turn - x_rate * c], axis=-1)
+
+    def reach(self) -> Reach | None:
+        """Extremes of what was immersed; None where nothing could meet the medium."""
+        if not self.scene.media or self.scene.surface is None or not self.model.bars:
+            return None
+        places = [(bar, bar.places(bar.strips + 1)) for bar in self.model.bars]
+        lines = [self.positions(bar, at) for bar, at in places]
+        points = np.concatenate(lines, axis=1)
+        met = [bar for (bar, _), line in zip(places, lines, strict=True) if line[..., 1].min() < self.scene.surface]
+        speeds = np.linalg.norm(np.concatenate([self.velocities(bar, at) for bar, at in places], axis=1), axis=-1)
+        depth = self.scene.surface - points[..., 1]
+        under = depth > 0.0
+        x = points[..., 0]
+        return Reach(
+            speed=float(speeds[under].max(initial=0.0)),
+            depth=float(depth.max()),
+            lowest=float(points[..., 1].min()),
+            left=float(x[under].min(initial=np.inf)),
+            right=float(x[under].max(initial=-np.inf)),
+            sizes=tuple(sorted({bar.diameter for bar in met})),
+        )
 
     # ---- energies ----
 

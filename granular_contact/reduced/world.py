@@ -39,7 +39,7 @@ def world(reduced: Model) -> World:
     record = _pendulum(reduced)
     record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
     static = AIMED if reduced.method.static == "true_sign" else scene.load.static
-    medium = np.zeros(1, RECORD) if scene.medium is None else scene.medium.record(static, scene.gravity)
+    medium = scene.media[0].record(static, scene.gravity) if scene.media else np.zeros(1, RECORD)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors = np.zeros((starts[-1], 2))
     return World(record, np.concatenate(geometry), starts, np.concatenate(runs), profile, medium, anchors)
@@ -76,7 +76,7 @@ def _pendulum(reduced: Model) -> NDArray[np.void]:
 def _reaches(reduced: Model, bar: Bar) -> bool:
     """Whether a part can get below the surface, however the pendulum turns and its link bends."""
     scene = reduced.scene
-    if scene.medium is None or scene.surface is None:
+    if not scene.media:
         return False
     reach = max(float(np.linalg.norm(bar.start)), float(np.linalg.norm(bar.end)))
     return bool(reduced.view.pivot[1] - STRETCH * reach < scene.surface)

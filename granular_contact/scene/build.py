@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.config import load_medium, schema
+from granular_contact.config import schema
 from granular_contact.errors import Fault, SceneError
-from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.media.kinds import WORDS, what_it_takes
+from granular_contact.media.laws import laws_for
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import connections
@@ -52,8 +53,9 @@ def build(scenario: schema.Scenario) -> Scene:
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = list(_ends(rigid, links))
     faults += [*_motion_faults(scenario), *_joint_faults(layout), *_closure_faults(layout)]
+    placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
-        faults += _surface_faults(scenario, ends)
+        faults += _nothing_to_act_on(scenario, ends)
     else:
         faults.append(_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
@@ -64,8 +66,7 @@ def build(scenario: schema.Scenario) -> Scene:
         links=links,
         connections=tuple(connections(layout, rigid, states)),
         gravity=scenario.gravity_m_s2,
-        surface=_surface(scenario, ends),
-        medium=medium(scenario.medium) if scenario.medium is not None else None,
+        bed=placed,
         load=_load(scenario.load),
         solver=Solver(
             end_time=solver.end_time_s,
@@ -77,7 +78,7 @@ def build(scenario: schema.Scenario) -> Scene:
         ),
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,
-        method=_method(scenario),
+        method=_method(scenario, placed),
         drives=driven,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
@@ -219,23 +220,19 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
 
 
 def _unsuited(scene: Scene) -> Iterator[Fault]:
-    """Shapes that can get into the sand and for which the law of the medium is not made."""
-    if scene.medium is None or scene.surface is None:
+    """Shapes that can get into the sand and that no medium takes, and balls in a bed of layers."""
+    if scene.bed is None or scene.surface is None or not scene.media:
         return
-    for body in scene.rigid:
-        for shape in body.shapes:
-            if shape.kind not in scene.medium.takes and dips(scene.surface, body, shape):
-                yield _unfit(shape.part, shape.kind, scene.medium)
-    for link in scene.links:
-        if link.kind not in scene.medium.takes and reaches(scene.surface, link, np.array([link.length, 0.0])):
-            yield _unfit(link.name, link.kind, scene.medium)
-
-
-def _unfit(part: str, kind: Kind, medium: Medium) -> Fault:
-    hint = "take another law, or in_sand: false for a shape that has no part in it"
-    return _fault(
-        f"model.bodies.{part}", f"can get into the sand, but {what_it_takes(medium)}, not {WORDS[kind]}: {hint}"
-    )
+    end = [(link, np.array([link.length, 0.0])) for link in scene.links]
+    parts = [(link.name, link.kind) for link, tip in end if reaches(scene.surface, link, tip)]
+    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(scene.surface, body, s)]
+    given = "; ".join(dict.fromkeys(map(what_it_takes, scene.media)))
+    for part, kind in dict.fromkeys(parts):
+        if not any(kind in medium.takes for medium in scene.media):
+            fit = f"laws for {WORDS[kind]} are {', '.join(laws_for(kind))}; or say in_sand: false of the shape"
+            yield _fault(f"model.bodies.{part}", f"can get into the sand, but {given}; {fit}")
+    if any(kind == "ball" for _, kind in parts) and not all(layer.whole for layer in scene.bed.layers):
+        yield _fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
 
 
 def _has_body_columns(
@@ -249,61 +246,19 @@ def _has_body_columns(
     return bool(moving) and not pendulum and len(rigid) + len(links) <= MOST_BODIES
 
 
-def _surface(scenario: schema.Scenario, ends: list[_End]) -> float | None:
-    """Height of the free surface (m): as given, or where the lowest end of the mechanism touches it."""
-    if scenario.surface_height_m is not None or scenario.medium is None:
-        return scenario.surface_height_m
-    return min(end.lowest for end in ends)
-
-
-def _surface_faults(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
-    if scenario.medium is None:
-        return
-    if not ends:
+def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
+    if scenario.media and not ends:
         yield _fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
-        return
-    lowest = min(end.lowest for end in ends)
-    height = scenario.surface_height_m
-    if height is not None and lowest < height - 1e-12:
-        yield _fault(
-            "surface_height_m",
-            f"got {height:g} m, but {_as_it_starts(scenario)} the lowest end is at "
-            f"{lowest:.6g} m, {height - lowest:.3g} m below the sand: allowed is at most {lowest:.6g} m, or no value",
-        )
 
 
-def _as_it_starts(scenario: schema.Scenario) -> str:
-    angle = scenario.initial.impact_angle_deg
-    return "at the start" if angle is None else f"at impact_angle_deg {angle:g}"
-
-
-def medium(spec: schema.LeeMarghitu) -> LeeMarghitu:
-    """Medium of a checked config; what withdrawing leaves out is as for plunging."""
-    plunging = VerticalResistance(spec.plunging.eta_v, spec.plunging.lambda_)
-    withdrawing = plunging
-    if spec.withdrawing is not None:
-        withdrawing = VerticalResistance(spec.withdrawing.eta_v, spec.withdrawing.lambda_)
-    return LeeMarghitu(spec.density_kg_m3, spec.eta_d, spec.eta_h, plunging, withdrawing, spec.name or spec.law)
-
-
-def preset(name: str) -> LeeMarghitu:
-    """Medium by the name of its preset (`play_sand`) or by the path of a YAML file.
-
-    Raises
-    ------
-    ConfigError
-        There is no such medium; the message lists those there are.
-    """
-    return medium(load_medium(name))
-
-
-def _method(scenario: schema.Scenario) -> Reduced | None:
+def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | None:
     reduced = scenario.method.reduced
     if reduced is None:
         return None
     static = reduced.static
     if static == "auto":
-        static = "true_sign" if reduced.modes == 0 else scenario.load.friction.type
+        has_sign = placed is None or all(medium.by_component for medium in placed.media)
+        static = "true_sign" if reduced.modes == 0 and has_sign else scenario.load.friction.type
     return Reduced(reduced.modes, static, reduced.rtol, reduced.integrator)
 
 

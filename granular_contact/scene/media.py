@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from granular_contact.config import load_medium, schema
-from granular_contact.errors import Fault, SceneError
+from granular_contact.errors import scene_error
 from granular_contact.media.albert import Albert
 from granular_contact.media.allen import Allen
 from granular_contact.media.bingham import Bingham
@@ -32,9 +32,7 @@ LAWS: dict[type, Callable[..., Medium]] = {
         s.density_kg_m3, _vertical(s.plunging), _vertical(s.withdrawing), s.length_scale_m, **more
     ),
     schema.Rft: lambda s, **more: Rft(_coefficients(s), s.zeta, **more),
-    schema.Drft: lambda s, **more: Drft(
-        _coefficients(s), s.density_kg_m3, s.lambda_, s.zeta, s.surface_drop_m, **more
-    ),
+    schema.Drft: lambda s, **more: Drft(_coefficients(s), s.density_kg_m3, s.lambda_, s.zeta, s.surface_drop_m, **more),
     schema.Rft3d: lambda s, **more: Rft3d(s.density_kg_m3, s.mu_int, s.mu_surf, **more),
     schema.Bingham: lambda s, **more: Bingham(s.yield_force_N, s.viscosity_N_s_m, **more),
     schema.Poncelet: lambda s, **more: Poncelet(s.constant_force_N, s.drag_kg_m, **more),
@@ -62,20 +60,8 @@ def missing(spec: schema.AnyLaw) -> list[str]:
     return [key] if key is not None and getattr(spec, key) is None else []
 
 
-def medium(spec: schema.AnyLaw, key: str = "medium") -> Medium:
-    """Medium of a checked config; what withdrawing leaves out is as for plunging.
-
-    Raises
-    ------
-    SceneError
-        The medium lacks a number that its source does not state; `key` is where it stands in the config.
-    """
-    faults = [
-        Fault("", None, f"{key}.{name}", "got null: the source does not state it; give the number of your case")
-        for name in missing(spec)
-    ]
-    if faults:
-        raise SceneError(faults)
+def medium(spec: schema.AnyLaw) -> Medium:
+    """Medium of a checked config that lacks nothing; what withdrawing leaves out is as for plunging."""
     stated = spec.range
     validity = Validity(stated.speed_m_s, stated.depth_m, stated.size_m)
     return LAWS[type(spec)](spec, name=spec.name or spec.law, validity=validity)
@@ -91,6 +77,9 @@ def preset(name: str, **values: Any) -> Medium:
     ConfigError
         There is no such medium, with a list of those there are, or a value is at fault.
     SceneError
-        The preset lacks a number that its source does not state.
+        The preset lacks a number that its source does not state: give it among the values.
     """
-    return medium(load_medium(name, **values))
+    spec = load_medium(name, **values)
+    for key in missing(spec):
+        raise scene_error(f"medium.{key}", f"the source of {name} does not state it: give the number of your case")
+    return medium(spec)

@@ -11,7 +11,7 @@ from granular_contact.scene.types import Connection, FlexibleLink, RigidBody, Sc
 
 CAN = (
     "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
-    "link, welded to that body by its root"
+    "link, welded to that body by its root, in one medium with a level surface"
 )
 
 
@@ -23,11 +23,22 @@ def check_reducible(scene: Scene, modes: int) -> None:
     SceneError
         With the key `method`, all that stands in the way, and what can be reduced.
     """
-    obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene)]
+    obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene), *_media(scene)]
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
         raise scene_error("method", f"{', and '.join(obstacles)}: {CAN}")
+
+
+def _media(scene: Scene) -> Iterator[str]:
+    if scene.bed is None:
+        return
+    if not scene.bed.plain:
+        yield "its bed is not level, or has several media or a floor that carries"
+    true_sign = scene.method is not None and scene.method.static == "true_sign"
+    for medium in scene.media:
+        if true_sign and not medium.by_component:
+            yield f"the law of {medium.name} has no sign of each component of the velocity for static: true_sign"
 
 
 def _bodies(scene: Scene) -> Iterator[str]:

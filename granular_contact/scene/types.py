@@ -13,9 +13,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.kinds import Kind
-from granular_contact.media.lee_marghitu import LeeMarghitu
+from granular_contact.media.kinds import Kind, Medium
 from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
 
 Vector = NDArray[np.float64]
@@ -226,7 +226,7 @@ class Reduced:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a solver needs. gravity m/s2, downward; surface m, None in vacuum.
+    """All that a solver needs. gravity m/s2, downward; bed: None in vacuum.
 
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
     method: None for the engine. settle: find rest first. body_columns: report the motion of every body.
@@ -237,8 +237,7 @@ class Scene:
     links: tuple[FlexibleLink, ...]
     connections: tuple[Connection, ...]
     gravity: float
-    surface: float | None
-    medium: LeeMarghitu | None
+    bed: Bed | None
     load: Load
     solver: Solver
     tip: tuple[str, Vector]
@@ -247,6 +246,16 @@ class Scene:
     drives: tuple[Drive, ...] = ()
     settle: bool = False
     body_columns: bool = False
+
+    @property
+    def surface(self) -> float | None:
+        """Height of the highest point of the free surface (m); None without one."""
+        return None if self.bed is None else self.bed.top
+
+    @property
+    def media(self) -> tuple[Medium, ...]:
+        """All media of the bed, from the top; none in vacuum."""
+        return () if self.bed is None else self.bed.media
 
     @property
     def bodies(self) -> list[RigidBody | FlexibleLink]:

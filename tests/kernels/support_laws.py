@@ -84,9 +84,7 @@ def _strip(z0, z1, c, V, e, run, m, f):
 
 @njit
 def _strip_tangent(z0, z1, c, V, e, run, m, kp, kz, kv):
-    law.strip_tangent(
-        z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0], e[1], run[0], m[0], kp, kz, kv
-    )
+    law.strip_tangent(z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0], e[1], run[0], m[0], kp, kz, kv)
 
 
 @njit

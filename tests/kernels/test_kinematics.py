@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
-from granular_contact.kernels import kinematics, runs
+from granular_contact.kernels import kinematics, runs, spatial
 from granular_contact.kernels.kinematics import cable_stations, hermite, rigid_stations
 
 LENGTHS = np.array([0.1, 0.07, 0.12])
 FILL = {
     kinematics.RIGID_STATION: (kinematics._rigid_stations, kinematics._rigid_scatter),
     kinematics.CABLE_STATION: (kinematics._cable_stations, kinematics._cable_scatter),
+    spatial.SPATIAL_STATION: (spatial._spatial_stations, spatial._spatial_scatter),
 }
 
 
@@ -25,7 +26,8 @@ def place(geometry: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarra
 
 
 def cases() -> list[tuple[np.ndarray, int]]:
-    return [(rigid_stations(np.array([[-0.1, 0.02], [0.2, -0.05]]), 6), 3), (cable_stations(LENGTHS, 4), 16)]
+    bar = rigid_stations(np.array([[-0.1, 0.02], [0.2, -0.05]]), 6)
+    return [(bar, 3), (spatial.spatial_stations(bar), 7), (cable_stations(LENGTHS, 4), 16)]
 
 
 def test_hermite_meets_values_and_slopes_at_the_ends() -> None:
@@ -62,6 +64,17 @@ def test_cable_stations_of_a_straight_beam_are_evenly_spread() -> None:
     np.testing.assert_allclose(P, want[:, None] * axis, atol=1e-15)
 
 
+def test_euler_parameters_turn_as_an_angle_does() -> None:
+    bar, angle, rate = rigid_stations(np.array([[-0.1, 0.02], [0.2, -0.05]]), 6), 0.7, 3.0
+    half = angle / 2
+    q, v = np.zeros(7), np.zeros(7)
+    q[:2], q[3], q[6] = (0.3, -0.2), np.cos(half), np.sin(half)
+    v[:2], v[3], v[6] = (1.0, 2.0), -np.sin(half) * rate / 2, np.cos(half) * rate / 2
+    planar = place(bar, np.array([0.3, -0.2, angle]), np.array([1.0, 2.0, rate]))
+    # The same positions and velocities: round-off.
+    np.testing.assert_allclose(place(spatial.spatial_stations(bar), q, v), planar, rtol=0, atol=1e-15)
+
+
 @pytest.mark.parametrize(("geometry", "size"), cases())
 def test_velocities_are_rates_of_positions(geometry: np.ndarray, size: int) -> None:
     rng = np.random.default_rng(1)
@@ -87,7 +100,8 @@ def test_virtual_work(geometry: np.ndarray, size: int) -> None:
 @pytest.mark.parametrize(("geometry", "size"), cases())
 def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, size: int) -> None:
     rng = np.random.default_rng(3)
-    q = np.array([0.0, 0.0, -0.8]) if size == 3 else bent_beam()
+    q = {3: np.array([0.0, 0.0, -0.8]), 7: np.array([0.0, 0.0, 0.0, np.cos(0.4), 0.0, 0.0, -np.sin(0.4)])}.get(size)
+    q = bent_beam() if q is None else q
     v, n = rng.uniform(-1, 1, size), len(geometry)
     P, V = place(geometry, q, v)
     run, anchors = np.zeros(1, runs.RUN), np.zeros((n - 1, 2))

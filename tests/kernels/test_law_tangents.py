@@ -37,7 +37,7 @@ def random_strip(rng: np.random.Generator, sides: tuple[int, ...]) -> Strip:
 
 
 def near_a_kink(s: Strip, static: Elastoplastic | Smooth) -> bool:
-    """Whether a law has a kink within some 100 difference steps: surface, yield, signs, edge of leading, the vertical."""
+    """Whether a law has a kink within some 100 difference steps: surface, yield, signs, edge, the vertical."""
     v = s.V.mean(axis=0)
     q = s.e + SOFT.damping_time * v if isinstance(static, Elastoplastic) else v
     size = SOFT.yield_displacement if isinstance(static, Elastoplastic) else 1.0

@@ -33,7 +33,7 @@ def test_layers_of_one_medium_are_the_whole_bed(medium: object) -> None:
     record, whole = medium.record(SOFT, G), np.zeros(1, law.RUN)
     whole["width"] = 0.01
     for _ in range(50):
-        P = np.cumsum(rng.uniform(-0.05, 0.05, (5, 2)), axis=0) + [0.0, -0.02]
+        P = np.cumsum(rng.uniform(-0.05, 0.05, (5, 2)), axis=0) - np.array([0.0, 0.02])
         # One velocity: the direction is taken in the middle of what lies in a layer.
         V = np.tile(rng.uniform(-1, 1, 2), (5, 1))
         anchors = middles(P) + rng.uniform(-0.03, 0.03, (4, 2))

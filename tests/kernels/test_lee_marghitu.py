@@ -22,7 +22,7 @@ from support_slow import (
     stations_of,
 )
 
-from granular_contact.kernels import kinematics, runs, strips
+from granular_contact.kernels import kinematics, runs, spatial, strips
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic
 
@@ -418,6 +418,13 @@ def rigid_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.nda
     return geometry, q, rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, 4.0]
 
 
+def spatial_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    planar, q, v = rigid_case(rng)
+    e = np.array([np.cos(q[2] / 2), *rng.uniform(-0.2, 0.2, 2), np.sin(q[2] / 2)])
+    turning = np.concatenate([v[:2], [0.0], rng.uniform(-2.0, 2.0, 4)])
+    return spatial.spatial_stations(planar), np.concatenate([q[:2], [0.0], e]), turning
+
+
 def cable_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     lengths = np.array([0.08, 0.1, 0.12])
     geometry = kinematics.cable_stations(lengths, 2)
@@ -441,7 +448,7 @@ def room(args: tuple) -> np.ndarray:
 
 
 @pytest.mark.parametrize("resultant", [False, True])
-@pytest.mark.parametrize("case", [rigid_case, cable_case])
+@pytest.mark.parametrize("case", [rigid_case, spatial_case, cable_case])
 def test_tangents_of_whole_runs(case: object, resultant: bool) -> None:
     rng = np.random.default_rng(14)
     record = medium(static=Elastoplastic(YIELD, TAU))
@@ -467,5 +474,9 @@ def test_tangents_of_whole_runs(case: object, resultant: bool) -> None:
 
 
 def kinematics_fill(geometry: np.ndarray, q: np.ndarray, v: np.ndarray, P: np.ndarray, V: np.ndarray) -> None:
-    fill = kinematics._rigid_stations if geometry.dtype == kinematics.RIGID_STATION else kinematics._cable_stations
-    fill(q, v, geometry, P, V)
+    fill = {
+        kinematics.RIGID_STATION: kinematics._rigid_stations,
+        kinematics.CABLE_STATION: kinematics._cable_stations,
+        spatial.SPATIAL_STATION: spatial._spatial_stations,
+    }
+    fill[geometry.dtype](q, v, geometry, P, V)

@@ -199,7 +199,7 @@ def test_lowered_surface_of_drft() -> None:
     lowered = Drft(LOOSE, 1500.0, 1.1, surface_drop=0.01).record(TRUE_SIGN, G)
     plain = Drft(LOOSE, 1500.0, 1.1).record(TRUE_SIGN, G)
     s = Strip(np.array([[0.0, 0.01], [0.1, -0.05]]), np.array([[0.4, -1.0]] * 2), np.zeros(2))
-    deeper = Strip(s.P + [0.0, 0.01], s.V, s.e)
+    deeper = Strip(s.P + np.array([0.0, 0.01]), s.V, s.e)
     # Round-off of the depths.
     np.testing.assert_allclose(strip_force(s, lowered), strip_force(deeper, plain), rtol=1e-12)
 

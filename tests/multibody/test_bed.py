@@ -9,6 +9,7 @@ import exudyn as exu
 import numpy as np
 import pytest
 from exudyn import itemInterface as items
+from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 from support_runs import order
 
 from granular_contact.errors import SceneError
@@ -501,3 +502,50 @@ def test_nothing_is_read_before_a_solve() -> None:
     assert bed.work == 0.0
     assert not bed.force.any()
     assert len(bed.history.time) == 0
+
+
+def dropped(spatial: bool, step: float) -> tuple[np.ndarray, GranularBed]:
+    """Tip (2,) m after 0.1 s of a slanted stick thrown into the sand, as a planar body or as a spatial one."""
+    mbs = exu.SystemContainer().AddSystem()
+    if spatial:
+        body = mbs.CreateRigidBody(
+            inertia=RigidBodyInertia(mass=MASS, inertiaTensor=np.diag([1e-5, INERTIA, INERTIA])),
+            referencePosition=[0, 0.15, 0],
+            referenceRotationMatrix=RotationMatrixZ(-1.0),
+            initialVelocity=[0.5, -2, 0],
+            initialAngularVelocity=[0, 0, 3],
+            gravity=[0, -G, 0],
+        )
+    else:
+        node = mbs.AddNode(
+            items.NodeRigidBody2D(referenceCoordinates=[0, 0.15, -1.0], initialVelocities=[0.5, -2.0, 3.0])
+        )
+        body = mbs.AddObject(items.ObjectRigidBody2D(mass=MASS, inertia=INERTIA, nodeNumber=node))
+        middle = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=middle, loadVector=[0, -G, 0]))
+    bed = bed_on(mbs, body, 0.0)
+    bed.attach()
+    mbs.Assemble()
+    mbs.SolveDynamic(settings(step, 0.1))
+    tip = mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, localPosition=[HALF, 0, 0])
+    return np.array(tip)[:2], bed
+
+
+def test_spatial_bodies_move_as_planar_ones() -> None:
+    (flat, flat_bed), (deep, deep_bed) = dropped(False, 1e-4), dropped(True, 1e-4)
+    # Rates of Euler parameters are integrated to second order too: at half the step the two are four times closer.
+    finer = np.linalg.norm(dropped(False, 5e-5)[0] - dropped(True, 5e-5)[0])
+    assert finer < 1e-6
+    assert np.linalg.norm(deep - flat) < 6 * finer + 1e-9
+    assert deep_bed.work == pytest.approx(flat_bed.work, rel=1e-5)
+    # The resultant of the load on the body is what the bed keeps under its name.
+    np.testing.assert_allclose(next(iter(deep_bed.bodies.values()))[:2], deep_bed.force, rtol=1e-12)
+
+
+def test_spatial_bodies_of_other_parametrisations_are_refused() -> None:
+    mbs = exu.SystemContainer().AddSystem()
+    body = mbs.CreateRigidBody(
+        inertia=RigidBodyInertia(mass=MASS, inertiaTensor=np.diag([1e-5, INERTIA, INERTIA])),
+        nodeType=exu.NodeType.RotationRotationVector,
+    )
+    assert "RigidBodyEP" in refused(GranularBed(mbs, SAND, 0.0), "add_rigid", body, [0, 0], [0.1, 0], 0.01)

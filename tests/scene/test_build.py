@@ -102,13 +102,13 @@ def test_surface_above_the_lowest_end_is_refused_with_the_numbers() -> None:
     (fault,) = faults_of("pendulum", "surface_height_m=-0.1")
     lowest = -(L_RB + LENGTH) * math.sin(math.radians(31))
     assert fault.key == "surface_height_m"
-    for number in ("-0.1 m", "31", f"{lowest:.6g} m", f"{-0.1 - lowest:.3g} m"):
+    for number in ("-0.1 m", f"{lowest:.6g} m", f"{-0.1 - lowest:.3g} m"):
         assert number in fault.message
 
 
 def test_vacuum_has_no_surface_and_no_medium() -> None:
     scene = scene_of("pendulum", "medium=null")
-    assert scene.medium is None
+    assert scene.media == ()
     assert scene.surface is None
 
 
@@ -241,9 +241,9 @@ def test_several_faults_come_together() -> None:
 
 
 def test_coefficients_of_the_medium_arrive() -> None:
-    medium = scene_of("pendulum", "medium.withdrawing={eta_v: 0.5, lambda: 1.7}").medium
+    (medium,) = scene_of("pendulum", "medium.withdrawing={eta_v: 0.5, lambda: 1.7}").media
     assert (medium.density, medium.eta_d, medium.eta_h) == (2500.0, 6.5, 8.0)
     assert (medium.plunging.eta_v, medium.plunging.lam) == (22.0, 1.1)
     assert (medium.withdrawing.eta_v, medium.withdrawing.lam) == (0.5, 1.7)
-    same = scene_of("pendulum").medium
+    (same,) = scene_of("pendulum").media
     assert same.withdrawing == same.plunging

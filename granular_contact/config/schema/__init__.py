@@ -1,7 +1,8 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
 `mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them,
-`drives` and `signals` what moves them, `medium` the laws, `method` the choice of solver, `scenario` the run around them.
+`drives` and `signals` what moves them, `medium` the laws, `bed` where the media lie, `method` the choice of solver,
+`scenario` the run around them.
 """
 
 from granular_contact.config.schema.ball_laws import (
@@ -13,6 +14,7 @@ from granular_contact.config.schema.ball_laws import (
     TsimringVolfson,
 )
 from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
+from granular_contact.config.schema.bed import Bed, BedLayer, FloorContact
 from granular_contact.config.schema.chain import Chain
 from granular_contact.config.schema.drives import (
     AnyDrive,
@@ -40,7 +42,7 @@ from granular_contact.config.schema.mechanism import (
     Link,
     Rigid,
 )
-from granular_contact.config.schema.medium import LAWS, AnyLaw, Medium
+from granular_contact.config.schema.medium import LAWS, AnyLaw, Media, Medium
 from granular_contact.config.schema.method import Method, Reduced
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.provenance import Range
@@ -85,6 +87,8 @@ __all__ = [
     "AnyLaw",
     "AnySignal",
     "ArcShape",
+    "Bed",
+    "BedLayer",
     "Bingham",
     "Body",
     "Buehler",
@@ -98,6 +102,7 @@ __all__ = [
     "Drive",
     "Elastoplastic",
     "Flexible",
+    "FloorContact",
     "FootShape",
     "Force",
     "Free",
@@ -114,6 +119,7 @@ __all__ = [
     "LinearDepth",
     "Link",
     "Load",
+    "Media",
     "Medium",
     "Method",
     "Model",

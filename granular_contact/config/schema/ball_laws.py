@@ -1,4 +1,4 @@
-"""Schema of the scalar laws: one force on a ball against its motion, of its speed v and the depth z of its lowest point."""
+"""Schema of the scalar laws: a force on a ball against its motion, by speed v and depth z of its lowest point."""
 
 from __future__ import annotations
 

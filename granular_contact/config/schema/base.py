@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import yaml
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler
@@ -69,3 +69,22 @@ class Tagged:
         del source
         choices = {tag: handler.generate_schema(choice) for tag, choice in self.choices.items()}
         return core_schema.tagged_union_schema(choices, discriminator=self.key)
+
+
+ONE, MANY = "one", "many"
+
+
+class OneOrMore:
+    """Marks a field that holds one value of a kind, or a list of them."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of the two forms; the source is a tuple of the kind."""
+        (one, *_) = get_args(source)
+        single = handler.generate_schema(one)
+        return core_schema.tagged_union_schema(
+            {
+                ONE: single,
+                MANY: core_schema.tuple_variable_schema(single, min_length=1, strict=False),
+            },
+            discriminator=lambda value: MANY if isinstance(value, list | tuple) else ONE,
+        )

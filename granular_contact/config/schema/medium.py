@@ -13,7 +13,7 @@ from granular_contact.config.schema.ball_laws import (
     TsimringVolfson,
 )
 from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu
-from granular_contact.config.schema.base import Tagged
+from granular_contact.config.schema.base import OneOrMore, Tagged
 from granular_contact.config.schema.provenance import MediumBase
 from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d
 
@@ -47,3 +47,4 @@ AnyLaw = (
 )
 # For the type checker this is the union of all laws; at run time `LAWS` decides.
 Medium = Annotated[AnyLaw, Tagged("law", LAWS)]
+Media = Annotated[tuple[Medium, ...], OneOrMore()]

@@ -7,10 +7,11 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
+from granular_contact.config.schema.bed import Bed
 from granular_contact.config.schema.drives import Drive
 from granular_contact.config.schema.fitting import drive_faults, initial_faults
 from granular_contact.config.schema.initial import Initial
-from granular_contact.config.schema.medium import Medium
+from granular_contact.config.schema.medium import AnyLaw, Media
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import Signal
@@ -84,12 +85,14 @@ class Scenario(Strict):
     name: Text | None = None
     """null: the name of the file, without its ending."""
     model: Model
-    medium: Medium | None = None
-    """null: vacuum."""
+    medium: Media | None = None
+    """null: vacuum; of several media in a list the forces add."""
     gravity_m_s2: float = 9.81
     """Positive is downward."""
     surface_height_m: float | None = None
     """Height of the free surface above the origin; null: the surface that the mechanism touches at the start."""
+    bed: Bed | None = None
+    """Slope or profile of the surface, floor, container and layers; null: level and without end."""
     initial: Initial
     drives: dict[str, Drive] = {}
     """What acts at joints over time, by the name of the joint."""
@@ -99,6 +102,22 @@ class Scenario(Strict):
     solver: Solver = Solver()
     method: Method = Method()
     output: Output = Output()
+
+    @property
+    def media(self) -> tuple[AnyLaw, ...]:
+        """The media on top of the bed; none in vacuum."""
+        if self.medium is None:
+            return ()
+        return self.medium if isinstance(self.medium, tuple) else (self.medium,)
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> Scenario:
+        bed = self.bed
+        if bed is not None and self.surface_height_m is not None and (bed.height_m, bed.profile_m) != (None, None):
+            raise refusal(
+                [(("surface_height_m",), "the bed has height_m or profile_m too; one height of the surface is allowed")]
+            )
+        return self
 
     @model_validator(mode="after")
     def _fits_its_mechanism(self) -> Scenario:

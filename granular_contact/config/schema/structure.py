@@ -52,7 +52,8 @@ def structure_faults(
     if chain is not None:
         parent, links, hinges = chain
         faults += _chain_faults(chain, all_bodies, {**joints, **closures})
-        all_joints |= zip(hinges, zip([parent, *links], links, strict=False), strict=True)
+        root = GROUND if parent in links else parent  # which has its fault
+        all_joints |= zip(hinges, zip([root, *links], links, strict=False), strict=True)
         all_bodies |= dict.fromkeys(links)
     joints_of: dict[str, list[str]] = defaultdict(list)
     for joint, (parent, child) in all_joints.items():

@@ -55,7 +55,7 @@ class Drft(_Rft):
 
 
 class Rft3d(MediumBase):
-    """Three-dimensional resistive force theory, used in the plane; no fitted coefficients, density and friction only."""
+    """Three-dimensional resistive force theory, used in the plane: density and friction are all it needs."""
 
     law: Literal["rft3d"]
     density_kg_m3: Positive

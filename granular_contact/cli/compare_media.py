@@ -1,0 +1,89 @@
+"""The command `compare-media`: one config in several media, their table and figure."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    add_output,
+    add_set,
+    complain,
+    folder_problem,
+    telling,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from granular_contact.compare_media import Row
+
+HELP = "run a config in several media"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    words = "presets or YAML files of media; a+b for media that act together"
+    parser.add_argument("--media", metavar="A,B", type=_names, required=True, help=words)
+    add_set(parser)
+    parser.add_argument("--no-plots", action="store_true", help="draw no figure")
+    add_output(parser, "results/NAME_OF_CONFIG_media")
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    from granular_contact.compare_media import compare_media, write
+
+    folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.config).stem}_media")
+    problem = folder_problem(folder, "compare-media")
+    if problem:
+        complain(problem)
+        return FAULTY_INPUT
+    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+        rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress)
+    write(rows, folder, figures=not chosen.no_plots)
+    if not chosen.quiet:
+        _show(rows)
+        print(f"saved in {folder}")
+    return FAILED if any(row.results.status.code == "failed" for row in rows) else FINE
+
+
+def _show(rows: Sequence[Row]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False)
+    table.add_column("medium")
+    for head in ("ended", "stop ms", "angle deg", "depth mm", "peak force N", "taken J", "imbalance"):
+        table.add_column(head, justify="right")
+    for row in rows:
+        summary = row.results.summary
+        table.add_row(
+            row.name,
+            summary["status"],
+            _number(summary["stopping_time_s"], 1e3, ".3f"),
+            _number(summary["angle_at_stop_deg"], 1.0, ".3f"),
+            _number(summary["max_depth_m"], 1e3, ".2f"),
+            _number(row.peak_force, 1.0, ".2f"),
+            _number(-summary["energy"]["granular_work_J"], 1.0, ".4f"),
+            _number(summary["energy"]["imbalance_relative"], 1.0, ".1e"),
+        )
+    console = Console()
+    Console(width=max(100, console.width)).print(table)
+    for row in rows:
+        for warning in row.results.warnings:
+            print(f"{row.name}: {warning}")
+
+
+def _number(value: float | None, factor: float, form: str) -> str:
+    return "-" if value is None else format(factor * value, form)

@@ -1,0 +1,119 @@
+"""The command `media`: the presets, or one of them with its law, its numbers, their source and its figure."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granular_contact.cli.common import FAULTY_INPUT, FINE, add_output, complain, folder_problem
+
+if TYPE_CHECKING:
+    from granular_contact.config import schema
+
+HELP = "list the media, or show one with its equation, source, range and forces"
+ABOUT = ("law", "name", "source", "standing", "provenance", "range")
+QUANTITIES = (("speed_m_s", "m/s"), ("depth_m", "m"), ("size_m", "m"))
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("name", metavar="NAME", nargs="?", help="preset, or YAML file of a medium; left out: list all")
+    add_output(parser, "results/media_NAME")
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    if chosen.name is None:
+        _list()
+        return FINE
+    from granular_contact.config import load_medium
+
+    spec = load_medium(chosen.name)
+    folder = Path(chosen.out) if chosen.out else Path("results", f"media_{Path(chosen.name).stem}")
+    problem = folder_problem(folder, "media")
+    if problem:
+        complain(problem)
+        return FAULTY_INPUT
+    if not chosen.quiet:
+        _show(spec)
+    return _draw(spec, folder, chosen.quiet)
+
+
+def _list() -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from granular_contact.config import load_medium, medium_names
+    from granular_contact.media.laws import LAWS
+
+    table = Table(box=None, pad_edge=False)
+    for head in ("name", "law", "takes", "range", "standing", "source"):
+        table.add_column(head, overflow="fold")
+    for name in medium_names():
+        spec = load_medium(name)
+        takes = ", ".join(sorted(LAWS[spec.law].takes))
+        table.add_row(name, spec.law, takes, _range(spec), spec.standing or "-", spec.source or "-")
+    console = Console()
+    Console(width=max(120, console.width)).print(table)
+
+
+def _range(spec: schema.AnyLaw) -> str:
+    stated = spec.range.model_dump()
+    parts = [
+        f"{key.split('_')[0]} {stated[key][0]:g} to {stated[key][1]:g} {unit}"
+        for key, unit in QUANTITIES
+        if stated[key] is not None
+    ]
+    return ", ".join(parts) or "not stated"
+
+
+def _show(spec: schema.AnyLaw) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from granular_contact.media.kinds import WORDS
+    from granular_contact.media.laws import LAWS
+    from granular_contact.scene.media import missing
+
+    law = LAWS[spec.law]
+    table = Table(box=None, pad_edge=False, show_header=False)
+    table.add_column(style="bold")
+    table.add_column(overflow="fold")
+    table.add_row("law", spec.law)
+    table.add_row("equation", law.equation)
+    table.add_row("takes", ", ".join(words for kind, words in WORDS.items() if kind in law.takes))
+    lacking = missing(spec)
+    for key, value in spec.model_dump(mode="json", by_alias=True).items():
+        if key not in ABOUT:
+            table.add_row(key, "not stated by the source: give it in the run" if key in lacking else _value(value))
+    table.add_row("range", _range(spec))
+    for key in ("standing", "provenance", "source"):
+        table.add_row(key, getattr(spec, key) or "not stated")
+    console = Console()
+    Console(width=max(100, console.width)).print(table)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_value(part)}" for key, part in value.items())
+    return "-" if value is None else f"{value:g}"
+
+
+def _draw(spec: schema.AnyLaw, folder: Path, quiet: bool) -> int:
+    from granular_contact.scene.media import medium, missing
+
+    if missing(spec):
+        if not quiet:
+            print("no figure: the forces need what the source does not state")
+        return FINE
+    from granular_contact.plots.laws import draw_law
+    from granular_contact.probe import panels
+    from granular_contact.report import LAW, whole_folder
+
+    acting = medium(spec)
+    with whole_folder(folder, "media") as making:
+        draw_law(f"{acting.name}: {acting.equation}", panels(acting), making / LAW)
+    if not quiet:
+        print(f"saved in {folder}")
+    return FINE

@@ -1,0 +1,77 @@
+"""Schema of the bed: its free surface, its floor, its container and its layers."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated
+
+from pydantic import AfterValidator, Field, model_validator
+
+from granular_contact.config.schema.base import Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
+from granular_contact.config.schema.medium import Medium
+
+
+def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    faults = [
+        ((i, 0), f"got x = {b[0]:g} after {a[0]:g}; x must rise from corner to corner")
+        for i, (a, b) in enumerate(pairwise(points), 1)
+        if not b[0] > a[0]
+    ]
+    if faults:
+        raise refusal(faults)
+    return points
+
+
+class FloorContact(Strict):
+    """Spring and damper per unit of length against a level floor: k delta (1 - d v_y), never pulling."""
+
+    stiffness_N_m2: Positive
+    """k; on a ball it acts over the diameter."""
+    damping_s_m: NotNegative = 0.0
+    """d."""
+
+
+class BedLayer(Strict):
+    """A medium from a depth downward, to the next layer or to the ground."""
+
+    top_m: Positive
+    """Depth below the free surface."""
+    medium: Medium
+
+
+class Bed(Strict):
+    """Where the medium lies. Its surface is free and stays as it is: no craters, no heaps."""
+
+    height_m: float | None = None
+    """Height of the surface above the ground joint at x = 0; null: so that the mechanism touches it at the start."""
+    slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
+    """The surface rises to the right by this angle."""
+    profile_m: Annotated[tuple[Point, ...], Listed, Field(min_length=2), AfterValidator(_rising)] | None = None
+    """Corners x, y of the surface in place of height and slope; level beyond them."""
+    depth_m: Positive | None = None
+    """Of the level floor below the surface at x = 0; null: none."""
+    floor: FloorContact | None = None
+    """null: the floor is reported when it is reached, and carries nothing."""
+    container_x_m: Point | None = None
+    """Left and right wall; a run that leaves them is told so, they carry nothing."""
+    layers: Annotated[tuple[BedLayer, ...], Listed] = ()
+    """Below the medium of the scenario, which then lies on top, from the highest to the deepest."""
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Bed:
+        faults: list[LocalFault] = []
+        if self.profile_m is not None and (self.height_m is not None or self.slope_deg != 0.0):
+            faults.append((("profile_m",), "got a profile and height_m or slope_deg; one of the two is allowed"))
+        if self.floor is not None and self.depth_m is None:
+            faults.append((("floor",), "a floor that carries needs depth_m"))
+        if self.container_x_m is not None and not self.container_x_m[0] < self.container_x_m[1]:
+            faults.append((("container_x_m",), f"got {list(self.container_x_m)}; the first must be left of the second"))
+        tops = [layer.top_m for layer in self.layers]
+        faults += [
+            (("layers", i + 1, "top_m"), f"got {below:g}, which is not below the layer above it, {above:g}")
+            for i, (above, below) in enumerate(pairwise(tops))
+            if not below > above
+        ]
+        if faults:
+            raise refusal(faults)
+        return self

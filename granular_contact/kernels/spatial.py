@@ -1,0 +1,101 @@
+"""Rigid body in space with Euler parameters that moves in the x-y plane: its stations, and forces at them.
+
+Coordinates (x, y, z, e_0, e_1, e_2, e_3); stations r (n, 3) in the body frame, p = x + A(e) r. A is quadratic in e, so
+its derivative J(e) by e is linear, the velocity is V = x' + J(e) e', and dV/de = J(e'). Off the unit sphere A may be
+continued in any way: what of a generalised force points along e is taken up by the engine's constraint on e.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from granular_contact.kernels.kinematics import scatter, scatter_tangent, stations
+from granular_contact.kernels.law import provide
+
+SPATIAL_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8")])
+SIZE = 7
+
+
+def spatial_stations(planar: NDArray[np.void]) -> NDArray[np.void]:
+    """Stations in the plane z = 0 of the body, from those of a planar body."""
+    made = np.zeros(len(planar), SPATIAL_STATION)
+    made["x"], made["y"] = planar["x"], planar["y"]
+    return made
+
+
+@njit(cache=True)
+def jacobian(e0, e1, e2, e3, r, J):
+    """Fill J (2, 4) with the derivatives of the x and y components of A(e) r by e; linear in e."""
+    J[0, 0] = 2.0 * (e0 * r.x - e3 * r.y + e2 * r.z)
+    J[0, 1] = 2.0 * (e1 * r.x + e2 * r.y + e3 * r.z)
+    J[0, 2] = 2.0 * (-e2 * r.x + e1 * r.y + e0 * r.z)
+    J[0, 3] = 2.0 * (-e3 * r.x - e0 * r.y + e1 * r.z)
+    J[1, 0] = 2.0 * (e3 * r.x + e0 * r.y - e1 * r.z)
+    J[1, 1] = 2.0 * (e2 * r.x - e1 * r.y - e0 * r.z)
+    J[1, 2] = J[0, 1]
+    J[1, 3] = J[0, 0]
+
+
+@provide(stations, "geometry", SPATIAL_STATION)
+@njit(cache=True)
+def _spatial_stations(q, v, geometry, P, V):
+    J = np.empty((2, 4))
+    for i in range(geometry.shape[0]):
+        jacobian(q[3], q[4], q[5], q[6], geometry[i], J)
+        for xy in range(2):
+            p, w = 0.0, 0.0
+            for k in range(4):
+                p += 0.5 * J[xy, k] * q[3 + k]  # a quadratic form is half its derivative times its argument
+                w += J[xy, k] * v[3 + k]
+            P[i, xy] = q[xy] + p
+            V[i, xy] = v[xy] + w
+
+
+@provide(scatter, "geometry", SPATIAL_STATION)
+@njit(cache=True)
+def _spatial_scatter(q, geometry, P, F, out):
+    J = np.empty((2, 4))
+    for i in range(P.shape[0]):
+        if F[i, 0] == 0.0 and F[i, 1] == 0.0:
+            continue
+        jacobian(q[3], q[4], q[5], q[6], geometry[i], J)
+        out[0] += F[i, 0]
+        out[1] += F[i, 1]
+        for k in range(4):
+            out[3 + k] += J[0, k] * F[i, 0] + J[1, k] * F[i, 1]
+
+
+@njit(cache=True)
+def _ends(e, geometry, i, shift, out):
+    """Rows 0..3 of out (4, 7): derivatives of the end positions of strip i, x_0, y_0, x_1, y_1; linear in e.
+
+    shift: derivative of a position by that of the body, 1 for positions and 0 for what only turns.
+    """
+    J = np.empty((2, 4))
+    out[:] = 0.0
+    for end in range(2):
+        jacobian(e[0], e[1], e[2], e[3], geometry[i + end], J)
+        for xy in range(2):
+            row = 2 * end + xy
+            out[row, xy] = shift
+            out[row, 3:] = J[xy]
+
+
+@provide(scatter_tangent, "geometry", SPATIAL_STATION)
+@njit(cache=True)
+def _spatial_scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
+    B, W = np.empty((4, SIZE)), np.empty((4, SIZE))  # of end positions by q (and velocities by v), of velocities by q
+    for i in range(P.shape[0] - 1):
+        _ends(q[3:], geometry, i, 1.0, B)
+        _ends(v[3:], geometry, i, 0.0, W)
+        out += B.T @ (fq * (KP[i] @ B + KV[i] @ W) + fv * (KV[i] @ B))
+    J, unit = np.empty((2, 4)), np.zeros(4)
+    for i in range(P.shape[0]):
+        for k in range(4):
+            unit[k] = 1.0
+            jacobian(unit[0], unit[1], unit[2], unit[3], geometry[i], J)
+            unit[k] = 0.0
+            for j in range(4):
+                out[3 + j, 3 + k] += fq * (J[0, j] * F[i, 0] + J[1, j] * F[i, 1])

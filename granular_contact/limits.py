@@ -1,0 +1,46 @@
+"""What a run reached, against what its media, its floor and its container allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from granular_contact.media.floor import Floor
+from granular_contact.scene.bed import Bed
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Extremes of all that was immersed: speed (m/s), depth, height of the lowest point, least and greatest x (m).
+
+    sizes: diameters and widths (m) of what was immersed.
+    """
+
+    speed: float
+    depth: float
+    lowest: float
+    left: float
+    right: float
+    sizes: tuple[float, ...]
+
+
+def warnings(bed: Bed, reach: Reach) -> Iterator[str]:
+    """Sentences on all that a run left, by how much."""
+    for medium in dict.fromkeys(bed.media):
+        outside = list(medium.validity.departures(reach.speed, reach.depth, reach.sizes))
+        if outside:
+            yield f"outside the range that {medium.name} was measured in: {'; '.join(outside)}"
+    if bed.floor is not None:
+        yield from _floor(bed.floor, reach)
+    if bed.container is not None:
+        left, right = bed.container
+        for wall, beyond in (("left", left - reach.left), ("right", reach.right - right)):
+            if beyond > 0.0:
+                yield f"the {wall} wall of the container was passed by {beyond:.4g} m; it carries nothing"
+
+
+def _floor(floor: Floor, reach: Reach) -> Iterator[str]:
+    below = floor.height - reach.lowest
+    if below > 0.0:
+        what = "it carries nothing" if floor.stiffness is None else "its contact carried"
+        yield f"the floor was reached, the lowest point came {below:.4g} m below it; {what}"

@@ -1,0 +1,42 @@
+"""All laws by their tag."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from granular_contact.media.albert import Albert
+from granular_contact.media.allen import Allen
+from granular_contact.media.bingham import Bingham
+from granular_contact.media.drft import Drft
+from granular_contact.media.hill import Hill
+from granular_contact.media.katsuragi_durian import KatsuragiDurian
+from granular_contact.media.lee_marghitu import LeeMarghitu
+from granular_contact.media.linear_depth import LinearDepth
+from granular_contact.media.poncelet import Poncelet
+from granular_contact.media.rft import Rft
+from granular_contact.media.rft3d import Rft3d
+from granular_contact.media.tsimring_volfson import TsimringVolfson
+
+LAWS: dict[str, Any] = {
+    law.name: law
+    for law in (
+        LeeMarghitu,
+        Albert,
+        Hill,
+        Rft,
+        Drft,
+        Rft3d,
+        Bingham,
+        Poncelet,
+        Allen,
+        LinearDepth,
+        TsimringVolfson,
+        KatsuragiDurian,
+    )
+}
+
+
+def laws_for(kind: str) -> Collection[str]:
+    """Tags of the laws that take a kind of shape."""
+    return [tag for tag, law in LAWS.items() if kind in law.takes]

@@ -1,0 +1,146 @@
+"""Where the media lie: the free surface, layers, floor and container of a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.config import schema
+from granular_contact.errors import Fault
+from granular_contact.media.floor import Floor
+from granular_contact.media.kinds import Medium
+from granular_contact.media.layer import Layer
+from granular_contact.scene.media import medium, missing
+
+Vector = NDArray[np.float64]
+
+NOTHING = 1e-9  # a depth that is round-off (m)
+FAR = 1e3  # half the width of a sloped surface (m), beyond which it goes on level
+
+
+@dataclass(frozen=True)
+class Bed:
+    """profile: corners (k, 2) m of the free surface, level beyond them; layers: none in vacuum; container: x of both
+    walls (m).
+    """
+
+    profile: Vector
+    layers: tuple[Layer, ...]
+    floor: Floor | None = None
+    container: tuple[float, float] | None = None
+
+    @property
+    def media(self) -> tuple[Medium, ...]:
+        """The media of all layers."""
+        return tuple(layer.medium for layer in self.layers)
+
+    @property
+    def top(self) -> float:
+        """Height of the highest point of the surface (m)."""
+        return float(self.profile[:, 1].max())
+
+    @property
+    def level(self) -> bool:
+        """Whether the surface is level."""
+        return len(self.profile) == 1
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is level, of one medium and without a floor that carries."""
+        carries = self.floor is not None and self.floor.stiffness is not None
+        return self.level and len(self.layers) <= 1 and not carries
+
+    def height(self, x: Vector) -> Vector:
+        """Height of the surface (m) at x (m), any shape."""
+        height: Vector = np.interp(x, self.profile[:, 0], self.profile[:, 1])
+        return height
+
+
+def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
+    """Bed of a scene; None without a medium and without a surface.
+
+    ends: world positions (2,) m of what may meet the medium, at the start; faults: is told of media
+    that lack a number, of layers where there can be none, and of ends that lie below the surface.
+    """
+    spec = scenario.bed or schema.Bed()
+    if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
+        return None
+    layers = tuple(_layers(scenario, spec, faults))
+    if scenario.load.form == "resultant" and not all(layer.whole for layer in layers):
+        faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
+    profile = _profile(scenario, spec, ends)
+    placed = Bed(profile, layers, container=spec.container_x_m)
+    if layers:
+        faults += _depth_faults(scenario, placed, ends)
+    if spec.depth_m is None:
+        return placed
+    contact = spec.floor
+    floor = Floor(
+        float(placed.height(np.zeros(1))[0]) - spec.depth_m,
+        None if contact is None else contact.stiffness_N_m2,
+        0.0 if contact is None else contact.damping_s_m,
+    )
+    lowest = min((float(end[1]) for end in ends), default=math.inf)
+    if lowest < floor.height - NOTHING:
+        faults.append(
+            Fault(
+                "",
+                None,
+                "bed.depth_m",
+                f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but at the start the lowest end is "
+                f"at {lowest:.6g} m: allowed is a floor below it",
+            )
+        )
+    return replace(placed, floor=floor)
+
+
+def _layers(scenario: schema.Scenario, spec: schema.Bed, faults: list[Fault]) -> Iterator[Layer]:
+    tops = [layer.top_m for layer in spec.layers]
+    bottoms = [*tops, math.inf]
+    several = isinstance(scenario.medium, tuple)
+    wanted = [
+        (one, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, one in enumerate(scenario.media)
+    ] + [(layer.medium, f"bed.layers.{i}.medium", layer.top_m, bottoms[i + 1]) for i, layer in enumerate(spec.layers)]
+    for one, key, top, bottom in wanted:
+        lacking = [
+            Fault("", None, f"{key}.{name}", "got null: the source does not state it; give the number of your case")
+            for name in missing(one)
+        ]
+        faults += lacking
+        if not lacking:
+            yield Layer(medium(one), top, bottom)
+
+
+def _depth_faults(scenario: schema.Scenario, placed: Bed, ends: Sequence[Vector]) -> Iterator[Fault]:
+    """Of the ends, the one that lies deepest below a surface whose height is given."""
+    spec = scenario.bed or schema.Bed()
+    key = "surface_height_m" if scenario.surface_height_m is not None else "bed.height_m"
+    if spec.profile_m is not None:
+        key = "bed.profile_m"
+    depths = [(float(placed.height(end[:1])[0]) - float(end[1]), end) for end in ends]
+    depth, end = max(depths, key=lambda pair: pair[0], default=(0.0, np.zeros(2)))
+    if depth > NOTHING:
+        yield Fault(
+            "",
+            None,
+            key,
+            f"got {end[1] + depth:g} m, but at the start the lowest end there is at {end[1]:.6g} m, {depth:.3g} m "
+            f"below the sand: allowed is at most {end[1]:.6g} m, or no value",
+        )
+
+
+def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]) -> Vector:
+    """Corners of the surface as given; without a height, as high as touches the lowest end."""
+    if spec.profile_m is not None:
+        return np.array(spec.profile_m)
+    slope = math.tan(math.radians(spec.slope_deg))
+    height = scenario.surface_height_m if spec.height_m is None else spec.height_m
+    if height is None:
+        height = min((float(y - slope * x) for x, y in ends), default=0.0)
+    if slope == 0.0:
+        return np.array([[0.0, height]])
+    return np.array([[-FAR, height - slope * FAR], [FAR, height + slope * FAR]])

@@ -1,0 +1,265 @@
+"""Initial states of mechanisms: joints as said, loops closed, chains expanded, and what contradicts itself."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from support_runs import scene_of
+
+from granular_contact.errors import Fault, SceneError
+from granular_contact.scene.types import Scene, place
+
+BAR = "length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700"
+LEG = f"""
+model:
+  name: leg
+  bodies:
+    cart: {{type: link, {BAR}}}
+    thigh: {{type: link, {BAR}}}
+    shank: {{type: link, {BAR}}}
+  joints:
+    rail: {{type: slider, parent: ground, child: cart, parent_point_m: [0.3, 0], axis_deg: 90, angle_deg: -90}}
+    hip: {{type: hinge, parent: cart, child: thigh, parent_point_m: [0.1, 0]}}
+    knee: {{type: hinge, parent: thigh, child: shank, parent_point_m: [0.1, 0], home_deg: 30}}
+initial:
+  joints:
+    rail: {{position_m: 0.2, speed_m_s: 1.5}}
+    hip: {{angle_deg: 20, rate_rad_s: 3}}
+"""
+FOUR_BAR = """
+model:
+  name: four_bar
+  bodies:
+    crank: {type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700}
+    coupler: {type: link, length_m: 0.3, diameter_m: 0.01, density_kg_m3: 7700}
+    rocker: {type: link, length_m: 0.3, diameter_m: 0.01, density_kg_m3: 7700}
+  joints:
+    a: {type: hinge, parent: ground, child: crank, home_deg: -90}
+    b: {type: hinge, parent: crank, child: coupler, parent_point_m: [0.1, 0], home_deg: 90}
+    d: {type: hinge, parent: ground, child: rocker, parent_point_m: [0.3, -0.2], home_deg: -90}
+  closures:
+    c: {type: hinge, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0]}
+initial: {joints: {}}
+"""
+
+
+def faults_of(text: str, *overrides: str) -> list[Fault]:
+    with pytest.raises(SceneError) as caught:
+        scene_of(text, *overrides)
+    return caught.value.faults
+
+
+def turn(angle: float) -> np.ndarray:
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+def ends(scene: Scene, body: str) -> np.ndarray:
+    """Start and end of a link, (2, 2) m."""
+    bar = scene.body(body)
+    half = 0.5 * (0.3 if body in ("coupler", "rocker") else 0.1)
+    return np.array([place(bar.motion, np.array([x, 0.0])) for x in (-half, half)])
+
+
+def test_places_and_velocities_follow_from_the_joints() -> None:
+    scene = scene_of(LEG)
+    # Counter-clockwise angles of the three bars: the cart hangs down, the hinges turn clockwise.
+    angles = [math.radians(a) for a in (-90.0, -110.0, -140.0)]
+    spins = [0.0, -3.0, -3.0]
+    at, speed = np.array([0.3, 0.2]), np.array([0.0, 1.5])
+    for name, angle, spin in zip(("cart", "thigh", "shank"), angles, spins, strict=True):
+        motion, along = scene.body(name).motion, turn(angle)
+        # Round-off of numbers of order one.
+        np.testing.assert_allclose(motion.position, at + 0.05 * along, atol=1e-15)
+        assert (motion.angle, motion.rate) == (pytest.approx(angle, abs=1e-15), pytest.approx(spin, abs=1e-15))
+        across = np.array([-along[1], along[0]])
+        np.testing.assert_allclose(motion.velocity, speed + 0.05 * spin * across, atol=1e-15)
+        at, speed = at + 0.1 * along, speed + 0.1 * spin * across
+
+
+def test_coordinates_of_joints_at_the_start() -> None:
+    rail, hip, knee = scene_of(LEG).connections
+    assert (rail.start, rail.rate) == (0.2, 1.5)
+    assert (hip.start, hip.rate) == (pytest.approx(math.radians(20.0)), 3.0)
+    assert (knee.start, knee.rate) == (pytest.approx(math.radians(30.0)), 0.0)
+    np.testing.assert_allclose(rail.axis, [0.0, 1.0], atol=1e-15)
+    np.testing.assert_allclose(rail.parent_point, [0.3, 0.0], atol=1e-15)
+
+
+def test_a_free_body_starts_as_said() -> None:
+    scene = scene_of(
+        f"""
+model:
+  name: rod
+  bodies: {{rod: {{type: link, {BAR}}}}}
+  joints: {{air: {{type: free, parent: ground, child: rod, parent_point_m: [1, 2], child_point_m: [0.1, 0]}}}}
+initial: {{joints: {{air: {{x_m: 0.5, y_m: 0.25, angle_deg: 60, vx_m_s: 3, vy_m_s: -4, rate_rad_s: 5}}}}}}
+"""
+    )
+    motion, along = scene.rigid[0].motion, turn(math.radians(-60.0))
+    # The joint sits at the far end of the rod, half its length from the centre of mass.
+    np.testing.assert_allclose(motion.position, np.array([1.5, 2.25]) - 0.05 * along, atol=1e-15)
+    across = np.array([-along[1], along[0]])
+    np.testing.assert_allclose(motion.velocity, np.array([3.0, -4.0]) + 0.05 * 5.0 * across, atol=1e-14)
+    assert scene.floating is not None
+    assert scene.pivot is None
+    # The lowest end is what is followed.
+    np.testing.assert_allclose(scene.tip_position, [1.5, 2.25], atol=1e-15)
+
+
+def test_tip_speed_at_impact() -> None:
+    scene = scene_of("pendulum", "initial.impact_speed_rad_s=0", "initial.impact_tip_speed_m_s=1.5")
+    reach = 0.024765 + 0.23876
+    assert scene.links[0].motion.rate == pytest.approx(-1.5 / reach, rel=1e-12)
+    assert scene.speed == pytest.approx(1.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("crank", [-90.0, -30.0, 60.0, 200.0])
+def test_a_loop_follows_its_crank(crank: float) -> None:
+    scene = scene_of(FOUR_BAR, f"initial.joints.a={{angle_deg: {crank}, rate_rad_s: 2}}")
+    coupler, rocker = ends(scene, "coupler"), ends(scene, "rocker")
+    angle = math.radians(-crank)
+    np.testing.assert_allclose(coupler[0], 0.1 * turn(angle), atol=1e-13)
+    np.testing.assert_allclose(coupler[1], rocker[1], atol=1e-13)
+    np.testing.assert_allclose(rocker[0], [0.3, -0.2], atol=1e-13)
+    # Home has the coupler above the line from crank to rocker's pin; it stays on that side.
+    way, to_pin = coupler[1] - coupler[0], rocker[0] - coupler[0]
+    assert way[0] * to_pin[1] - way[1] * to_pin[0] < 0.0
+    # Rates: both bodies move their common point alike.
+    points = np.array([0.15, 0.0])
+    moved = []
+    for name in ("coupler", "rocker"):
+        motion = scene.body(name).motion
+        arm = place(motion, points) - motion.position
+        moved.append(motion.velocity + motion.rate * np.array([-arm[1], arm[0]]))
+    np.testing.assert_allclose(*moved, atol=1e-12)
+
+
+def test_a_gaping_loop_is_refused_with_its_gap() -> None:
+    (fault,) = faults_of(FOUR_BAR, "model.joints.d.parent_point_m=[0.31, -0.2]")
+    assert fault.key == "model.closures.c"
+    assert "coupler and rocker are 0.01 m apart" in fault.message
+
+
+def test_a_start_in_which_a_loop_does_not_close_is_refused_with_the_gap() -> None:
+    (fault,) = faults_of(FOUR_BAR, "initial.joints={a: {angle_deg: 0}, b: {angle_deg: 0}}")
+    assert fault.key == "model.closures.c"
+    # The coupler ends at (0.4, 0), the rocker reaches 0.3 from (0.3, -0.2).
+    gap = 0.3 - math.hypot(0.1, 0.2)
+    assert f"the loop does not close at the start: coupler and rocker are {gap:.4g} m apart" in fault.message
+
+
+def test_a_loop_welded_at_another_angle_is_refused_with_the_angle() -> None:
+    (fault,) = faults_of(FOUR_BAR, "model.closures.c.type=weld", "model.closures.c.angle_deg=80")
+    assert fault.key == "model.closures.c"
+    assert "and 10 deg apart" in fault.message
+
+
+def test_redundant_closures_are_named() -> None:
+    again = "{type: hinge, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0]}"
+    (fault,) = faults_of(FOUR_BAR, f"model.closures.again={again}")
+    assert fault.key == "model.closures.again"
+    assert fault.message.startswith("2 of the 2 constraints of again hold what the other joints hold already")
+
+
+def test_a_weld_that_stops_a_loop_is_partly_redundant() -> None:
+    # The four-bar has one freedom; a third weld constraint would leave minus one.
+    weld = "{type: weld, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0], angle_deg: 90}"
+    (fault,) = faults_of(FOUR_BAR, f"model.closures={{c: {weld}, d2: {weld}}}")
+    assert fault.key == "model.closures.d2"
+    assert fault.message.startswith("3 of the 3 constraints")
+
+
+def test_two_prescribed_motions_of_one_freedom_are_refused() -> None:
+    drives = "drives={a: {type: motion, angle_deg: -90}, d: {type: motion, angle_deg: -90}}"
+    (fault,) = faults_of(FOUR_BAR, drives)
+    assert fault.key == "drives.d"
+    assert fault.message.startswith("1 of the 1 constraint of d holds what")
+
+
+def test_rates_that_tear_a_loop_are_refused() -> None:
+    (fault,) = faults_of(FOUR_BAR, "initial.joints={a: {rate_rad_s: 1}, b: {rate_rad_s: 0}, d: {rate_rad_s: 0}}")
+    assert fault.key == "initial.joints"
+    assert "m/s" in fault.message
+
+
+def test_motion_sets_the_start_of_its_joint() -> None:
+    sine = "{type: motion, angle_deg: {type: sine, amplitude: 10, frequency_Hz: 2, offset: 5}}"
+    _, hip, knee = scene_of(LEG, f"drives.knee={sine}").connections
+    assert (knee.start, knee.rate) == (
+        pytest.approx(math.radians(5.0), rel=1e-14),
+        pytest.approx(math.radians(10.0) * 4 * math.pi, rel=1e-14),
+    )
+    assert hip.rate == 3.0
+
+
+def test_a_start_that_misses_the_motion_is_refused_with_the_gap() -> None:
+    sine = "{type: motion, angle_deg: {type: sine, amplitude: 10, frequency_Hz: 2, offset: 5}}"
+    (place_fault, rate_fault) = faults_of(LEG, f"drives.hip={sine}")
+    assert (place_fault.key, rate_fault.key) == ("initial.joints.hip.angle_deg", "initial.joints.hip.rate_rad_s")
+    assert place_fault.message.startswith("got 20, but the drive of hip starts at 5, 15 away")
+    (fault,) = faults_of(LEG, f"drives.knee={sine}", "initial={settle: true}")
+    assert fault.key == "drives.knee"
+
+
+def test_control_sets_the_start_of_a_joint_of_which_nothing_is_said() -> None:
+    drive = "{type: pd, angle_deg: {type: constant, value: 50}, gain_Nm_per_rad: 1}"
+    _, hip, knee = scene_of(LEG, f"drives={{knee: {drive}, hip: {drive}}}").connections
+    assert math.degrees(knee.start) == pytest.approx(50.0)
+    assert math.degrees(hip.start) == pytest.approx(20.0)
+
+
+CHAIN = f"""
+model:
+  name: rope
+  chain:
+    count: 5
+    link: {{{BAR}}}
+    hinge: {{home_deg: 10, damping_Nm_s_per_rad: 0.01}}
+    parent: hook
+    parent_point_m: [0.1, 0]
+    root_home_deg: 40
+  bodies: {{hook: {{type: link, {BAR}}}}}
+  joints: {{base: {{type: hinge, parent: ground, child: hook}}}}
+initial: {{impact_angle_deg: 20, joints: {{hinge_3: {{angle_deg: -15}}}}}}
+"""
+
+
+def test_a_chain_is_bodies_and_hinges() -> None:
+    scene = scene_of(CHAIN)
+    assert [body.name for body in scene.rigid] == ["hook", *(f"link_{i}" for i in range(1, 6))]
+    hinges = scene.connections[1:]
+    assert [(c.name, c.parent, c.child) for c in hinges] == [
+        (f"hinge_{i}", "hook" if i == 1 else f"link_{i - 1}", f"link_{i}") for i in range(1, 6)
+    ]
+    assert [math.degrees(c.start) for c in hinges] == pytest.approx([40, 10, -15, 10, 10])
+    assert {c.law.damping for c in hinges} == {0.01}
+    angle, at = -20.0, 0.1 * turn(math.radians(-20.0))
+    for body, bend in zip(scene.rigid[1:], (40, 10, -15, 10, 10), strict=True):
+        angle -= bend
+        np.testing.assert_allclose(body.motion.position, at + 0.05 * turn(math.radians(angle)), atol=1e-14)
+        at = at + 0.1 * turn(math.radians(angle))
+
+
+def test_no_end_to_where_a_slider_or_a_free_body_can_get() -> None:
+    assert all(body.tether.length == math.inf for body in scene_of(LEG).rigid)
+    assert all(body.tether.length < 1.0 for body in scene_of(CHAIN).rigid)
+
+
+def test_reduced_models_refuse_what_they_have_not() -> None:
+    for change, words in (
+        ("model.joints.pivot.damping_Nm_s_per_rad=0.1", "pivot has a spring, damper, stops or friction"),
+        ("drives.pivot={type: torque, torque_Nm: 1}", "pivot is driven"),
+        ("initial.settle=true", "initial.settle is true"),
+    ):
+        (fault,) = faults_of("pendulum", "method=reduced", "initial.impact_speed_rad_s=0", change)
+        assert fault.key == "method"
+        assert words in fault.message
+
+
+def test_a_slider_on_a_flexible_link_is_refused() -> None:
+    flexible = "model.bodies.thigh.flexible={youngs_modulus_Pa: 2e11}"
+    knee = "model.joints.knee={type: slider, parent: thigh, child: shank, parent_point_m: [0.1, 0]}"
+    (fault,) = faults_of(LEG, flexible, knee)
+    assert fault.key == "model.joints.knee.parent"
