@@ -18,6 +18,8 @@ from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_tou
 
 if TYPE_CHECKING:
     from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.solve import Trajectory
+    from granular_contact.multibody.system import System
 
 
 def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> Results:
@@ -32,7 +34,7 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
     """
-    solved = _by_engine(scene, progress) if scene.method is None else _reduced(scene, scene.method, progress)
+    solved = _reduced(scene, scene.method, progress) if isinstance(scene.method, Reduced) else _solved(scene, progress)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(time, series["depth_m"]) if scene.media else None
@@ -77,14 +79,26 @@ class _Solved:
     more: dict[str, Any]
 
 
-def _by_engine(scene: Scene, progress: Progress | None) -> _Solved:
-    from granular_contact.multibody.build import build
+def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajectory]:
+    """By the engine, or in minimal coordinates: either way in the coordinates of the engine."""
+    if scene.method is None:
+        from granular_contact.multibody.build import build
+        from granular_contact.multibody.solve import solve
+
+        system = build(scene)
+        return system, solve(system, progress)
+    from granular_contact.minimal.solve import solve as solve_tree
+    from granular_contact.minimal.tree import tree
+
+    made = tree(scene)
+    return made.system, solve_tree(made, progress)
+
+
+def _solved(scene: Scene, progress: Progress | None) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
-    from granular_contact.multibody.solve import solve
 
-    system = build(scene)
-    trajectory = solve(system, progress)
+    system, trajectory = _trajectory(scene, progress)
     observer = Observer(system, trajectory)
     return _Solved(
         trajectory.status,

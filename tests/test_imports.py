@@ -25,10 +25,12 @@ MAY = {
     "results": set(),
     "series": {"media", "results"},
     # Two ways through, which know nothing of each other.
+    # The engine's coordinates, bed and observer, without its solver.
+    "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
     "multibody": {"multibody", "scene", "limits", "media", "kernels", "energy", "results", "series", "errors"},
     "summary": {"results", "stopping"},
     "probe": {"media", "kernels"},
-    "run": {"config", "scene", "media", "limits", "multibody", "reduced", "results", "stopping", "summary"},
+    "run": {"config", "scene", "media", "limits", "multibody", "minimal", "reduced", "results", "stopping", "summary"},
     "reduced": {
         "reduced",
         "config",

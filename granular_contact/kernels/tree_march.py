@@ -9,7 +9,7 @@ from numba import njit
 
 from granular_contact.kernels import groups
 from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
-from granular_contact.kernels.runs import DEPTH, TIME
+from granular_contact.kernels.runs import TIME
 from granular_contact.kernels.tree_load import accept, fastest, rates, release
 
 # Why `march` came back: the table is full, everything rests, the end, no step is small enough.
@@ -31,18 +31,19 @@ OLD = 20  # steps after which the spectral radius is looked at anew
 
 
 @njit(cache=True)
-def start(y, w, states, rows):
+def start(y, w, blank, states, rows):
     """Rest the bristles and write the first row."""
     if w.runs.shape[0] > 0:
         release(y, w)
-    write(0.0, y, w, states[0], rows[0])
+    write(0.0, y, w, blank, states[0], rows[0])
 
 
 @njit(cache=True)
-def write(t, y, w, state, row):
-    """Accept y at time t (s) and keep it: pose, twist and work in `state`, the medium's doing in `row`."""
-    row[:] = 0.0
-    row[DEPTH] = -np.inf
+def write(t, y, w, blank, state, row):
+    """Accept y at time t (s) and keep it: pose, twist and work in `state`, the medium's doing in `row`, which is first
+    made `blank`.
+    """
+    row[:] = blank
     accept(y, w, row)
     row[TIME] = t
     n = w.bodies.shape[0]
@@ -70,7 +71,7 @@ def error(y, h, slope, end, end_slope, bodies, allowed):
 
 
 @njit(cache=True)
-def march(y, w, control, clock, counts, direction, states, rows):
+def march(y, w, control, clock, counts, direction, blank, states, rows):
     """Step on from y until one of the reasons above; everything passed in is kept up to date.
 
     direction: of the power method, see `chebyshev.radius`; states, rows: tables with a row for each accepted step, of
@@ -112,7 +113,7 @@ def march(y, w, control, clock, counts, direction, states, rows):
         clock[AGE] += 1
         counts[STEPS] += 1
         y[:] = end
-        write(clock[NOW], y, w, states[counts[STEPS]], rows[counts[STEPS]])
+        write(clock[NOW], y, w, blank, states[counts[STEPS]], rows[counts[STEPS]])
         if fastest(w) > c.rest_speed:
             clock[RESTING_SINCE] = clock[NOW]
         if clock[NOW] - clock[RESTING_SINCE] >= c.rest_time:

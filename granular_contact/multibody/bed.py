@@ -242,12 +242,18 @@ class GranularBed:
         self._open()
         if not self.runs:
             raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
-        self._ledger = self._new_ledger()
+        self.group()
         nodes = {node: run.size // len(run.nodes) for run in self.runs for node in run.nodes}
         self._overlay = Overlay(self.mbs, nodes, constant or {})
-        self.groups = list(self._grouped())
+        for group in self.groups:
+            group.lay(self._overlay)
         self._triplets = np.zeros((sum(group.entries for group in self.groups), 3))
         self._overlay.attach(self._force, self._jacobian)
+
+    def group(self) -> None:
+        """Close the list of bodies: form groups for the kernels, and a history to be filled."""
+        self._ledger = self._new_ledger()
+        self.groups = list(self._grouped())
 
     def _grouped(self) -> Iterator[Group]:
         """Runs that one medium, or the floor, meets on one kind of body, with their columns in the history."""
@@ -257,14 +263,14 @@ class GranularBed:
             for dtype in dict.fromkeys(run.geometry.dtype for run in acting):
                 chosen = [i for i, run in enumerate(acting) if run.geometry.dtype == dtype]
                 runs = [acting[i] for i in chosen]
-                columns = [self._rows.columns(index, bodies.index(run.body)) for run in runs]
-                yield Group(runs, [flags[i] for i in chosen], profile, record, columns, self._overlay)
+                columns = [self.ledger.columns(index, bodies.index(run.body)) for run in runs]
+                yield Group(runs, [flags[i] for i in chosen], profile, record, columns)
 
         if self.floor is not None:
             for kind in dict.fromkeys(run.kind for run in self.runs):
                 acting = [run for run in self.runs if run.kind == kind]
                 flags = [run.run for run in acting]
-                yield from groups(acting, self._rows.media - 1, self.floor.profile, self.floor.record(kind), flags)
+                yield from groups(acting, self.ledger.media - 1, self.floor.profile, self.floor.record(kind), flags)
         for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
             acting = [run for run in self.runs if run.kind in layer.medium.takes]
             yield from groups(acting, i, self.profile, record, [_layered(run, layer) for run in acting])
@@ -316,7 +322,7 @@ class GranularBed:
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             self._accept(t, self._q, self._v)
-        elif start_time != self._accepted or self._rows.length == 1:
+        elif start_time != self._accepted or self.ledger.length == 1:
             if start_time == self._accepted:  # the first step: bodies may have been moved since forces were first asked
                 self._accepted = None
             start = exu.ConfigurationType.StartOfStep
@@ -331,7 +337,8 @@ class GranularBed:
         self._accept(data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False))
 
     @property
-    def _rows(self) -> Ledger:
+    def ledger(self) -> Ledger:
+        """Rows of the history, once the list of bodies is closed."""
         assert self._ledger is not None  # the engine asks for forces only once the bed is attached
         return self._ledger
 
@@ -340,15 +347,15 @@ class GranularBed:
             return
         if self._accepted is None or t < self._accepted:
             self._restart(q, v)
-        row = self._rows.new_row()
+        row = self.ledger.new_row()
         for group in self.groups:
             group.accept(q, v, row)
-        self._rows.close_row(t)
+        self.ledger.close_row(t)
         self._accepted = t
 
     def _restart(self, q: Vector, v: Vector) -> None:
         """A new solve begins: forget the history, rest the bristles."""
-        self._rows.length = 0
+        self.ledger.length = 0
         for group in self.groups:
             group.start(self.mbs, q, v)
 
@@ -359,11 +366,11 @@ class GranularBed:
         """All steps up to the system's current state, which counts as accepted; reading it changes nothing."""
         if self._accepted is None or not self.mbs.systemData.GetTime() > self._accepted:
             return self.accepted
-        length, accepted = self._rows.length, self._accepted
+        length, accepted = self.ledger.length, self._accepted
         kept = [group.remember() for group in self.groups]
         self.accept()
         history = self.accepted
-        self._rows.length, self._accepted = length, accepted
+        self.ledger.length, self._accepted = length, accepted
         for group, memory in zip(self.groups, kept, strict=True):
             group.recall(memory)
         return history

@@ -36,7 +36,7 @@ def build(scene: Scene) -> System:
         add_joint(system, ground, joint)
     if scene.settle:
         add_dampers(system)
-    system = replace(system, bed=_add_bed(system))
+    system = replace(system, bed=lay_bed(system))
     if system.bed is not None:
         system.bed.attach(weights(system))
     elif scene.gravity != 0.0:
@@ -93,7 +93,7 @@ def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
     return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
 
 
-def _add_bed(system: System) -> Any:
+def lay_bed(system: System) -> Any:
     """Bed with all parts that can reach its surface, to be attached; None when there are none."""
     scene = system.scene
     if scene.bed is None or scene.surface is None or not scene.media:

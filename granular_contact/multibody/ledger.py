@@ -48,6 +48,10 @@ class Ledger:
                 power = work + self.media
                 row[work] = last[work] + half * (row[power] + last[power])
 
+    def adopt(self, rows: Vector) -> None:
+        """Take on rows that were filled elsewhere."""
+        self._rows, self.length = rows, len(rows)
+
     def history(self, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
         """All rows so far."""
         rows = self._rows[: self.length].copy()

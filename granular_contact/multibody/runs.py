@@ -48,7 +48,6 @@ class Group:
         profile: Vector,
         medium: NDArray[np.void],
         columns: Sequence[Vector],
-        overlay: Overlay,
     ) -> None:
         self.nodes = [run.nodes for run in runs]
         self.profile, self.medium = profile, medium
@@ -62,6 +61,9 @@ class Group:
         self.awake = np.ones(len(runs), dtype=bool)
         self.entries = sum(run.size**2 for run in runs)
         self._places = np.zeros((self.ends[-1, 1], 2), np.int64)
+
+    def lay(self, overlay: Overlay) -> None:
+        """Find the coordinates in the overlay."""
         self._places[:, 1] = np.concatenate([overlay.places(nodes) for nodes in self.nodes])
 
     def start(self, mbs: Any, q: Vector, v: Vector) -> None:
