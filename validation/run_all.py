@@ -19,7 +19,7 @@ sys.path.insert(0, str(HERE.parent))
 
 from validation.study import Claim
 
-STUDIES = ("paper_cases", "single_mode_vs_fe", "error_vs_run_time", "beam_against_theory")
+STUDIES = ("paper_cases", "single_mode_vs_fe", "error_vs_run_time", "beam_against_theory", "scaling")
 RECORD = HERE / "claims.json"
 
 

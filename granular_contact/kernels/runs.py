@@ -60,9 +60,20 @@ def release(q, geometry, P, V, anchors):
 
 
 @njit(cache=True)
+def immersed(P, run, profile):
+    """Whether any station is below the surface."""
+    for i in range(P.shape[0]):
+        if height(profile, P[i, 0])[0] - P[i, 1] + run.drop > 0.0:
+            return True
+    return False
+
+
+@njit(cache=True)
 def force(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
     stations(q, v, geometry, P, V)
+    if not immersed(P, run, profile):
+        return
     forces(P, V, anchors, run, profile, medium, F, totals)
     scatter(q, geometry, P, F, out)
 
@@ -132,6 +143,8 @@ def tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, KP, KV, fq, 
         difference_tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, fq, fv, out)
         return
     stations(q, v, geometry, P, V)
+    if not immersed(P, run, profile):
+        return
     forces(P, V, anchors, run, profile, medium, F, np.zeros((TERMS, 3)))
     tangents(P, V, anchors, run, profile, medium, KP, KV)
     scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out)
