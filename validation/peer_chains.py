@@ -1,9 +1,9 @@
 """Chains of rigid links at equal tip error: minimal coordinates and the engine beside MuJoCo; part of `against_peers`.
 
 A chain of 1 to 64 links, as long as the paper's pendulum, strikes play sand in five ways. The error of a run is the
-largest distance of its tip from the converged path over 40 ms, that of a setting the root mean square over the five; its
-time is that of the time steps alone, summed over the five, the median of repeats taken in turn. The converged path is our
-own at its finest, and has to be MuJoCo's at its finest.
+largest distance of its tip from the converged path over 40 ms, that of a setting the root mean square over the five;
+its time is that of the time steps alone, summed over the five, the median of repeats. The converged path is our own at
+its finest, and has to be MuJoCo's at its finest.
 """
 
 from __future__ import annotations

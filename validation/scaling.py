@@ -4,9 +4,9 @@
 
 Equal links of 25 mm, more and more of them in a straight chain whose tip moves at 1 m/s, make 200 steps of 0.2 ms:
 without sand; striking it with the tip; with the lowest quarter in the sand from the start, or all of it. So that links
-meet the same sand whatever their number, the chain lies flatter the longer it is: its tip is 20 mm deep at the start, or
-would be had it not to come down first. Times are those of the process (they are those of the clock where nobody else
-computes), the least of the repeats.
+meet the same sand whatever their number, the chain lies flatter the longer it is: the tip of the part in the sand is
+20 mm deep. Times are those of the process (they are those of the clock where nobody else computes), the least of the
+repeats.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
-    words = "the engine, minimal coordinates for trees of rigid bodies, or the reduced model of a pendulum, with defaults"
+    words = "the engine, minimal coordinates for trees of rigid bodies, or the reduced model of a pendulum"
     parser.add_argument("--method", choices=("engine", "minimal", "reduced"), help=words)
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)

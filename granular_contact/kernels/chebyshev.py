@@ -1,8 +1,8 @@
 """One step of the Runge-Kutta-Chebyshev method of order 2, with as many stages as stiffness asks for.
 
-For a system whose stiffness is damping: the eigenvalues that limit explicit steps lie along the negative real axis. s
-stages reach 2/3 (s^2 - 1) along it, so the cost of a step grows with the root of its stiffness, and no matrix is needed.
-A bristle that sticks is such stiffness: with its damping time tau its fast root is that of the dashpot.
+For a system whose stiffness is damping: the eigenvalues that limit explicit steps lie along the negative real axis,
+and s stages reach 2/3 (s^2 - 1) along it. So the cost of a step grows with the root of its stiffness, and no matrix is
+needed. A bristle that sticks is such stiffness: with its damping time tau its fast root is that of the dashpot.
 
 Coefficients, estimate of the error and choice of stages: Sommeijer, Shampine & Verwer (1998).
 """

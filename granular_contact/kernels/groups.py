@@ -23,7 +23,8 @@ from numba import njit
 from granular_contact.kernels import runs as one
 from granular_contact.kernels.law import TERMS
 
-# Of reach (runs, 3): depth of the deepest station (m), speed at which one nears the surface (m/s), greatest depth so far.
+# Of reach (runs, 3): depth of the deepest station (m), speed at which one nears the surface (m/s), greatest depth so
+# far (m).
 DEEPEST, NEARING, EVER = 0, 1, 2
 
 
@@ -80,7 +81,21 @@ def force(system_q, system_v, reference, awake, ends, places, geometry, runs, pr
 
 @njit(cache=True)
 def tangent(
-    system_q, system_v, reference, awake, ends, places, geometry, runs, profile, medium, anchors, fq, fv, triplets, count
+    system_q,
+    system_v,
+    reference,
+    awake,
+    ends,
+    places,
+    geometry,
+    runs,
+    profile,
+    medium,
+    anchors,
+    fq,
+    fv,
+    triplets,
+    count,
 ):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
@@ -111,9 +126,7 @@ def tangent(
 
 
 @njit(cache=True)
-def accept(
-    system_q, system_v, reference, ends, places, geometry, runs, profile, medium, anchors, row, columns, reach
-):
+def accept(system_q, system_v, reference, ends, places, geometry, runs, profile, medium, anchors, row, columns, reach):
     """End of a step for all runs, see `runs.accept`; columns (runs, 3), reach (runs, 3) is filled."""
     room, body = rooms(ends)
     totals = np.zeros((TERMS, 3))
@@ -131,7 +144,10 @@ def accept(
 
 @njit(cache=True)
 def wake(reach, step, awake):
-    """Let sleep through a step (s) what could not touch the surface in it at four times its speed; whether any wakes."""
+    """Let sleep through a step (s) what could not touch the surface in it at four times its speed; whether any wakes.
+
+    awake (runs,) is filled.
+    """
     some = False
     for r in range(awake.shape[0]):
         awake[r] = reach[r, DEEPEST] + 4.0 * step * (reach[r, NEARING] + 10.0 * step) > -1e-3

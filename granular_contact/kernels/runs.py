@@ -62,10 +62,10 @@ def release(q, geometry, P, V, anchors):
 @njit(cache=True)
 def immersed(P, run, profile):
     """Whether any station is below the surface."""
+    some = False
     for i in range(P.shape[0]):
-        if height(profile, P[i, 0])[0] - P[i, 1] + run.drop > 0.0:
-            return True
-    return False
+        some = some or height(profile, P[i, 0])[0] - P[i, 1] + run.drop > 0.0
+    return some
 
 
 @njit(cache=True)

@@ -1,8 +1,8 @@
 """Planar tree of rigid bodies on hinges, in as many coordinates as it has hinges; every call costs a constant a body.
 
-Body i hangs by its hinge on a body before it in order, or on the ground. Coordinates are the angles phi_i of the bodies'
-frames in the world (rad, counter-clockwise), rates omega_i. With r_i the centre of mass, c_i the hinge, d_i = r_i - c_i,
-l_i = c_i - c_p the arm from the parent's hinge, and x' = (-x_y, x_x) a vector turned by a right angle,
+Body i hangs by its hinge on a body before it in order, or on the ground. Coordinates are the angles phi_i of the
+bodies' frames in the world (rad, counter-clockwise), rates omega_i. With r_i the centre of mass, c_i the hinge,
+d_i = r_i - c_i, l_i = c_i - c_p the arm from the parent's hinge, and x' = (-x_y, x_x) a vector turned by a right angle,
 
     c_i'' = c_p'' + alpha_p l_i' - omega_p^2 l_i,          r_i'' = c_i'' + alpha_i d_i' - omega_i^2 d_i.
 
@@ -11,13 +11,13 @@ two: with a = c_i'',
 
     F_i = M a + G alpha_i + p,          0 = G . a + H alpha_i + g,
 
-where M = m 1, G = m d', H = J + m d^2, p = -m omega^2 d - f, g = -d' . f - n for the body alone (f force and n moment on
-it), and each child adds, with I = M - G G^T / H and b = p - G g / H of its own and e = b - omega^2 I l,
+where M = m 1, G = m d', H = J + m d^2, p = -m omega^2 d - f, g = -d' . f - n for the body alone (f force and n moment
+on it), and each child adds, with I = M - G G^T / H and b = p - G g / H of its own and e = b - omega^2 I l,
 
     M += I,     G += I l',     H += l' . I l',     p += e,     g += l' . e.
 
-From the leaves inward this gives H and g of all, from the ground outward alpha_i = -(G . a + g) / H. (The articulated-body
-algorithm, Featherstone 1983, for hinges in the plane.)
+From the leaves inward this gives H and g of all, from the ground outward alpha_i = -(G . a + g) / H. (The
+articulated-body algorithm, Featherstone 1983, for hinges in the plane.)
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-# parent: index of the body it hangs on, -1 for the ground; on_parent (2,): the hinge in the parent's frame, seen from its
-# centre of mass (in the world, on the ground); hinge (2,): the same in the body's own frame; m; kg, kg m2 about the
-# centre of mass; radius: of the farthest point from the centre of mass (m).
+# parent: index of the body it hangs on, -1 for the ground; on_parent (2,) m: the hinge in the parent's frame, seen from
+# its centre of mass (in the world, on the ground); hinge (2,) m: the same in the body's own frame; mass kg; inertia
+# kg m2 about the centre of mass; radius m: of the farthest point from the centre of mass.
 BODY = np.dtype(
     [
         ("parent", "i8"),

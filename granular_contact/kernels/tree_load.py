@@ -17,8 +17,8 @@ from granular_contact.kernels.tree import Motion, accelerate, place
 class Forest(NamedTuple):
     """What the kernels of a tree read, and their room to work in.
 
-    bodies (n,) records of `tree`, gravity (1,) m/s2, motion; the rest is a group of `groups` with all runs on the bodies:
-    its system coordinates are those of `Motion.pose`; columns (runs, 3) as in `groups.accept`.
+    bodies (n,) records of `tree`, gravity (1,) m/s2, motion; the rest is a group of `groups` with all runs on the
+    bodies: its system coordinates are those of `Motion.pose`; columns (runs, 3) as in `groups.accept`.
     """
 
     bodies: Any

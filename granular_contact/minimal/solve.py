@@ -44,12 +44,10 @@ class March:
 
     def go_on(self) -> int:
         """March until the tables are full, then make room; why is one of the kernels' codes."""
+        tables = self.blank, self.states, self.rows
         code = int(
-            kernels.march(
-                self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction, self.blank, self.states,
-                self.rows,
-            )
-        )  # fmt: skip
+            kernels.march(self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction, *tables)
+        )
         if code == kernels.PAUSE:
             self.states = np.concatenate([self.states, np.zeros((SHARE, self.states.shape[1]))])
             self.rows = np.concatenate([self.rows, np.zeros((SHARE, self.rows.shape[1]))])
@@ -110,7 +108,8 @@ def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
     solver = scene.solver
     if code == kernels.FAILED:
         return Status(
-            "failed", f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; take a larger one"
+            "failed",
+            f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; take a larger one",
         )
     if code == kernels.REST:
         return Status("rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s")

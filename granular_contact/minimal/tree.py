@@ -19,32 +19,34 @@ from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
 
 
 class Numbers:
-    """Stands where beds and observers ask an Exudyn system how it numbers things: body i has the coordinates 3 i to 3 i + 2.
+    """Stands where beds and observers ask an Exudyn system how it numbers things.
 
-    They are x and y of the centre of mass and the angle, without reference values.
+    Body i has the coordinates 3 i to 3 i + 2: x and y of its centre of mass and its angle, without reference values.
     """
 
     def __init__(self, bodies: list[RigidBody]) -> None:
         self.bodies = bodies
         self.systemData = self
 
-    def GetObject(self, number: int) -> dict[str, Any]:  # noqa: N802
+    def GetObject(self, number: int) -> dict[str, Any]:
         """A body as Exudyn describes it."""
         return {"objectType": "RigidBody2D", "nodeNumber": number, "name": self.bodies[number].name}
 
-    def GetNodeLTGODE2(self, node: int) -> list[int]:  # noqa: N802
+    def GetNodeLTGODE2(self, node: int) -> list[int]:
         """Coordinates of a body."""
         return [3 * node, 3 * node + 1, 3 * node + 2]
 
-    def ODE2Size(self) -> int:  # noqa: N802
+    def ODE2Size(self) -> int:
         """Number of coordinates."""
         return 3 * len(self.bodies)
 
 
 @dataclass(frozen=True)
 class Tree:
-    """A scene in minimal coordinates: `system` for observers, with its bodies in the kernels' order; bed: None where the
-    medium meets nothing; start: state of `kernels.tree_load`.
+    """A scene in minimal coordinates.
+
+    system: for observers, with its bodies in the kernels' order; bed: None where the medium meets nothing; start: state
+    of `kernels.tree_load`.
     """
 
     system: System

@@ -8,9 +8,10 @@
     print(bed.work, bed.force)
 
 The forces on all bodies are computed in one call and reach them through one massless `ObjectGenericODE2` over their own
-nodes (see `overlay`); nothing else of the model is touched, no user function of the model is taken. State that belongs to a step (the anchors of the static law,
-the work done) is advanced when the engine first asks for a force in the step after it, from the engine's own record of
-where that step started; so a step that the engine rejects and repeats leaves no trace.
+nodes (see `overlay`); nothing else of the model is touched, no user function of the model is taken. State that belongs
+to a step (the anchors of the static law, the work done) is advanced when the engine first asks for a force in the step
+after it, from the engine's own record of where that step started; so a step that the engine rejects and repeats leaves
+no trace.
 """
 
 from __future__ import annotations

@@ -27,8 +27,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse, constant for the bodies used here. reactions: torque (N m) or force (N) of
-    prescribed motions, (n,) each, by joint.
+    did, None without one; mass (m, m), sparse, constant for the bodies used here. reactions: torque (N m) or force (N)
+    of prescribed motions, (n,) each, by joint.
     """
 
     status: Status
@@ -201,7 +201,9 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         load=None if system.bed is None else system.bed.accepted.since(0.0),
         mass=mass_matrix(system),
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-        reactions={name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)},
+        reactions={
+            name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
+        },
     )
 
 

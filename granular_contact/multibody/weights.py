@@ -33,8 +33,7 @@ def body_mass(body: RigidBody | FlexibleLink) -> Vector:
         return np.diag([body.mass, body.mass, body.inertia])
     length = body.length / body.elements
     scales = _scales(length)
-    mass: Vector = np.kron(body.mass_per_length * length * _MASS * np.outer(scales, scales), np.eye(2))
-    return mass
+    return np.asarray(np.kron(body.mass_per_length * length * _MASS * np.outer(scales, scales), np.eye(2)), float)
 
 
 def body_weight(body: RigidBody | FlexibleLink, gravity: float) -> Vector:
@@ -42,8 +41,7 @@ def body_weight(body: RigidBody | FlexibleLink, gravity: float) -> Vector:
     if isinstance(body, RigidBody):
         return np.array([0.0, -gravity * body.mass, 0.0])
     length = body.length / body.elements
-    weight: Vector = np.kron(body.mass_per_length * length * _FIRST * _scales(length), [0.0, -gravity])
-    return weight
+    return np.asarray(np.kron(body.mass_per_length * length * _FIRST * _scales(length), [0.0, -gravity]), float)
 
 
 def pieces(system: System) -> Iterator[tuple[RigidBody | FlexibleLink, list[int]]]:

@@ -52,8 +52,8 @@ def test_both_go_to_one_limit() -> None:
 def test_error_follows_the_tolerance() -> None:
     fine, runs = minimal(1e-9, 5e-6), [minimal(rtol) for rtol in (1e-4, 1e-5, 1e-6, 1e-7)]
     errors = [tip_error(run, fine, run["time_s"]) for run in runs]
-    # An error of a step in a tenth of its size wants a step of half the length: at order two, a quarter of the error; but
-    # touch and yield fall inside steps, whose length their errors follow, down to the first order.
+    # An error of a step in a tenth of its size wants a step of half the length: at order two, a quarter of the error.
+    # But touch and yield fall inside steps, whose length their errors follow, down to the first order.
     assert all(b < 0.6 * a for a, b in pairwise(errors))
     assert errors[-1] < 1e-6
 
@@ -77,7 +77,14 @@ def test_vacuum_keeps_its_energy() -> None:
 def test_columns_are_the_engine_s() -> None:
     ours, theirs = minimal(1e-7, 1e-4), by_engine(2e-5)
     assert [c.name for c in ours.columns] == [c.name for c in theirs.columns]
-    for name in ("elbow_angle_deg", "branch_angle_deg", "shoulder_rate_rad_s", "mean_rate_rad_s", "depth_m", "gravity_J"):
+    for name in (
+        "elbow_angle_deg",
+        "branch_angle_deg",
+        "shoulder_rate_rad_s",
+        "mean_rate_rad_s",
+        "depth_m",
+        "gravity_J",
+    ):
         a, b = (np.interp(TIMES, r["time_s"], r[name]) for r in (ours, theirs))
         # Both are read off chords of at most 0.1 ms, over which rates change by a hundredth of their range.
         np.testing.assert_allclose(a, b, atol=2e-3 * np.ptp(theirs[name]))

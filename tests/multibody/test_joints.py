@@ -42,9 +42,7 @@ def test_spring_oscillates_at_its_frequency(text: str) -> None:
     spring = "rail.spring={stiffness_N_per_m: 60, rest_m: 0.02}" if slider else "pin.spring={stiffness_Nm_per_rad: 2}"
     run = simulate(text, f"model.joints.{spring}", "solver.step_s=2e-4")
     s, rest, inertia, stiffness = (
-        (run["rail_position_m"], 0.02, MASS, 60.0)
-        if slider
-        else (np.radians(run["pin_angle_deg"]), 0.0, INERTIA, 2.0)
+        (run["rail_position_m"], 0.02, MASS, 60.0) if slider else (np.radians(run["pin_angle_deg"]), 0.0, INERTIA, 2.0)
     )
     omega = np.sqrt(stiffness / inertia)
     exact = rest + (s[0] - rest) * np.cos(omega * run["time_s"])
@@ -58,7 +56,9 @@ def test_spring_oscillates_at_its_frequency(text: str) -> None:
 
 
 def test_spring_that_carries_gravity_hangs_deeper_by_the_weight_over_its_stiffness() -> None:
-    spring = "model.joints.rail={type: slider, parent: ground, child: bar, axis_deg: 90, spring: {stiffness_N_per_m: 60}}"
+    spring = (
+        "model.joints.rail={type: slider, parent: ground, child: bar, axis_deg: 90, spring: {stiffness_N_per_m: 60}}"
+    )
     run = simulate(RAIL, spring, "gravity_m_s2=9.81", "initial={settle: true}", "solver.end_time_s=0.01")
     # Settled to a hundredth of 1 mm/s: less than 1e-6 m at this frequency of 22 rad/s.
     assert run["rail_position_m"][0] == pytest.approx(-MASS * 9.81 / 60, abs=1e-6)
@@ -88,9 +88,7 @@ def test_stops_without_dissipation_give_everything_back() -> None:
 
 
 def test_stops_take_what_a_bounce_loses() -> None:
-    run = simulate(
-        SWING, STOPS + ", dissipation_s_per_rad: 0.2}", "initial.impact_speed_rad_s=3", "solver.step_s=1e-4"
-    )
+    run = simulate(SWING, STOPS + ", dissipation_s_per_rad: 0.2}", "initial.impact_speed_rad_s=3", "solver.step_s=1e-4")
 
     def rates(_: float, y: np.ndarray) -> list[float]:
         depth = max(y[0] - np.radians(40.0), 0.0)
@@ -98,7 +96,9 @@ def test_stops_take_what_a_bounce_loses() -> None:
 
     bounced = (run["pin_rate_rad_s"] < 0.0) & (run["pin_angle_deg"] < 40.0) & (run["pin_angle_deg"] > -20.0)
     end = run["time_s"][np.flatnonzero(bounced)[0]]
-    exact = solve_ivp(rates, (0, end), [np.radians(30.0), 3.0], "DOP853", rtol=1e-10, atol=1e-12, max_step=1e-4).y[:, -1]
+    exact = solve_ivp(rates, (0, end), [np.radians(30.0), 3.0], "DOP853", rtol=1e-10, atol=1e-12, max_step=1e-4).y[
+        :, -1
+    ]
     after = run["pin_rate_rad_s"][np.flatnonzero(bounced)[0]]
     assert after == pytest.approx(exact[1], rel=1e-3)
     assert after > -2.8  # of 3 rad/s: a loss of a fifth of the energy is what is looked at
@@ -161,9 +161,7 @@ HELD = (
 
 
 def test_joints_on_a_stiff_beam_act_as_on_a_rigid_one() -> None:
-    bent, rigid = (
-        simulate(FLEXIBLE, *HELD, *more) for more in ((), ("model.bodies.bar.flexible=null",))
-    )
+    bent, rigid = (simulate(FLEXIBLE, *HELD, *more) for more in ((), ("model.bodies.bar.flexible=null",)))
     # The root of the beam turns by about m g l^2 / (2 E I) = 0.014 deg against its chord, let go by twice that.
     np.testing.assert_allclose(bent["root_angle_deg"], rigid["root_angle_deg"], atol=0.03)
     np.testing.assert_allclose(bent["knuckle_angle_deg"], rigid["knuckle_angle_deg"], atol=0.06)

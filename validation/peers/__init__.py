@@ -16,8 +16,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.friction import ELASTOPLASTIC
 from granular_contact.kernels.bar_statics import component_return
+from granular_contact.kernels.friction import ELASTOPLASTIC
 from granular_contact.kernels.law import RUN
 from granular_contact.kernels.lee_marghitu import RECORD, strip_force
 

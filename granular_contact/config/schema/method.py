@@ -34,7 +34,7 @@ class Minimal(Strict):
 
 
 class Method(Strict):
-    """How a run is computed: `engine`, `minimal`, `reduced`, or a mapping whose key minimal or reduced holds options."""
+    """How a run is computed: `engine`, `minimal`, `reduced`, or a mapping whose key names one and holds its options."""
 
     reduced: Reduced | None = None
     minimal: Minimal | None = None
