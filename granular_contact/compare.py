@@ -12,13 +12,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.report import whole_folder
+from granular_contact.report import COMPARISON, FIGURES, SCENARIO, SUMMARY, json_text, scenario_text, whole_folder
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build
@@ -27,7 +28,7 @@ Vector = NDArray[np.float64]
 
 MODES, ELEMENTS = (0, 1, 2, 5), (4, 8, 16, 32)
 MOST_MODES, MOST_ELEMENTS = 20, 1024
-TABLE, FIGURES, HISTORIES = "compare.csv", "figures", "histories.png"
+HISTORIES = "histories.png"
 
 
 @dataclass(frozen=True)
@@ -155,12 +156,12 @@ def compare(
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
         runs.append((model, tries[-1], seconds))
     reference = runs[-1][1]
-    impact_angle = reference.scenario["initial"]["impact_angle_deg"]
-    rows = tuple(_row(model, results, seconds, reference, impact_angle) for model, results, seconds in runs)
+    start = float(reference[_angle_column(reference)][0])
+    rows = tuple(_row(model, results, seconds, reference, start) for model, results, seconds in runs)
     return Comparison(rows, tolerance)
 
 
-def _row(model: Model, results: Results, seconds: float, reference: Results, impact_angle: float) -> Row:
+def _row(model: Model, results: Results, seconds: float, reference: Results, start: float) -> Row:
     def relative(key: str, origin: float = 0.0) -> float | None:
         mine, exact = results.summary[key], reference.summary[key]
         if mine is None or exact is None or exact == origin:
@@ -172,7 +173,7 @@ def _row(model: Model, results: Results, seconds: float, reference: Results, imp
         results=results,
         seconds=seconds,
         stopping_time=relative("stopping_time_s"),
-        travel=relative("angle_at_stop_deg", impact_angle),
+        travel=relative("angle_at_stop_deg", start),
         deflection=relative("max_deflection_m"),
         angle_rms=_rms(results, reference, _angle_column(reference)) or 0.0,
         deflection_rms=_rms(results, reference, "deflection_m"),
@@ -225,14 +226,32 @@ def cells(row: Row) -> tuple[str | float | None, ...]:
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write the table and the histories laid over each other, whole or not at all."""
+    """Write the table, the verdict, the run and the histories laid over each other, whole or not at all."""
     with whole_folder(directory, "compare") as folder:
-        with (folder / TABLE).open("w", newline="", encoding="utf-8") as file:
+        with (folder / COMPARISON).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(HEAD)
             writer.writerows(["" if cell is None else cell for cell in cells(row)] for row in comparison.rows)
+        (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")
+        (folder / SCENARIO).write_text(scenario_text(comparison.rows[-1].results), encoding="utf-8")
         if figures:
             from granular_contact.plots.histories import draw_histories
 
             (folder / FIGURES).mkdir()
             draw_histories([(r.model.name, r.results) for r in comparison.rows], folder / FIGURES / HISTORIES)
+
+
+def _summary(comparison: Comparison) -> dict[str, Any]:
+    """What the table does not tell: the verdict, by what measure, and what to doubt."""
+    reference = comparison.rows[-1].results
+    return {
+        "name": reference.name,
+        "verdict": comparison.verdict,
+        "tolerance": comparison.tolerance,
+        "reference": comparison.rows[-1].model.name,
+        "imbalance_relative": {
+            r.model.name: r.results.summary["energy"]["imbalance_relative"] for r in comparison.rows
+        },
+        "warnings": [f"{row.model.name}: {warning}" for row in comparison.rows for warning in row.results.warnings],
+        "versions": reference.summary["versions"],
+    }

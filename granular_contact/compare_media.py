@@ -51,9 +51,7 @@ def compare_media(
         The config or one of the media is at fault; nothing is run before all are read.
     """
     if not media:
-        raise ConfigError(
-            [Fault("", None, "--media", "got none; allowed are names with commas, as play_sand,rft_generic")]
-        )
+        raise ConfigError([Fault("", None, "--media", "got none; allowed are names, as play_sand,rft_generic")])
     scenes = [(name, load(path, [*overrides, f"medium={_value(name)}"])) for name in media]
     built: list[tuple[str, Scene]] = []
     faults: list[Fault] = []

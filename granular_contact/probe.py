@@ -93,16 +93,17 @@ def panels(medium: Medium) -> tuple[Panel, Panel, Panel]:
     """Force of a medium against depth, against speed, and against the direction of motion, on a body that it takes."""
     shape, what, ways = _body(medium)
     z, v, gamma = np.linspace(1e-4, 2 * DEPTH, 60), np.linspace(0.0, 3.0, 60), np.linspace(-90.0, 90.0, 91)
-    by_depth = tuple(_curve(label, z, lambda x, a=a: _against(medium, shape(x), SLOW, a)) for label, a in ways.items())
-    by_speed = tuple(_curve(label, v, lambda x, a=a: _against(medium, shape(DEPTH), x, a)) for label, a in ways.items())
-    components = tuple(
-        _curve(label, gamma, lambda x, i=i, s=s: s * float(_total(medium, shape(DEPTH), SLOW, x)[i]))
-        for label, i, s in (("horizontal, against the motion", 0, -1.0), ("upward", 1, 1.0))
+    deep = shape(DEPTH)
+    by_depth = tuple(
+        Curve(label, z, np.array([_against(medium, shape(x), SLOW, a) for x in z])) for label, a in ways.items()
     )
+    by_speed = tuple(Curve(label, v, np.array([_against(medium, deep, x, a) for x in v])) for label, a in ways.items())
+    turned = np.array([_total(medium, deep, SLOW, x) for x in gamma])
+    components = (Curve("horizontal, against the motion", gamma, -turned[:, 0]), Curve("upward", gamma, turned[:, 1]))
     return (
         Panel("depth (m)", f"{what}, {SLOW:g} m/s", by_depth),
         Panel("speed (m/s)", f"{what}, {DEPTH:g} m deep", by_speed),
-        Panel("direction of motion below the horizontal (deg)", f"{what}, {DEPTH:g} m deep, {SLOW:g} m/s", components),
+        Panel("direction below the horizontal (deg)", f"{what}, {DEPTH:g} m deep, {SLOW:g} m/s", components),
     )
 
 
@@ -130,7 +131,3 @@ def _against(medium: Medium, probe: Probe, speed: float, angle: float) -> float:
     """Part of the force against the motion (N)."""
     a = math.radians(angle)
     return float(-_total(medium, probe, max(speed, 1e-6), angle) @ np.array([math.cos(a), -math.sin(a)]))
-
-
-def _curve(label: str, x: Vector, y: Callable[[float], float]) -> Curve:
-    return Curve(label, x, np.array([y(float(value)) for value in x]))

@@ -9,6 +9,7 @@ import os
 import secrets
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import metadata
@@ -22,14 +23,18 @@ from granular_contact.results import Results
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
+ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `granular_contact.html`
+COMPARISON = "compare.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
+JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
-    "sweep": (TABLE, SWEEP, CASES),
-    "compare": ("compare.csv", FIGURES),
+    "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES),
+    "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
     "compare-media": ("compare-media.csv", FIGURES),
     "media": (LAW,),
+    "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
 }
 CHUNK = 4096  # rows of the table that are Python floats at one time
 
@@ -38,7 +43,7 @@ def check_target(directory: Path, kind: str = "run") -> None:
     """Raise unless `directory` may become a results folder; to be called before a long run, and called by `write`.
 
     It may if it is absent, empty, or holds nothing but earlier results of its `kind`, a key of `ENTRIES` (files named
-    `animation.*` count as such, so do hidden files): nothing that a user put there is ever replaced.
+    `animation.*` or `report.html` count as such, so do hidden files): nothing that a user put there is ever replaced.
 
     Raises
     ------
@@ -52,14 +57,24 @@ def check_target(directory: Path, kind: str = "run") -> None:
     if not directory.is_dir():
         raise NotADirectoryError(f"{directory} is a file; results need a folder: give another name")
     entries = sorted(path.name for path in directory.iterdir())
-    foreign = [name for name in entries if name not in ENTRIES[kind] and not name.startswith((".", "animation."))]
+    own = (*ENTRIES[kind], PAGE)
+    foreign = [name for name in entries if name not in own and not name.startswith((".", f"{ANIMATION}."))]
     if foreign:
         message = f"{directory} holds {foreign[0]!r}, which no {kind} wrote: give another folder or move it"
         raise FileExistsError(message)
 
 
-def write(results: Results, directory: Path, figures: bool = True) -> None:
+def kind_of(directory: Path) -> str | None:
+    """The kind of results (a key of `ENTRIES`) that a folder holds, by the files that only one kind has; else None."""
+    counts = Counter(name for names in ENTRIES.values() for name in names)
+    found = [k for k, names in ENTRIES.items() if any(counts[n] == 1 and (directory / n).exists() for n in names)]
+    return found[0] if len(found) == 1 else None
+
+
+def write(results: Results, directory: Path, figures: bool = True, film: str | None = None) -> None:
     """Write `results` to `directory`, in place of an earlier run's results there.
+
+    film: `gif` or `mp4`, for the frames of results that have some; None for no animation.
 
     The folder is made beside its place under a hidden name and then exchanged for the old one, so that a full disk or
     Ctrl-C leaves the old folder as it was.
@@ -71,13 +86,17 @@ def write(results: Results, directory: Path, figures: bool = True) -> None:
     """
     with whole_folder(directory) as making:
         (making / SUMMARY).write_text(_summary(results), encoding="utf-8")
-        (making / SCENARIO).write_text(_scenario(results), encoding="utf-8")
+        (making / SCENARIO).write_text(scenario_text(results), encoding="utf-8")
         _write_series(results, making / SERIES)
         if figures:
             from granular_contact import plots
 
             (making / FIGURES).mkdir()
             plots.draw(results, making / FIGURES)
+        if film is not None:
+            from granular_contact.plots.film import write as animate
+
+            animate(results, making / f"{ANIMATION}.{film}")
 
 
 @contextmanager
@@ -93,7 +112,7 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
     try:
         making.mkdir()
         yield making
-        _swap(making, target)
+        swap(making, target)
     finally:  # either the unfinished new folder or, after an exchange, the old one
         shutil.rmtree(making, ignore_errors=True)
 
@@ -104,6 +123,11 @@ def _summary(results: Results) -> str:
     if "warnings" in results.summary:  # its place in the order is the summary's
         content = dict(results.summary)
     content["columns"] = {column.name: column.description for column in results.columns}
+    return json_text(content)
+
+
+def json_text(content: dict[str, Any]) -> str:
+    """`content` as strict JSON, to be read."""
     return json.dumps(_plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
@@ -134,7 +158,7 @@ def _represent_list(dumper: yaml.SafeDumper, data: list[Any]) -> yaml.Node:
 _Dumper.add_representer(list, _represent_list)
 
 
-def _scenario(results: Results) -> str:
+def scenario_text(results: Results) -> str:
     """Text of scenario.yaml: the resolved scenario under a line that says where it is from."""
     header = f"# Written by {PROGRAM} {version(results)}; to run it again: {PROGRAM} run {SCENARIO}\n"
     return header + yaml_text(results.scenario)
@@ -166,7 +190,7 @@ def _write_series(results: Results, path: Path) -> None:
             file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
-def _swap(making: Path, target: Path) -> None:
+def swap(making: Path, target: Path) -> None:
     """Put the finished folder `making` in the place of `target`; afterwards `making` is absent or the old folder."""
     if not target.exists():
         making.rename(target)

@@ -43,9 +43,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Outline:
-    """One part of the mechanism as it is drawn: a bar along a centre line, or a disc around its only point.
+    """One part of the mechanism as it is drawn.
 
-    points: (n, 2) m, world frame (x horizontal, y up); diameter: m.
+    A disc around its only point, a bar along an open line, or the area within a closed one (its first point repeated).
+    points: (n, 2) m, world frame (x horizontal, y up); diameter: m, of a disc or across a bar.
     """
 
     part: str
@@ -54,12 +55,22 @@ class Outline:
 
 
 @dataclass(frozen=True)
+class Force:
+    """Force (2,) N of the medium, and where it acts, point (2,) m; `body` empty: on all together."""
+
+    body: str
+    point: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class Snapshot:
-    """The mechanism at one instant (s); `label` is `touch`, `deepest` or `end`."""
+    """The mechanism at one instant (s); `label` is `touch`, `deepest` or `end`, or `frame` in an animation."""
 
     label: str
     time: float
     outlines: tuple[Outline, ...]
+    forces: tuple[Force, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -69,8 +80,10 @@ class Results:
     table: (rows, len(columns)), one row per accepted step (or per `output.interval_s`), the first at t = 0.
     summary: what summary.json holds (JSON types only, SI units in the keys).
     scenario: the scenario with every default resolved, as plain YAML types.
-    surface: height of the free surface (m), None in vacuum.
+    surface: height of the free surface (m), or of one that is not level its corners (k, 2) m; None in vacuum.
+    layers: depths (m) below the surface at which other media begin; floor: height (m) of the floor, None without one.
     terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
+    frames: snapshots evenly spaced in time, for an animation; none unless the run was asked for them.
     """
 
     name: str
@@ -80,9 +93,12 @@ class Results:
     summary: dict[str, Any]
     scenario: dict[str, Any]
     snapshots: tuple[Snapshot, ...]
-    surface: float | None
+    surface: float | NDArray[np.float64] | None
     warnings: tuple[str, ...] = ()
     terms: tuple[str, ...] = ()
+    frames: tuple[Snapshot, ...] = ()
+    layers: tuple[float, ...] = ()
+    floor: float | None = None
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """Column `name` as an array (rows,); KeyError lists the columns there are."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import term_names
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
@@ -17,12 +18,20 @@ from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
 
 if TYPE_CHECKING:
+    from granular_contact.multibody.history import LoadHistory
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.solve import Trajectory
     from granular_contact.multibody.system import System
 
 
-def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> Results:
+def run(
+    scene: Scene,
+    scenario: Scenario,
+    progress: Progress | None = None,
+    *,
+    most_frames: int = 0,
+    inspect: Callable[[System, Trajectory], None] | None = None,
+) -> Results:
     """Simulate a scene. However the run ends, what it reached is in the results; look at their status.
 
     Parameters
@@ -33,13 +42,20 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         Kept with the results, with its defaults resolved.
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
+    most_frames : int
+        From 2: the results get at most so many frames, for an animation.
+    inspect : callable, optional
+        Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
     """
-    solved = _reduced(scene, scene.method, progress) if isinstance(scene.method, Reduced) else _solved(scene, progress)
+    if isinstance(scene.method, Reduced):
+        solved = _reduced(scene, scene.method, progress)
+    else:
+        solved = _solved(scene, progress, inspect)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(time, series["depth_m"]) if scene.media else None
     stop = None if touch is None else solved.stop(touch)
-    instants = {
+    moments = {
         "touch": 0 if touch is None else touch.index,
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
@@ -53,10 +69,13 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
         table=table[_rows(time, scene.output_interval)],
         summary=summary,
         scenario=scenario_to_dict(scenario),
-        snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in instants.items()),
-        surface=scene.surface if scene.media else None,
+        snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in moments.items()),
+        surface=_surface(scene),
         warnings=tuple(summary["warnings"]),
+        frames=_frames(scene, solved, time, most_frames) if most_frames else (),
         terms=solved.terms,
+        layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
+        floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
     )
 
 
@@ -64,8 +83,8 @@ def run(scene: Scene, scenario: Scenario, progress: Progress | None = None) -> R
 class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    terms: names of the terms of the granular force; reach: None where nothing could meet the medium; more: what the
-    summary has besides.
+    pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
+    terms; reach: None where nothing could meet the medium; more: what the summary has besides.
     """
 
     status: Status
@@ -74,6 +93,8 @@ class _Solved:
     table: Vector
     stop: Callable[[Touch], Stop | None]
     outlines: Callable[[int], tuple[Outline, ...]]
+    pictures: Callable[[Vector], Pictures]
+    loads: dict[str, Vector]
     terms: tuple[str, ...]
     reach: Reach | None
     more: dict[str, Any]
@@ -94,18 +115,24 @@ def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajec
     return made.system, solve_tree(made, progress)
 
 
-def _solved(scene: Scene, progress: Progress | None) -> _Solved:
+def _solved(
+    scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None
+) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
 
     system, trajectory = _trajectory(scene, progress)
     observer = Observer(system, trajectory)
+    if inspect is not None and scene.method is None:
+        inspect(system, trajectory)
     return _Solved(
         trajectory.status,
         trajectory.cost,
         *observer.columns(),
         stop=lambda touch: engine_stop(observer, touch),
         outlines=observer.outlines,
+        pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
+        loads={} if trajectory.load is None else _by_body(trajectory.load),
         terms=observer.terms,
         reach=observer.reach(),
         more=key_numbers(observer),
@@ -126,6 +153,8 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         *observer.columns(),
         stop=lambda _: observer.stop(),
         outlines=observer.outlines,
+        pictures=lambda at: _pictures(lambda sampled: Observer(reduced, sampled), trajectory, at),
+        loads={"": trajectory.terms.sum(axis=1)},
         terms=term_names(scene.media),
         reach=observer.reach(),
         more={"static_turns": trajectory.turns},
@@ -134,6 +163,30 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
 
 def _limits(scene: Scene, reach: Reach | None) -> list[str]:
     return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
+
+
+def _by_body(load: LoadHistory) -> dict[str, Vector]:
+    return {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
+
+
+def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pictures:
+    """Outlines at times between the steps of either way's trajectory, as its observer draws them."""
+    q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
+    seen = observer(replace(trajectory, time=at, q=q, v=v))
+    return [seen.outlines(i) for i in range(len(at))]
+
+
+def _frames(scene: Scene, solved: _Solved, time: Vector, most: int) -> tuple[Snapshot, ...]:
+    at = instants(float(time[0]), float(time[-1]), most)
+    loads = {part: resample(time, wrench, at) for part, wrench in solved.loads.items()}
+    return frames(at, solved.pictures(at), loads, _surface(scene))
+
+
+def _surface(scene: Scene) -> float | Vector | None:
+    """The free surface, see `Results`; None in vacuum."""
+    if scene.bed is None or not scene.media:
+        return None
+    return scene.bed.top if scene.bed.level else scene.bed.profile
 
 
 def _rows(time: Vector, interval: float | None) -> Any:

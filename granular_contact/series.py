@@ -66,7 +66,7 @@ def body(name: str, center: Vector, angle: Vector, velocity: Vector, spin: Vecto
 
 
 def body_force(name: str, force: Vector, center: Vector) -> Series:
-    """Force of the medium on a body, (n, 3): x, y (N) and moment about the origin (N m); its centre of mass (n, 2) m."""
+    """Force of the medium on a body, (n, 3): x, y (N), moment about the origin (N m); its centre of mass (n, 2) m."""
     fx, fy, moment = force.T
     return {
         f"{name}_granular_x_N": (f"force of the medium on {name}, horizontal", fx),

@@ -30,8 +30,8 @@ def find_stop(
     """First zero of `rate`, None if it has none.
 
     All (n,) over the accepted steps: rate (rad/s) with its derivative acceleration (rad/s2) before each instant, and an
-    angle (rad) with its rate, which need not be the same motion (a hub trembles about the mean). hub: whether to look for
-    the first zero of that rate, too.
+    angle (rad) with its rate, which need not be the same motion (a hub trembles about the mean). hub: whether to look
+    for the first zero of that rate, too.
     """
     k = first_reversal(rate)
     if k is None:

@@ -20,6 +20,7 @@ MAY = {
     "config": {"config", "errors"},
     "scene": {"scene", "config", "media", "errors"},
     "energy": set(),
+    "examples": set(),
     "stopping": set(),
     "limits": {"media", "scene"},
     "results": set(),
@@ -27,10 +28,34 @@ MAY = {
     # Two ways through, which know nothing of each other.
     # The engine's coordinates, bed and observer, without its solver.
     "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
-    "multibody": {"multibody", "scene", "limits", "media", "kernels", "energy", "results", "series", "errors"},
+    "multibody": {
+        "multibody",
+        "frames",
+        "scene",
+        "limits",
+        "media",
+        "kernels",
+        "energy",
+        "results",
+        "series",
+        "errors",
+    },
+    "frames": {"results"},
     "summary": {"results", "stopping"},
     "probe": {"media", "kernels"},
-    "run": {"config", "scene", "media", "limits", "multibody", "minimal", "reduced", "results", "stopping", "summary"},
+    "run": {
+        "config",
+        "scene",
+        "media",
+        "limits",
+        "multibody",
+        "minimal",
+        "reduced",
+        "results",
+        "frames",
+        "stopping",
+        "summary",
+    },
     "reduced": {
         "reduced",
         "config",
@@ -44,10 +69,13 @@ MAY = {
         "stopping",
         "errors",
     },
-    "plots": {"plots", "results"},
+    "plots": {"plots", "frames", "results", "units"},
+    "units": set(),
+    "html": {"html", "report", "plots", "units"},
     "report": {"results", "plots"},
-    "sweep": {"sweep", "config", "scene", "run", "report", "results"},
+    "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
+    "fit": {"fit", "config", "scene", "run", "report", "results", "summary", "plots", "sweep", "errors"},
     "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
@@ -92,13 +120,13 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         if library in libraries and home is not None:
             assert part(path) == home
     if "matplotlib" in libraries:
-        assert part(path) in ("plots", "animate")
+        assert part(path) == "plots"
 
 
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
-        assert part(path) in ("plots", "report", "cli", "animate", "sweep", "compare", "compare_media")
+        assert part(path) in ("plots", "report", "cli", "html", "sweep", "compare", "compare_media", "fit")
 
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part(p) == "media"], ids=ids)

@@ -22,8 +22,8 @@ from support_results import REACH, make
 from granular_contact import plots
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.panels import thin
-from granular_contact.plots.units import unit_for
 from granular_contact.results import Column, Outline, Results, Snapshot
+from granular_contact.units import unit_for
 
 CASES: dict[str, dict[str, Any]] = {
     "rigid": {},
@@ -85,13 +85,34 @@ def plunger() -> Results:
     return dataclasses.replace(one, snapshots=shots)
 
 
+def walker() -> Results:
+    """A body on four legs of arcs with feet, all of which walk up a slope; the medium has a profile."""
+    one = make()
+    surface = np.array([[0.0, -0.1], [1.0, 0.1]])
+    sunk = one.summary["max_depth_m"]
+    turn = np.linspace(0.0, np.pi, 12)
+    shots = []
+    for label, at, x in (("touch", 0.0, 0.2), ("deepest", 0.02, 0.5), ("end", 0.03, 0.8)):
+        low = 0.2 * x - 0.1 - (sunk if label == "deepest" else 0.0)
+        outlines = [Outline("body", np.array([[x, low + 0.1], [x + 0.2, low + 0.14]]), 0.03)]
+        for i, place in enumerate((0.0, 0.05, 0.15, 0.2)):
+            hip = np.array([x + place, low + 0.1 + 0.2 * place])
+            leg = hip + 0.05 * np.column_stack([np.sin(turn), np.cos(turn) - 1])
+            foot = hip - [0, 0.1] + 0.01 * np.array([[-1, 0.5], [1, 0.5], [1, 0], [-1, 0], [-1, 0.5]])
+            outlines += [Outline(f"leg{i}", leg, 0.004), Outline(f"foot{i}", foot, 0.0)]
+        shots.append(Snapshot(label, at, tuple(outlines)))
+    keep = [i for i, column in enumerate(one.columns) if "_deg" not in column.name and "rad_s" not in column.name]
+    columns = tuple(one.columns[i] for i in keep)
+    return dataclasses.replace(one, surface=surface, snapshots=tuple(shots), columns=columns, table=one.table[:, keep])
+
+
 def build(case: str) -> Results:
-    return {"two_hinges": two_hinges, "free_disc": free_disc, "plunger": plunger}.get(
+    return {"two_hinges": two_hinges, "free_disc": free_disc, "plunger": plunger, "walker": walker}.get(
         case, lambda: make(**CASES[case])
     )()
 
 
-ALL = [*CASES, "two_hinges", "free_disc", "plunger"]
+ALL = [*CASES, "two_hinges", "free_disc", "plunger", "walker"]
 
 
 @pytest.fixture(scope="module", params=ALL)
@@ -114,6 +135,7 @@ def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
         ("failed_2_rows", MEDIUM),
         ("two_hinges", MEDIUM | {"deflection"}),
         ("free_disc", MEDIUM),
+        ("walker", MEDIUM),
     ],
 )
 def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expected: set[str], tmp_path: Path) -> None:

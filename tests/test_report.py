@@ -127,7 +127,7 @@ class TestWholeOrNotAtAll:
         assert names(tmp_path / "run") == NAMES[1:]
 
     @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-    @pytest.mark.parametrize("where", ["_scenario", "_write_series", "_swap"])
+    @pytest.mark.parametrize("where", ["scenario_text", "_write_series", "swap"])
     def test_a_failure_leaves_the_old_folder(
         self, where: str, error: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:

@@ -19,7 +19,16 @@ sys.path.insert(0, str(HERE.parent))
 
 from validation.study import Claim
 
-STUDIES = ("paper_cases", "single_mode_vs_fe", "error_vs_run_time", "beam_against_theory", "scaling")
+STUDIES = (
+    "paper_cases",
+    "single_mode_vs_fe",
+    "error_vs_run_time",
+    "beam_against_theory",
+    "laws",
+    "sensitivity",
+    "fit_recovery",
+    "scaling",
+)
 RECORD = HERE / "claims.json"
 
 

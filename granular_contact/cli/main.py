@@ -11,11 +11,23 @@ import os
 import sys
 from collections.abc import Sequence
 
-from granular_contact.cli import check, compare, compare_media, media, run, schema, sweep, validate
+from granular_contact.cli import (
+    check,
+    compare,
+    compare_media,
+    examples,
+    fit,
+    media,
+    report,
+    run,
+    schema,
+    sweep,
+    validate,
+)
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, complain
 from granular_contact.errors import ConfigError, SceneError, SolveError
 
-COMMANDS = (run, sweep, compare, compare_media, media, check, validate, schema)
+COMMANDS = (run, sweep, compare, compare_media, fit, report, media, check, examples, validate, schema)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

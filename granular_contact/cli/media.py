@@ -49,7 +49,7 @@ def _list() -> None:
 
     table = Table(box=None, pad_edge=False)
     for head in ("name", "law", "takes", "range", "standing", "source"):
-        table.add_column(head, overflow="fold")
+        table.add_column(head, overflow="fold", no_wrap=head in ("name", "law"))
     for name in medium_names():
         spec = load_medium(name)
         takes = ", ".join(sorted(LAWS[spec.law].takes))
@@ -71,6 +71,7 @@ def _range(spec: schema.AnyLaw) -> str:
 def _show(spec: schema.AnyLaw) -> None:
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     from granular_contact.media.kinds import WORDS
     from granular_contact.media.laws import LAWS
@@ -81,7 +82,7 @@ def _show(spec: schema.AnyLaw) -> None:
     table.add_column(style="bold")
     table.add_column(overflow="fold")
     table.add_row("law", spec.law)
-    table.add_row("equation", law.equation)
+    table.add_row("equation", Text(law.equation))
     table.add_row("takes", ", ".join(words for kind, words in WORDS.items() if kind in law.takes))
     lacking = missing(spec)
     for key, value in spec.model_dump(mode="json", by_alias=True).items():

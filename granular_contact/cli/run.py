@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 import time
 from collections.abc import Iterator
@@ -24,9 +25,13 @@ from granular_contact.cli.common import (
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
+    from granular_contact.multibody.solve import Trajectory
+    from granular_contact.multibody.system import System
     from granular_contact.results import Progress, Results
+    from granular_contact.scene import Scene
 
 HELP = "simulate a config and save what came of it"
+MOST_FRAMES = 151  # six seconds
 _STATUS_CODES = {"failed": FAILED, "interrupted": INTERRUPTED}
 
 
@@ -39,6 +44,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
+    films = parser.add_mutually_exclusive_group()
+    films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
+    words = "save an animation.mp4, where there is an ffmpeg to make it"
+    films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
+    parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
     add_output(parser, "results/NAME_OF_CONFIG")
 
 
@@ -57,7 +67,7 @@ def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     scenario, scene = read(chosen.config, [*_method(chosen), *chosen.set])
     folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.config).stem)
-    problem = folder_problem(folder)
+    problem = _film_problem(chosen.film) or _view_problem(chosen.view, scene) or folder_problem(folder)
     if problem:
         complain(problem)
         return FAULTY_INPUT
@@ -65,13 +75,21 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact import report
     from granular_contact.run import run
 
+    kept: list[tuple[System, Trajectory]] = []
     begin = time.perf_counter()
     shown = sys.stderr.isatty() and not chosen.quiet
     with _progress(shown, scenario.solver.end_time_s) as progress:
-        results = run(scene, scenario, progress=progress)
+        results = run(
+            scene,
+            scenario,
+            progress=progress,
+            most_frames=MOST_FRAMES if chosen.film else 0,
+            inspect=(lambda *solved: kept.append(solved)) if chosen.view else None,
+        )
     elapsed = time.perf_counter() - begin
     try:
-        report.write(results, folder, figures=scenario.output.figures and not chosen.no_plots)
+        figures = scenario.output.figures and not chosen.no_plots
+        report.write(results, folder, figures=figures, film=chosen.film)
     except OSError as error:
         complain(f"the results can't be saved in {folder}: {error}")
         return FAULTY_INPUT
@@ -79,7 +97,30 @@ def act(chosen: argparse.Namespace) -> int:
         print("\n".join(_summary(results, elapsed, folder)))
     elif results.status.code in _STATUS_CODES:
         complain(f"{results.status.message}; saved in {folder}")
+    for solved in kept:
+        from granular_contact.multibody import view
+
+        view.show(*solved)
     return _STATUS_CODES.get(results.status.code, FINE)
+
+
+def _film_problem(film: str | None) -> str | None:
+    """Why there can be no such film, or None."""
+    if film == "mp4" and shutil.which("ffmpeg") is None:
+        return "--animate-mp4: there is no ffmpeg on the path to make it with; --animate saves a GIF, which needs none"
+    return None
+
+
+def _view_problem(wanted: bool, scene: Scene) -> str | None:
+    """Why the run can't be viewed, or None."""
+    if not wanted:
+        return None
+    if scene.method is not None:
+        return "--view: the viewer is the engine's, which a reduced model does not run in; --animate shows both"
+    from granular_contact.multibody import view
+
+    found = view.problem()
+    return None if found is None else f"--view: {found}; --animate saves an animation, which needs none"
 
 
 @contextmanager
@@ -116,6 +157,10 @@ def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
         yield f"  largest depth   {1e3 * depth:.2f} mm"
     if (deflection := found.get("max_deflection_m")) is not None:
         yield f"  deflection      {1e3 * deflection:.4f} mm at most"
+    if (speed := found.get("forward_speed_second_half_m_s")) is not None:
+        yield f"  forward speed   {speed:.4f} m/s in the second half"
+    if (cost := found.get("cost_of_transport")) is not None:
+        yield f"  transport cost  {cost:.3g} of weight times way"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
         yield f"  energy          {imbalance:.1e} of it unaccounted for"
     yield f"  wall time       {elapsed:.2f} s"

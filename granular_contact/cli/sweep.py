@@ -1,23 +1,30 @@
-"""The command `sweep`: cases run and shown, their table saved, also of those that were finished before a Ctrl-C."""
+"""The command `sweep`: cases run and shown, going on where an earlier one was killed; their table saved."""
 
 from __future__ import annotations
 
 import argparse
-import shutil
+import csv
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, add_output, complain, folder_problem
+from granular_contact.cli.sweep_progress import progress
 from granular_contact.config import Sweep, load_sweep
+from granular_contact.config.messages import unknown
+from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
-    from granular_contact.sweep import Row
+    from granular_contact.config.sweep_sample import Sample
+    from granular_contact.sweep import Crew, Row
+    from granular_contact.sweep.part import Part
+    from granular_contact.sweep.sensitivity import Indices
 
-HELP = "simulate many cases of a config on all cores, a row of a table each"
+HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
 MOST_WORKERS = 256
 MOST_SHOWN = 40  # rows; the rest is in the table
 # Summary key, heading, factor, format.
@@ -31,9 +38,14 @@ _SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases or vary")
-    parser.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases, vary or sample")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    words = "run on the workers of a Dask cluster, as tcp://host:8786"
+    where.add_argument("--scheduler", metavar="ADDRESS", help=words)
     parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
+    words = "run all cases, also those that an earlier sweep has finished, and replace its results"
+    parser.add_argument("--restart", action="store_true", help=words)
     add_output(parser, "results/NAME_OF_FILE")
 
 
@@ -45,105 +57,178 @@ def _worker_count(text: str) -> int:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact import report, scene
-    from granular_contact.sweep import run, table
+    from granular_contact.sweep import CrewError, FolderRefused
 
-    cases = load_sweep(chosen.file, probe=scene.build)
     folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.file).stem)
     problem = folder_problem(folder, "sweep")
     if problem:
         complain(problem)
         return FAULTY_INPUT
-    begin = time.perf_counter()
-    rows: list[Row] = []
     try:
-        with report.whole_folder(folder, "sweep") as making:
-            case_folders = making / report.CASES if chosen.plots else None
-            shown = sys.stderr.isatty() and not chosen.quiet
-            with _progress(shown, len(cases.cases)) as advance:
-                interrupted = _collect(run(cases, chosen.workers, case_folders), rows, advance)
-            _drop_unfinished(case_folders, {row.name for row in rows})
-            table.write(cases, rows, making)
-    except OSError as error:
-        complain(f"the sweep can't go on, or can't be saved in {folder}: {error}")
+        with _crew(chosen, folder) as crew:
+            return _with_crew(chosen, folder, crew)
+    except (CrewError, FolderRefused) as error:
+        complain(str(error))
         return FAULTY_INPUT
-    rows.sort(key=lambda row: row.index)
-    if not chosen.quiet:
-        _show(cases, rows, time.perf_counter() - begin, folder)
-    failed = sum(row.failed for row in rows)
-    if interrupted:
-        complain(f"interrupted; the {len(rows)} of {len(cases.cases)} cases that were finished are saved in {folder}")
-        return INTERRUPTED
+
+
+def _crew(chosen: argparse.Namespace, folder: Path) -> Crew:
+    from granular_contact.sweep import Crew
+    from granular_contact.sweep.pool import prepare
+
+    if chosen.scheduler is None:
+        prepare()  # while the file is read
+        return Crew(chosen.workers)
+    from granular_contact.sweep.cluster import cluster_crew
+
+    return cluster_crew(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
+
+
+def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
+    from granular_contact import scene
+    from granular_contact.sweep import CrewError, table
+    from granular_contact.sweep.part import finished, opened
+    from granular_contact.sweep.runner import faults
+
+    sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, crew=crew))
+    if finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
+        return _nothing_to_do(folder, chosen.quiet)
+    try:
+        with opened(sweep, folder, chosen.plots, chosen.restart) as part:
+            try:
+                return _run(chosen, sweep, crew, part, folder)
+            except BaseException as error:
+                crew.dismiss()
+                kept = _kept(part, len(sweep.cases))
+                if kept and isinstance(error, KeyboardInterrupt):
+                    table.write(sweep, part.journal, part.folder)
+                    complain(f"interrupted; {kept}")
+                    return INTERRUPTED
+                if kept and isinstance(error, OSError | CrewError):
+                    complain(f"the sweep can't go on: {_reason(error)}; {kept}")
+                    return FAULTY_INPUT
+                if not kept or isinstance(error, ConfigError):
+                    part.discard()
+                raise
+    except OSError as error:
+        complain(f"the sweep can't go on, or can't be saved in {folder}: {_reason(error)}")
+        return FAULTY_INPUT
+
+
+def _nothing_to_do(folder: Path, quiet: bool) -> int:
+    from granular_contact.report import TABLE
+
+    with (folder / TABLE).open(encoding="utf-8", newline="") as file:
+        failed = sum(row["status"] not in ("rest", "end_time") for row in csv.DictReader(file))
+    if not quiet:
+        print(f"{folder} holds all cases of this sweep already; --restart runs them again")
     if failed:
-        complain(f"{failed} of {len(rows)} cases failed; saved in {folder}")
+        complain(f"{failed} cases failed; saved in {folder}")
     return FAILED if failed else FINE
 
 
-def _collect(coming: Generator[Row, None, None], rows: list[Row], advance: Callable[[], None]) -> bool:
-    """Append all rows that come to `rows`; returns whether Ctrl-C came first. Without a single row it is passed on."""
-    try:
-        with closing(coming):
-            for row in coming:
-                rows.append(row)
-                advance()
-    except KeyboardInterrupt:
-        if not rows:
-            raise
-        return True
-    return False
+def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folder: Path) -> int:
+    from granular_contact.sweep import CrewError, run, sensitivity, table
+
+    count, begin = len(sweep.cases), time.perf_counter()
+    if part.done and not chosen.quiet:
+        print(f"going on in {part.folder}: {len(part.done)} of {count} cases are there", flush=True)
+    rows = run(sweep, crew, done=part.done, journal=part.journal, cases_folder=part.cases)
+    asked = False
+    with progress(sys.stderr, count, len(part.done), chosen.quiet) as advance, closing(rows):
+        for row in rows:
+            if sweep.sample is not None and not asked and not row.failed:
+                _ask_for_outputs(sweep.sample, row, chosen.file)
+                asked = True
+            advance()
+    if missing := count - len(part.journal):
+        raise CrewError(f"{missing} rows did not reach {part.folder}")
+    table.write(sweep, part.journal, part.folder)
+    found = sensitivity.of_sweep(sweep, part.journal)
+    if found:
+        sensitivity.write(found, part.folder, figures=sweep.base.output.figures)
+    failed = _show(sweep, part.journal, chosen.quiet)
+    part.finish()
+    if not chosen.quiet:
+        _show_sensitivity(found)
+        print(f"{sweep.name}: {count} of {count} cases in {time.perf_counter() - begin:.2f} s, saved in {folder}")
+    for one in found:
+        if one.refused:
+            complain(f"no Sobol indices of {one.output}: {one.refused}")
+    if failed:
+        complain(f"{failed} of {count} cases failed; saved in {folder}")
+    return FAILED if failed else FINE
 
 
-def _drop_unfinished(folder: Path | None, finished: set[str]) -> None:
-    """Remove what cases without a row have written."""
-    for path in folder.iterdir() if folder is not None and folder.exists() else ():
-        if path.name not in finished:
-            shutil.rmtree(path, ignore_errors=True)
+def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
+    """Raise, before more is run, if a summary has no such number as the sample asks for."""
+    numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
+    for output in sample.outputs:
+        if output not in numbers:
+            message = f"got {output!r}, which is no number of a summary; {unknown(output, numbers)}"
+            raise ConfigError([Fault(file, None, "sample.outputs", message)])
 
 
-@contextmanager
-def _progress(shown: bool, count: int) -> Iterator[Callable[[], None]]:
-    """Give a callable that moves a bar on stderr by one case, or does nothing if nothing is to be shown."""
-    if not shown:
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    rate = TextColumn("cases, {task.fields[rate]}")
-    columns = (BarColumn(), MofNCompleteColumn(), rate, TimeRemainingColumn(), TextColumn("left"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=count, rate="starting")
-        begin, done = time.perf_counter(), 0
-
-        def advance() -> None:
-            nonlocal done
-            done += 1
-            bar.update(task, advance=1, rate=f"{done / max(time.perf_counter() - begin, 1e-9):.3g} per s")
-
-        yield advance
+def _kept(part: Part, count: int) -> str:
+    """What an unfinished sweep leaves, in words; empty if that is nothing."""
+    saved = len(part.journal)
+    return (
+        f"{saved} of {count} cases are kept in {part.folder}, and the same command goes on from there" if saved else ""
+    )
 
 
-def _show(cases: Sweep, rows: Sequence[Row], elapsed: float, folder: Path) -> None:
-    """Print the essential columns of the first rows, and where the others are."""
+def _reason(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+    return str(error)
+
+
+def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
+    """Print the essential columns of the first rows, and what failed; returns how many did."""
     from rich.console import Console
     from rich.table import Table
 
     shown = Table("case", "status", box=None, pad_edge=False)
     for _, heading, _, _ in _SHOWN:
         shown.add_column(heading, justify="right")
-    for row in rows[:MOST_SHOWN]:
-        shown.add_row(row.name, row.summary["status"], *_numbers(row.summary))
-    console = Console(markup=False, highlight=False, emoji=False)
-    console.print(shown)
-    if len(rows) > MOST_SHOWN:
-        print(f"... and {len(rows) - MOST_SHOWN} more cases in table.csv")
-    failed = [row for row in rows if row.failed]
-    for row in failed[:MOST_SHOWN]:
-        print(f"{row.name} failed: {row.summary['message']}")
-    print(f"{cases.name}: {len(rows)} of {len(cases.cases)} cases in {elapsed:.2f} s, saved in {folder}")
+    failed: list[str] = []
+    count = 0
+    for row in rows:
+        if row.index < MOST_SHOWN:
+            shown.add_row(row.name, row.summary["status"], *_numbers(row.summary))
+        if row.failed:
+            count += 1
+            failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
+    if not quiet:
+        Console(markup=False, highlight=False, emoji=False).print(shown)
+        if len(sweep.cases) > MOST_SHOWN:
+            print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
+        for line in failed:
+            print(line)
+    return count
 
 
 def _numbers(summary: dict[str, Any]) -> Iterator[str]:
     for key, _, factor, form in _SHOWN:
         value = summary.get(key)
         yield "-" if value is None else format(factor * value, form)
+
+
+def _show_sensitivity(found: Iterable[Indices]) -> None:
+    """Print the indices with their intervals."""
+    from rich.console import Console
+    from rich.table import Table
+
+    for one in found:
+        if one.refused:
+            continue
+        shown = Table(box=None, pad_edge=False)
+        shown.add_column(f"Sobol indices of {one.output}", no_wrap=True)
+        for heading in ("first order, 95 %", "total, 95 %"):
+            shown.add_column(heading, justify="right", no_wrap=True)
+        for i, name in enumerate(one.inputs):
+            pairs = ((one.first, one.first_interval), (one.total, one.total_interval))
+            shown.add_row(name, *(f"{v[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})" for v, ends in pairs))
+        console = Console(markup=False, highlight=False, emoji=False)
+        console.width = max(100, console.width)
+        console.print(shown)

@@ -3,7 +3,7 @@
 reading   yaml_source, compose, scalars, tree      text -> tree with positions
 resolving references, overrides                    names, `from` and --set -> one tree
 checking  schema, allowed, messages                one tree -> Scenario, or faults in sentences
-many      sweep, sweep_cases, sweep_range          a config and what to replace in it -> cases
+many      sweep, sweep_{cases,vary,sample,range}   a config and what to replace in it -> cases
 """
 
 from granular_contact.config import schema
@@ -11,8 +11,10 @@ from granular_contact.config.export import json_schema, scenario_to_dict
 from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, is_sweep, load_sweep
+from granular_contact.config.sweep_cases import Case
 
 __all__ = [
+    "Case",
     "Loaded",
     "Scenario",
     "SourceMap",

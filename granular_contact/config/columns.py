@@ -13,6 +13,7 @@ from granular_contact.config.references import shown
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, set_key
 from granular_contact.errors import Fault
 
+KEYS = ("drives", "signals")  # of a scenario, below which files may be named
 MOST_ROWS = 100_000
 _KEYS = {"type", "file", "column", "time_column", "interpolation"}
 
@@ -21,7 +22,7 @@ def with_columns(root: Node, folder: Path, faults: list[Fault]) -> Node:
     """The tree of a scenario with every signal of the type csv replaced by a table; paths are from `folder`."""
     if not isinstance(root, Mapping):
         return root
-    for key in ("drives", "signals"):
+    for key in KEYS:
         held = root.nodes.get(key)
         if held is not None:
             root = set_key(root, key, _replaced(held, (key,), folder, faults), root.keys[key])
@@ -50,7 +51,7 @@ def _table(node: Mapping, path: tuple[str, ...], folder: Path, faults: list[Faul
     if table is None:
         return Broken(node.position)
     source = f"{file}, column {column}"
-    nodes = {
+    nodes: dict[str, Node] = {
         "type": Scalar(at, "table", "table"),
         "time_s": _numbers(at, table[0]),
         "values": _numbers(at, table[1]),
@@ -85,7 +86,9 @@ def _read(
             header = [cell.strip() for cell in next(rows, [])]
             missing = [column for column in names if column not in header]
             for column in missing:
-                refuse(1, f"there is no column {column!r}; {unknown(column, header) if header else 'the file is empty'}")
+                refuse(
+                    1, f"there is no column {column!r}; {unknown(column, header) if header else 'the file is empty'}"
+                )
             return None if missing else _rows(rows, header, names, refuse)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         words = getattr(error, "strerror", None) or "it is no CSV text"

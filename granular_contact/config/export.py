@@ -9,6 +9,7 @@ from granular_contact.config import allowed
 from granular_contact.config.references import FROM
 from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.schema.signals import SIGNALS
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -24,6 +25,21 @@ def _single(whole: dict[str, Any]) -> dict[str, Any]:
     several = next(option for option in whole["anyOf"] if "oneOf" in option)
     single: dict[str, Any] = several["oneOf"][0]
     return single
+
+
+def _shorten_signals(node: Any) -> None:
+    """Wherever a signal is allowed, allow a number and the name of a shared one, too; changes the schema."""
+    if isinstance(node, list):
+        for item in node:
+            _shorten_signals(item)
+        return
+    if not isinstance(node, dict):
+        return
+    for item in node.values():
+        _shorten_signals(item)
+    if set(node.get("discriminator", {}).get("mapping", {})) == set(SIGNALS):
+        whole = {key: node.pop(key) for key in ("discriminator", "oneOf")}
+        node["anyOf"] = [{"type": "number"}, {"type": "string"}, whole]
 
 
 def json_schema() -> dict[str, Any]:
@@ -42,6 +58,7 @@ def json_schema() -> dict[str, Any]:
         schema["properties"][key] = {"anyOf": forms}
     layer = schema["$defs"]["BedLayer"]["properties"]
     layer["medium"] = {"anyOf": [name, patch, layer["medium"]]}
+    _shorten_signals(schema)
     words = {"enum": list(WORDS)}
     schema["properties"]["method"] = {"anyOf": [words, schema["properties"]["method"]]}
     return schema

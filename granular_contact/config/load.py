@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
+from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, got
 from granular_contact.config.references import MEDIA, MODELS, Resolver
@@ -121,6 +122,11 @@ class Template:
         if found or scenario is None:
             raise ConfigError(sorted(found, key=by_place))
         return Loaded(scenario, SourceMap(node))
+
+    @property
+    def names_columns(self) -> bool:
+        """Whether the config, overrides aside, may name files of columns."""
+        return any(tree.child(self._root, key) is not None for key in COLUMN_KEYS)
 
     def _with_references(self, references: tuple[setting.Override, ...], faults: list[Fault]) -> tree.Node:
         """The tree with model and medium read in; read once for the same references, unless there were faults."""

@@ -6,7 +6,8 @@
       slow: {initial.impact_speed_rad_s: 1}
       fast: {initial.impact_speed_rad_s: 9}
 
-or, in the place of `cases`, `vary` with a list or a range for each key; `combine` makes them a grid, or a zip.
+or, in the place of `cases`, `vary` with a list or a range for each key; `combine` makes them a grid, or a zip. Or
+`sample`, which draws cases from ranges (sweep_sample).
 """
 
 from __future__ import annotations
@@ -19,16 +20,20 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.config import tree
+from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.export import scenario_to_dict
 from granular_contact.config.load import Loaded, Template, by_place
-from granular_contact.config.messages import got
+from granular_contact.config.messages import got, unknown
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
-from granular_contact.config.sweep_cases import KEYS, Case, read_cases, read_set
+from granular_contact.config.sweep_cases import Case, read_named, read_set
+from granular_contact.config.sweep_sample import Sample, Sampled, read_sample
+from granular_contact.config.sweep_vary import read_vary
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 
+KEYS = ("config", "set", "cases", "vary", "combine", "sample")
 MOST_FAULTS = 200
 Probe = Callable[[Scenario], object]
 
@@ -43,9 +48,14 @@ class Sweep:
     name: str
     base: Scenario
     keys: tuple[str, ...]
-    cases: tuple[Case, ...]
+    cases: Sequence[Case]
     template: Template
     common: tuple[Override, ...]
+
+    @property
+    def sample(self) -> Sample | None:
+        """How the cases were drawn; None if they were not."""
+        return self.cases.sample if isinstance(self.cases, Sampled) else None
 
     def scenario(self, case: Case) -> Scenario:
         """Scenario of a case, as `load` gives it for the same overrides."""
@@ -54,6 +64,15 @@ class Sweep:
     def load(self, case: Case) -> Loaded:
         """Scenario of a case with the places of its keys; raises ConfigError for a case that was not checked."""
         return self.template.make(effective([*self.common, *case.overrides]))
+
+    def needs_files(self, case: Case) -> bool:
+        """Whether the scenario of a case can be made only where the files are that it, or the config, names."""
+        return case.has_references or self._names_columns or any(one.path[0] in COLUMN_KEYS for one in case.overrides)
+
+    def without_cases(self) -> Sweep:
+        """The sweep as it is sent away: the model and the medium of the config are read in."""
+        self.template.make(effective(self.common))
+        return replace(self, cases=())
 
     def values(self, case: Case, scenario: Scenario) -> dict[str, Any]:
         """What the case, of this scenario, has under each of `keys`: as written, else as resolved."""
@@ -65,22 +84,34 @@ class Sweep:
 
     def changes(self, case: Case) -> dict[str, Any]:
         """The same case as dotted keys on `base`, complete without any other file."""
-        if not any(one.is_reference for one in case.overrides):
+        if not case.has_references:
             return {".".join(one.path): tree.plain(one.value) for one in effective(case.overrides)}
         return dict(_difference(self._resolved_base, scenario_to_dict(self.scenario(case))))
+
+    @cached_property
+    def _names_columns(self) -> bool:
+        return self.template.names_columns or any(one.path[0] in COLUMN_KEYS for one in self.common)
 
     @cached_property
     def _resolved_base(self) -> dict[str, Any]:
         return scenario_to_dict(self.base)
 
 
+Check = Callable[[Sweep, Sequence[Case], Probe | None], list[Fault]]
+
+
 def is_sweep(path: str | PathLike[str]) -> bool:
     """Whether the file at `path` means to be a sweep; False for one that can't be read."""
     root = read_file(Path(path), [])
-    return isinstance(root, tree.Mapping) and bool({"config", "cases", "vary"} & set(root.nodes))
+    return isinstance(root, tree.Mapping) and bool({"config", "cases", "vary", "sample"} & set(root.nodes))
 
 
-def load_sweep(path: str | PathLike[str], probe: Probe | None = None) -> Sweep:
+def case_faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
+    """Faults of some cases; those of a key that the case leaves alone say which case it is."""
+    return [fault for case in cases for fault in _faults(sweep, case, probe)]
+
+
+def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Check = case_faults) -> Sweep:
     """Read a sweep file and check every case of it.
 
     Parameters
@@ -89,6 +120,8 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None) -> Sweep:
         YAML file; the config that it names is looked for beside it.
     probe
         Called with the scenario of each case; a SceneError that it raises is a fault of the case.
+    check
+        Gives the faults of cases; a caller with several cores may share them out to `case_faults`.
 
     Raises
     ------
@@ -106,15 +139,36 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None) -> Sweep:
     if "model" in root.nodes and "config" not in root.nodes:
         raise ConfigError([root.position.fault((), "is the config of one run; a sweep has its name under config")])
     common = read_set(root, faults)
-    cases = read_cases(root, faults)
+    cases = _cases(root, faults)
     loaded = _base(root, path, common, faults)
     if loaded is not None:
         keys = tuple(dict.fromkeys(key for case in cases for key in case.keys))
-        sweep = Sweep(path.stem, loaded[1], keys, tuple(cases), loaded[0], tuple(common))
-        faults += _case_faults(sweep, probe)
+        sweep = Sweep(path.stem, loaded[1], keys, cases, loaded[0], tuple(common))
+        found = check(sweep, cases, probe)
+        faults += found if sweep.sample is None else _one_a_place(found)
     if faults or loaded is None:
         raise ConfigError(_listed(faults))
     return sweep
+
+
+def _cases(root: tree.Mapping, faults: list[Fault]) -> Sequence[Case]:
+    """Cases of a sweep in the order of the file; its keys are checked here too."""
+    for key, at in root.keys.items():
+        if key not in KEYS:
+            faults.append(at.fault((key,), f"unknown key; {unknown(key, KEYS)}"))
+    given = [key for key in ("cases", "vary", "sample") if key in root.nodes]
+    if len(given) != 1:
+        amount = {0: "none", 2: "both", 3: "all"}[len(given)]
+        of = " and ".join(given) if len(given) == 2 else "cases, vary and sample"
+        faults.append(root.position.fault((), f"got {amount} of {of}; exactly one is allowed"))
+        return []
+    if given == ["vary"]:
+        return read_vary(root, faults)
+    if "combine" in root.nodes:
+        message = f"unknown key; it tells how vary is combined, not {given[0]}"
+        faults.append(root.keys["combine"].fault(("combine",), message))
+    held = root.nodes[given[0]]
+    return read_sample(held, faults) if given == ["sample"] else read_named(held, faults)
 
 
 def _base(
@@ -147,23 +201,29 @@ def _base(
         return None
 
 
-def _case_faults(sweep: Sweep, probe: Probe | None) -> Iterator[Fault]:
-    """Faults of each case; those of a key that the case leaves alone say which case it is."""
-    for case in sweep.cases:
-        found: Iterable[Fault] = ()
-        try:
-            loaded = sweep.load(case)
-            if probe is not None:
-                probe(loaded.scenario)
-        except ConfigError as error:
-            found = error.faults
-        except SceneError as error:
-            found = loaded.sources.place(error.faults)
-        for fault in found:
-            if any(_overlap(fault.key, key) for key in case.keys):
-                yield fault
-            else:
-                yield replace(fault, message=f"{fault.message} (in case {case.label})")
+def _faults(sweep: Sweep, case: Case, probe: Probe | None) -> Iterator[Fault]:
+    found: Iterable[Fault] = ()
+    try:
+        loaded = sweep.load(case)
+        if probe is not None:
+            probe(loaded.scenario)
+    except ConfigError as error:
+        found = error.faults
+    except SceneError as error:
+        found = loaded.sources.place(error.faults)
+    for fault in found:
+        if any(_overlap(fault.key, key) for key in case.keys):
+            yield fault
+        else:
+            yield replace(fault, message=f"{fault.message} (in case {case.label})")
+
+
+def _one_a_place(faults: Iterable[Fault]) -> list[Fault]:
+    """The first fault of each key in each line: of a range, hundreds of values may be at fault for one reason."""
+    first: dict[tuple[str, int | None, str], Fault] = {}
+    for fault in faults:
+        first.setdefault((fault.file, fault.line, fault.key), fault)
+    return list(first.values())
 
 
 def _overlap(one: str, other: str) -> bool:

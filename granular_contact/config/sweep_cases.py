@@ -1,22 +1,18 @@
-"""The keys `set`, `cases`, `vary` and `combine` of a sweep file -> named cases of overrides."""
+"""What a case is, and the keys `set` and `cases` of a sweep file -> overrides, and named cases of them."""
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 from granular_contact.config import tree
-from granular_contact.config.messages import got, unknown
+from granular_contact.config.messages import got
 from granular_contact.config.overrides import Override, split
 from granular_contact.config.scalars import resolve
-from granular_contact.config.sweep_range import read_range
 from granular_contact.errors import Fault
 
-KEYS = ("config", "set", "cases", "vary", "combine")
 MOST_CASES = 100_000
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,99}")
 _NAME_RULE = "a letter or digit, then letters, digits, _ . + = and -, at most 100, and no number, are allowed"
@@ -42,6 +38,11 @@ class Case:
         return {".".join(one.path): tree.plain(one.value) for one in self.overrides}
 
     @property
+    def has_references(self) -> bool:
+        """Whether it names a model or a medium, which is a file."""
+        return any(one.is_reference for one in self.overrides)
+
+    @property
     def label(self) -> str:
         """The name, with the values where the name tells nothing."""
         if not self.numbered:
@@ -52,27 +53,10 @@ class Case:
 def read_set(root: tree.Mapping, faults: list[Fault]) -> list[Override]:
     """What `set` replaces in every case."""
     node = root.nodes.get("set")
-    return [] if node is None else list(_overrides(node, ("set",), faults))
+    return [] if node is None else list(read_overrides(node, ("set",), faults))
 
 
-def read_cases(root: tree.Mapping, faults: list[Fault]) -> list[Case]:
-    """Cases of a sweep whose keys are checked here too, in the order of the file."""
-    for key, at in root.keys.items():
-        if key not in KEYS:
-            faults.append(at.fault((key,), f"unknown key; {unknown(key, KEYS)}"))
-    given = [key for key in ("cases", "vary") if key in root.nodes]
-    if len(given) != 1:
-        amount = "both" if given else "neither"
-        faults.append(root.position.fault((), f"got {amount} of cases and vary; exactly one is allowed"))
-        return []
-    if given == ["vary"]:
-        return _varied(root, faults)
-    if "combine" in root.nodes:
-        faults.append(root.keys["combine"].fault(("combine",), "unknown key; it tells how vary is combined, not cases"))
-    return _named(root.nodes["cases"], faults)
-
-
-def _overrides(node: tree.Node, path: tree.Path, faults: list[Fault]) -> Iterator[Override]:
+def read_overrides(node: tree.Node, path: tree.Path, faults: list[Fault]) -> Iterator[Override]:
     """Overrides of a mapping from dotted keys to values."""
     if isinstance(node, tree.Mapping):
         read = [one for key in node.nodes if (one := _override(node, key, path, faults)) is not None]
@@ -100,8 +84,8 @@ def _without_hidden(overrides: Sequence[Override], faults: list[Fault]) -> Itera
             )
 
 
-def _named(node: tree.Node, faults: list[Fault]) -> list[Case]:
-    """Cases that the file names one by one."""
+def read_named(node: tree.Node, faults: list[Fault]) -> list[Case]:
+    """Cases that the file names one by one, in its order."""
     if isinstance(node, tree.Broken):
         return []
     if not isinstance(node, tree.Mapping | tree.Items) or not node.nodes:
@@ -121,7 +105,7 @@ def _named(node: tree.Node, faults: list[Fault]) -> list[Case]:
             faults.append(at.fault(path, message))
         else:
             lines[name.casefold()] = at.line
-            cases.append(Case(name, tuple(_overrides(held, path, faults))))
+            cases.append(Case(name, tuple(read_overrides(held, path, faults))))
     return cases
 
 
@@ -147,57 +131,3 @@ def _entries(
                 faults.append(name_node.position.fault((*path, "name"), f"got {got(name_node)}; allowed is text"))
         else:
             yield name_node.value, name_node.position, path, tree.drop_key(item, "name")
-
-
-def _varied(root: tree.Mapping, faults: list[Fault]) -> list[Case]:
-    """Cases that follow from the values of some keys."""
-    node = root.nodes["vary"]
-    combine = _combine(root, faults)
-    keys = list(_overrides(node, ("vary",), faults))
-    if isinstance(node, tree.Mapping) and not node.nodes:
-        faults.append(node.position.fault(("vary",), "got an empty mapping; allowed is one dotted key or more"))
-    levels = [_values(key, faults) for key in keys]
-    if combine is None or not levels or any(level is None for level in levels):
-        return []
-    values = [level for level in levels if level is not None]
-    sizes = [len(level) for level in values]
-    if combine == "zip" and len(set(sizes)) > 1:
-        lengths = ", ".join(f"{size} of {'.'.join(key.path)}" for key, size in zip(keys, sizes, strict=True))
-        faults.append(node.position.fault(("vary",), f"got {lengths}; for combine: zip all must be equally many"))
-        return []
-    count = math.prod(sizes) if combine == "grid" else sizes[0]
-    if count > MOST_CASES:
-        parts = " x ".join(map(str, sizes)) if combine == "grid" else "zip"
-        faults.append(node.position.fault(("vary",), f"got {count} cases ({parts}); at most {MOST_CASES} are allowed"))
-        return []
-    columns = [
-        [Override(key.path, value, value.position) for value in level] for key, level in zip(keys, values, strict=True)
-    ]
-    rows = product(*columns) if combine == "grid" else zip(*columns, strict=True)
-    width = len(str(count))
-    return [Case(f"case_{i:0{width}d}", row, numbered=True) for i, row in enumerate(rows, 1)]
-
-
-def _combine(root: tree.Mapping, faults: list[Fault]) -> str | None:
-    node = root.nodes.get("combine")
-    if node is None:
-        return "grid"
-    if isinstance(node, tree.Scalar) and node.value in ("grid", "zip"):
-        return str(node.value)
-    if not isinstance(node, tree.Broken):
-        faults.append(node.position.fault(("combine",), f"got {got(node)}; allowed is one of grid, zip"))
-    return None
-
-
-def _values(key: Override, faults: list[Fault]) -> Sequence[tree.Node] | None:
-    """Values of one key of `vary`; None, with a fault, if there are none."""
-    path = ("vary", ".".join(key.path))
-    node = key.value
-    if isinstance(node, tree.Items) and node.nodes:
-        return node.nodes
-    if isinstance(node, tree.Mapping) and node.nodes:
-        return read_range(node, path, MOST_CASES, faults)
-    if not isinstance(node, tree.Broken):
-        message = f"got {got(node)}; allowed is a list of values, or a mapping with from, to, count and scale"
-        faults.append(key.position.fault(path, message))
-    return None

@@ -1,8 +1,8 @@
-"""`{from: 1, to: 9, count: 5, scale: linear}` of a sweep file -> the values it stands for."""
+"""`{from: 1, to: 9, count: 5, scale: linear}` of a sweep file -> the values it stands for, or those of a fraction."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Any, overload
 
@@ -10,8 +10,10 @@ from granular_contact.config import tree
 from granular_contact.config.messages import got, unknown
 from granular_contact.errors import Fault
 
-_KEYS = ("from", "to", "count", "scale")
+_KEYS = ("from", "to", "scale", "count")
 _NEARLY_WHOLE = 1e-9
+
+Fits = Callable[[Any], bool]
 
 
 class Range(Sequence[tree.Scalar]):
@@ -21,7 +23,7 @@ class Range(Sequence[tree.Scalar]):
     """
 
     def __init__(self, position: tree.Position, start: float, stop: float, count: int, logarithmic: bool) -> None:
-        self._position, self._start, self._stop = position, start, stop
+        self.position, self._start, self._stop = position, start, stop
         self._count, self._logarithmic = count, logarithmic
         ends_whole = isinstance(start, int) and isinstance(stop, int)
         self._whole = ends_whole and all(_is_whole(self._number(i)) for i in range(count))
@@ -40,32 +42,48 @@ class Range(Sequence[tree.Scalar]):
             raise IndexError(index)
         number = self._number(index)
         value = round(number) if self._whole else number
-        return tree.Scalar(self._position, value, repr(value))
+        return tree.Scalar(self.position, value, repr(value))
 
     def _number(self, index: int) -> float:
         if index in (0, self._count - 1):  # exact, whatever powers round to
             return self._stop if index else self._start
-        fraction = index / (self._count - 1)
+        return self.number(index / (self._count - 1))
+
+    def number(self, fraction: float) -> float:
+        """What lies at a fraction (0 to 1) of the way, on the scale of the range."""
         if self._logarithmic:
             return float(self._start * (self._stop / self._start) ** fraction)
         return float(self._start + (self._stop - self._start) * fraction)
+
+    def plain(self) -> list[float] | dict[str, Any]:
+        """The range in its shortest form, without the count."""
+        if not self._logarithmic:
+            return [self._start, self._stop]
+        return {"from": self._start, "to": self._stop, "scale": "log"}
 
 
 def _is_whole(number: float) -> bool:
     return abs(number - round(number)) <= _NEARLY_WHOLE * max(1.0, abs(number))
 
 
-def read_range(node: tree.Mapping, path: tree.Path, most: int, faults: list[Fault]) -> Range | None:
-    """The range that a mapping describes, of at most `most` values; None, with faults, if it describes none."""
+def read_range(
+    node: tree.Mapping, path: tree.Path, most: int, faults: list[Fault], count: int | None = None
+) -> Range | None:
+    """The range that a mapping describes, of at most `most` values; None, with faults, if it describes none.
+
+    count: how many values, where the mapping does not tell.
+    """
     before = len(faults)
+    known = _KEYS if count is None else _KEYS[:-1]
     for key, at in node.keys.items():
-        if key in node.nodes and key not in _KEYS:
-            faults.append(at.fault((*path, key), f"unknown key; {unknown(key, _KEYS)}"))
+        if key in node.nodes and key not in known:
+            faults.append(at.fault((*path, key), f"unknown key; {unknown(key, known)}"))
     start, stop = (_number(node, path, key, faults) for key in ("from", "to"))
-    count = _value(node, path, "count", f"a whole number from 2 to {most}", lambda v: _is_count(v, most), faults)
+    if count is None:
+        count = read_value(node, path, "count", f"a whole number from 2 to {most}", whole(2, most), faults)
     scale = "linear"
     if "scale" in node.nodes:
-        scale = _value(node, path, "scale", "one of linear, log", lambda v: v in ("linear", "log"), faults)
+        scale = read_value(node, path, "scale", "one of linear, log", lambda v: v in ("linear", "log"), faults)
     if start is not None and stop is not None:
         if start == stop:
             faults.append(node.keys["to"].fault((*path, "to"), f"got {stop:g}, the same as from; the two must differ"))
@@ -78,18 +96,19 @@ def read_range(node: tree.Mapping, path: tree.Path, most: int, faults: list[Faul
 
 
 def _number(node: tree.Mapping, path: tree.Path, key: str, faults: list[Fault]) -> Any:
-    return _value(node, path, key, "a finite number", _is_number, faults)
+    return read_value(node, path, key, "a finite number", _is_number, faults)
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
 
 
-def _is_count(value: Any, most: int) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 2 <= value <= most
+def whole(least: int, most: int) -> Fits:
+    """Test for a whole number within bounds."""
+    return lambda value: isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
 
 
-def _value(node: tree.Mapping, path: tree.Path, key: str, allowed: str, fits: Any, faults: list[Fault]) -> Any:
+def read_value(node: tree.Mapping, path: tree.Path, key: str, allowed: str, fits: Fits, faults: list[Fault]) -> Any:
     """Value of a key that must be there and fit; None, with a fault, if not."""
     held = node.nodes.get(key)
     if isinstance(held, tree.Scalar) and fits(held.value):

@@ -25,8 +25,8 @@ WORDS: dict[Kind, str] = {
 class Medium(Protocol):
     """A law with its coefficients.
 
-    name: for messages and columns; equation: the published resultant or stress; terms: names of the law's terms, at most
-    three; takes: kinds of shape it is for; validity: where its coefficients were measured; by_component: whether its
+    name: for messages and columns; equation: the published resultant or stress; terms: names of the law's terms, three
+    at most; takes: kinds of shape it is for; validity: where its coefficients were measured; by_component: whether its
     static force opposes each component of the velocity by itself, and not the motion as a whole.
     """
 

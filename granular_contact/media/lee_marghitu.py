@@ -39,9 +39,7 @@ class LeeMarghitu:
     name: str = "lee_marghitu"
     validity: Validity = NOT_STATED
 
-    equation = (
-        "F_d = -eta_d rho A_r |v| v,  F_h = -eta_h g rho z^2 d sgn(v_x),  F_v = -eta_v (z/d)^lambda g rho V sgn(v_y)"
-    )
+    equation = "F = -eta_d rho A_r |v| v - eta_h g rho z^2 d sgn(v_x) e_x - eta_v (z/d)^lambda g rho V sgn(v_y) e_y"
     terms = TERMS
     takes = frozenset({"round"})
     by_component = True

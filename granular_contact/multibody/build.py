@@ -98,9 +98,8 @@ def lay_bed(system: System) -> Any:
     scene = system.scene
     if scene.bed is None or scene.surface is None or not scene.media:
         return None
-    shapes = [
-        (h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(scene.surface, h.body, shape)
-    ]
+    top = scene.bed.top
+    shapes = [(h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(top, h.body, shape)]
     runs = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
     if not shapes and not any(elements for _, elements in runs):
         return None
@@ -135,7 +134,7 @@ def lay_bed(system: System) -> Any:
 def _lay_over(bed: Any, handle: RigidHandle, shape: Shape, strips: int) -> None:
     body, name = handle.object, handle.body.name
     if shape.kind == "ball":
-        bed.add_ball(body, shape.points[0], shape.width, name=name)
+        bed.add_ball(body, shape.points[0], shape.width, mass=shape.mass, name=name)
     elif shape.kind == "outline":
         bed.add_outline(body, shape.points, shape.width, strips=strips, name=name)
     else:

@@ -86,6 +86,21 @@ class Hinge:
         return total
 
 
+class RigidHinge(Hinge):
+    """Angle of a hinge of rigid bodies: a difference of two coordinates, asked for in every iteration of every step."""
+
+    def __init__(self, joint: Connection, parent: End, child: End) -> None:
+        super().__init__(joint, parent, child)
+        self._start = joint.offset - child.reference[2] + (parent.reference[2] if parent.size else 0.0)
+        self._slope: Numbers = [0.0, 0.0, 1.0, 0.0, 0.0, -1.0] if parent.size else [0.0, 0.0, -1.0]
+
+    def at(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
+        """Coordinate, its rate and gradient, by the coordinates of the parent's node and then the child's."""
+        if self.parent.size:
+            return self._start + q[2] - q[5], v[2] - v[5], self._slope
+        return self._start - q[2], -v[2], self._slope
+
+
 class Slider:
     """Position along the axis of a slider, whose parent is rigid."""
 
@@ -137,4 +152,7 @@ class Slider:
 
 def coordinate(joint: Connection, parent: End, child: End) -> Hinge | Slider:
     """Coordinate of a joint that has one."""
-    return Hinge(joint, parent, child) if joint.kind == "hinge" else Slider(joint, parent, child)
+    if joint.kind == "slider":
+        return Slider(joint, parent, child)
+    rigid = child.size == 3 and parent.size in (0, 3)
+    return (RigidHinge if rigid else Hinge)(joint, parent, child)

@@ -1,4 +1,4 @@
-"""What acts in a joint by its coordinate: spring, damper, stops, dry friction, and a drive that is no prescribed motion.
+"""What acts in a joint by its coordinate: spring, damper, stops, dry friction, and drives but for prescribed motions.
 
 Laid over the joint's two nodes as a massless `ObjectGenericODE2` with an analytic tangent, as the granular bed is. The
 same functions tell afterwards, from the accepted steps, what work each did.
@@ -55,7 +55,7 @@ def follow(law: JointLaw, s: float, anchor: float) -> float:
 
 
 def wanted(drive: Drive, t: float) -> tuple[float, float]:
-    """What a drive's signal is at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
+    """Signal of a drive at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
     if t < 0.0:
         return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
     value = drive.signal.value(t)
@@ -87,6 +87,9 @@ class JointLoad:
         self.coordinate, self.nodes, self.law, self.drive = coordinate, nodes, law, drive
         self.anchor = self.first_anchor = coordinate.joint.start
         self._time, self._wanted = math.nan, (0.0, 0.0)
+        self._springs = law.stiffness > 0.0 or law.damping > 0.0
+        self._stops, self._rubs = law.has_stops, law.friction > 0.0
+        self._nothing = Force(0.0)
 
     def add(self, mbs: Any) -> None:
         """Put it into a system, before it is assembled."""
@@ -102,15 +105,18 @@ class JointLoad:
     def total(self, t: float, s: float, rate: float) -> Force:
         """All that acts along the coordinate."""
         law = self.law
-        total = Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)
-        if law.has_stops:
+        total = self._nothing
+        if self._springs:
+            total = Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)
+        if self._stops:
             total = _sum(total, stop(law, s, rate)[1])
-        if law.friction > 0.0:
+        if self._rubs:
             total = _sum(total, friction(law, s, rate, self.anchor))
         if self.drive is not None:
             if t != self._time:  # all iterations of a step ask for the same instant
                 self._time, self._wanted = t, wanted(self.drive, t)
-            total = _sum(total, drive_force(self.drive, *self._wanted, s, rate))
+            force = drive_force(self.drive, *self._wanted, s, rate)
+            total = force if total is self._nothing else _sum(total, force)
         return total
 
     def accept(self, q: Vector, v: Vector) -> None:
@@ -125,8 +131,8 @@ class JointLoad:
         self._where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
 
     def _force(self, mbs: Any, t: float, item: int, q: Numbers, v: Numbers) -> Numbers:  # noqa: ARG002
-        s, rate, slope = self.coordinate.at(list(q), list(v))
-        force = self.total(t, s, rate).value
+        s, rate, slope = self.coordinate.at(q, v)
+        force = self.total(t, s, rate)[0]
         return [force * g for g in slope]
 
     def _jacobian(

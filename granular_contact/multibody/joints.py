@@ -39,7 +39,10 @@ def _constrain(system: System, ground: Any, joint: Connection) -> None:
     if joint.kind == "free":
         return
     mbs = system.mbs
-    ends = (_seat(system, ground, joint.parent, joint.parent_point), _seat(system, ground, joint.child, joint.child_point))
+    ends = (
+        _seat(system, ground, joint.parent, joint.parent_point),
+        _seat(system, ground, joint.child, joint.child_point),
+    )
     if joint.kind == "hinge":
         markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
         mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
@@ -103,6 +106,11 @@ def _end(system: System, body: str | None, point: Vector) -> End:
     return End([float(x) for x in reference], at, system.scene.body(body).motion.angle)
 
 
+def _whole(end: End) -> End:
+    """The same end for those who have the reference values in the coordinates already."""
+    return End([0.0] * end.size, end.point, end.last)
+
+
 def _add_spring(system: System, joint: Connection) -> None:
     """Linear spring and damper of a hinge of rigid bodies: the engine's own, between their angles."""
     mbs, law = system.mbs, joint.law
@@ -128,6 +136,7 @@ def _angle_marker(system: System, body: str | None) -> Any:
 def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
     """Constraint s(q) = signal(t)."""
     mbs, s = system.mbs, _coordinate(system, joint)
+    s = coordinate(joint, _whole(s.parent), _whole(s.child))  # as markers of nodes have them
     nodes = _nodes(system, joint)
     if joint.parent is None:
         nodes = [mbs.AddNode(items.NodePointGround()), *nodes]

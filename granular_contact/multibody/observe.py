@@ -147,7 +147,7 @@ class Observer:
         return series.shape(rate, tip, deflection, depth)
 
     def _has_no_pivot(self) -> bool:
-        """Whether the mechanism slides, flies or is part of loops, so that there is no one point that it turns about."""
+        """Whether it slides, flies or has loops, so that there is no one point that all turns about."""
         joints = self.scene.connections
         return any(c.closes or (c.parent is None and c.kind in ("slider", "free")) for c in joints)
 

@@ -1,4 +1,4 @@
-"""What a mechanism has in its results beyond a pendulum: its joints, drives and bodies, contacts, and how far it got."""
+"""What mechanisms have in their results beyond a pendulum: joints, drives and bodies, contacts, and how far it got."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def drive_columns(observer: Observer) -> series.Series:
 
 
 def body_columns(observer: Observer) -> series.Series:
-    """Motion of every body's centre of mass and frame (of a link that bends, its root), and what the medium does to it."""
+    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it."""
     columns: series.Series = {}
     if not observer.scene.body_columns:
         return columns
@@ -125,7 +125,7 @@ def _travel(observer: Observer) -> dict[str, float | None]:
     cost_of_transport: work that the drives put in (what they take back is not counted) over weight times way.
     """
     time, scene = observer.trajectory.time, observer.scene
-    x = sum(body.mass * observer.center(body.name)[0][:, 0] for body in scene.bodies) / scene.mass
+    x = np.sum([body.mass * observer.center(body.name)[0][:, 0] for body in scene.bodies], axis=0) / scene.mass
     put_in = sum(accumulate(time, np.maximum(power, 0.0))[-1] for _, power in observer.drive_forces.values())
     way, middle = float(x[-1] - x[0]), len(time) // 2
     lasted, later = time[-1] - time[0], time[-1] - time[middle]

@@ -41,7 +41,7 @@ def add_dampers(system: System) -> None:
             system.dampers.append(_damper(mbs, ground, rigid.node, coordinate, rate * inertia))
     for link in system.links.values():
         share = link.link.mass / len(link.nodes)
-        system.dampers += [_damper(mbs, ground, node, i, rate * share) for node in link.nodes for i in (0, 1)]
+        system.dampers.extend(_damper(mbs, ground, node, i, rate * share) for node in link.nodes for i in (0, 1))
 
 
 def _damper(mbs: Any, ground: Any, node: int, coordinate: int, damping: float) -> int:

@@ -14,6 +14,7 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
+from granular_contact.errors import SolveError
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.system import System
@@ -185,6 +186,8 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         except (exu.ExudynError, RuntimeError) as error:
             problem = str(error).strip().splitlines()[0]
         seconds = time.perf_counter() - began
+    if recorder.rows == 0:
+        raise SolveError(f"the engine could not begin: {problem or 'it gave no reason'}")
     states, count = recorder.states[: recorder.rows], recorder.size
     return Trajectory(
         status=_status(scene, recorder, success, problem, solver),

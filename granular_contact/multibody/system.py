@@ -35,8 +35,8 @@ class LinkHandle:
 class System:
     """An assembled Exudyn system and where the scene's bodies are in it. `bed` is None where no load is needed.
 
-    loads: what acts in joints, by name. motions: constraint objects of prescribed motions, by joint. dampers: connectors
-    that act while the mechanism settles.
+    loads: what acts in joints, by name. motions: constraint objects of prescribed motions, by joint. dampers:
+    connectors that act while the mechanism settles.
     """
 
     scene: Scene

@@ -38,7 +38,7 @@ def figures(results: Results) -> dict[str, Figure]:
         made["motion"] = motion
         if "deflection_m" in has:
             made["deflection"] = deflection
-        if "drag_force_x_N" in has:
+        if results.terms:
             made["forces"] = forces
         if "kinetic_J" in has:
             made["energy"] = energy

@@ -7,8 +7,9 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from granular_contact.plots.style import FAINT
-from granular_contact.plots.units import instant, minus, time_unit
+from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
+from granular_contact.units import minus
 
 
 def mark_events(results: Results, panels: list[Axes]) -> None:
@@ -57,7 +58,9 @@ def _ending(results: Results) -> str:
     """How a run without a stop ended, in two words."""
     last = instant(results, results["time_s"][-1])
     words = {"failed": f"run failed at {last}", "interrupted": f"interrupted at {last}"}
-    return words.get(results.status.code, "no stop")
+    # What is driven has no stop to look for.
+    measured = results.summary.get("stopping_time_measure", "") is not None
+    return words.get(results.status.code, "no stop" if measured else "")
 
 
 def _touch(results: Results) -> float:

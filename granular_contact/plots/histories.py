@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import DPI, INK, PALETTE, style
-from granular_contact.plots.units import unit_for
 from granular_contact.results import Results
+from granular_contact.units import unit_for
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]

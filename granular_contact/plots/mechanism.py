@@ -9,14 +9,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch, Polygon, Rectangle
+from matplotlib.patches import Patch, Polygon, Rectangle
 
+from granular_contact.frames import surface_height
 from granular_contact.plots.hinges import hinges_of
 from granular_contact.plots.outlines import deepest_point, edge, fixed_points
-from granular_contact.plots.style import GRAINS, INK, SAND, SAND_EDGE, VERMILION
-from granular_contact.plots.units import Unit, instant, minus, unit_for
+from granular_contact.plots.style import FLOOR, GRAINS, INK, SAND, SAND_EDGE, VERMILION
+from granular_contact.plots.units import instant
 from granular_contact.plots.views import View, side_by_side, tip_view, whole_view
 from granular_contact.results import Results, Snapshot
+from granular_contact.units import Unit, minus, unit_for
 
 _POSES: dict[str, dict[str, Any]] = {
     "touch": {"facecolor": "#D4D4D4", "edgecolor": "#7A7A7A", "zorder": 3},
@@ -69,33 +71,44 @@ def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
     axes.locator_params(nbins=6)
     for side in axes.spines.values():
         side.set_visible(True)
-    if results.surface is not None and results.surface > view.bottom:
-        _sand(axes, results.surface * unit.factor, view, unit)
+    _sand(axes, results, view, unit)
     for shot in results.snapshots:
         for outline in shot.outlines:
             look = {**_pose(shot), "linewidth": 0.7}
-            if len(outline.points) == 1:
-                axes.add_patch(
-                    Circle(tuple(outline.points[0] * unit.factor), outline.diameter / 2 * unit.factor, **look)
-                )
-            else:
-                axes.add_patch(Polygon(edge(outline) * unit.factor, **look))
+            axes.add_patch(Polygon(edge(outline) * unit.factor, **look))
     axes.set_xlim(view.left * unit.factor, (view.left + view.width) * unit.factor)
     axes.set_ylim(view.bottom * unit.factor, (view.bottom + view.height) * unit.factor)
     axes.set_aspect("equal")
 
 
-def _sand(axes: Axes, surface: float, view: View, unit: Unit) -> None:
-    """The medium below the surface line (drawing units), strewn with grains that only look like sand."""
-    left, bottom = view.left * unit.factor, view.bottom * unit.factor
-    width, depth = view.width * unit.factor, surface - bottom
-    axes.add_patch(Rectangle((left, bottom), width, depth, facecolor=SAND, edgecolor="none", zorder=0))
+def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
+    """The medium below its surface, strewn with grains that only look like sand; its layers, and the floor."""
+    surface = results.surface
+    if surface is None:
+        return
+    left, right = view.left, view.left + view.width
+    x = np.linspace(left, right, 401)
+    top = surface_height(surface, x)
+    if top.max() <= view.bottom:
+        return
+    corners = np.vstack([[left, view.bottom], np.column_stack([x, top]), [right, view.bottom]]) * unit.factor
+    axes.add_patch(Polygon(corners, facecolor=SAND, edgecolor="none", zorder=0))
     place = np.random.default_rng(7)
-    count = int(2500 * min(depth / (view.height * unit.factor), 1.0))
+    depth = min(float(top.max()) - view.bottom, view.height)
+    count = int(2500 * depth / view.height)
     for colour in GRAINS:
-        x, y = left + width * place.random(count // 2), bottom + depth * place.random(count // 2)
-        axes.scatter(x, y, s=place.uniform(0.05, 0.9, count // 2), color=colour, linewidths=0, zorder=1)
-    axes.axhline(surface, color=SAND_EDGE, linewidth=0.9, zorder=2)
+        across, up = left + view.width * place.random(count // 2), view.bottom + depth * place.random(count // 2)
+        size = place.uniform(0.05, 0.9, count // 2)
+        under = up < surface_height(surface, across)
+        across, up = across[under] * unit.factor, up[under] * unit.factor
+        axes.scatter(across, up, s=size[under], color=colour, linewidths=0, zorder=1)
+    axes.plot(*corners[1:-1].T, color=SAND_EDGE, linewidth=0.9, zorder=2)
+    for depth in results.layers:
+        axes.plot(x * unit.factor, (top - depth) * unit.factor, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=2)
+    if results.floor is not None and results.floor > view.bottom:
+        low, high = view.bottom * unit.factor, results.floor * unit.factor
+        box = Rectangle((left * unit.factor, low), view.width * unit.factor, high - low, facecolor=FLOOR, zorder=2)
+        axes.add_patch(box)
 
 
 def _pose(shot: Snapshot) -> dict[str, Any]:
@@ -122,13 +135,13 @@ def _outline_view(axes: Axes, view: View, unit: Unit) -> None:
 
 def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
     """The largest depth as a drawing dimensions it: extension line, double arrow and number beside the body."""
-    deepest, surface = deepest_point(results), results.surface
-    if deepest is None or surface is None:
+    deepest = deepest_point(results)
+    if deepest is None:
         return
     own = unit_for(np.array([deepest.depth]), "m")
     side, margin = deepest.side, 0.06 * float(np.ptp(axes.get_xlim()))
     x, at = deepest.x * unit.factor, deepest.clear * unit.factor + side * margin
-    top, low = surface * unit.factor, (surface - deepest.depth) * unit.factor
+    top, low = deepest.surface * unit.factor, (deepest.surface - deepest.depth) * unit.factor
     axes.plot([x, at + 0.3 * side * margin], [low, low], color=INK, linewidth=0.5, zorder=8)
     head = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.3", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (at, top), (at, low), arrowprops={**head, "linewidth": 0.6, "color": INK}, zorder=8)

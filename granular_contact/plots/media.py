@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from granular_contact.plots.style import DOUBLE, DPI, PALETTE, style
-from granular_contact.plots.units import unit_for
 from granular_contact.results import Results
+from granular_contact.units import unit_for
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]
@@ -22,7 +22,7 @@ def draw_media(runs: Runs, file: Path) -> None:
 
 
 def figure(runs: Runs) -> Figure:
-    """Depth, magnitude of the medium's resultant, and energy that the medium took, until a little after the last stop."""
+    """Depth, the medium's resultant, and the energy that it took, until a little after the last stop."""
     drawn = Figure(figsize=(DOUBLE / 25.4, 150.0 / 25.4), layout="constrained")
     panels = drawn.subplots(3, 1, sharex=True)
     time = unit_for(np.array([_end(runs)]), "s")

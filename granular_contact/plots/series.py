@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granular_contact.plots.events import mark_events
-from granular_contact.plots.panels import curve, finish, stacked
-from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION
-from granular_contact.plots.units import Array, instant, minus, unit_for
+from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
+from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
+from granular_contact.plots.units import instant
 from granular_contact.results import Results
+from granular_contact.units import Array, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
     (BLUE, "-"),
@@ -56,7 +57,8 @@ def forces(results: Results) -> Figure:
         curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
         for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
             curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
-        finish(axes, f"{words} ({unit.name})", columns=4 if axes is panels[0] else 0)
+        labels = ["sum", *(term.replace("_", " ") for term in results.terms)]
+        finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if axes is panels[0] else 0)
     mark_events(results, panels)
     return figure
 
@@ -73,6 +75,13 @@ def energy(results: Results) -> Figure:
     ]
     if "elastic_J" in recorded:  # a flexible link, which alone can lose energy by damping
         parts.append(("dissipated by damping", "damping_work_J", -1.0, ORANGE, (0, (2, 1))))
+    parts += [  # of joints, where a mechanism has such things
+        ("springs and stops of joints", "spring_J", 1.0, SKY, (0, (1, 1))),
+        ("dissipated by dampers", "joint_damping_work_J", -1.0, ORANGE, (0, (4, 1.2))),
+        ("dissipated by dry friction", "friction_work_J", -1.0, PURPLE, (0, (2, 1))),
+        ("taken by the floor", "floor_work_J", -1.0, FAINT, (0, (4, 1.2))),
+        ("taken from drives", "drive_work_J", -1.0, SKY, (0, (4, 1.2, 1, 1.2))),
+    ]
     curves = []
     for label, name, sign, colour, kind in parts:
         if name in recorded:

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.plots.outlines import deepest_point, edge, submerged
+from granular_contact.frames import surface_height
+from granular_contact.plots.outlines import around, deepest_point, edge, submerged
 from granular_contact.plots.panels import blank
 from granular_contact.plots.style import DOUBLE, LEGEND_ROW, SINGLE
 from granular_contact.results import Results
@@ -59,9 +60,11 @@ def whole_view(results: Results) -> View:
     points = np.concatenate([edge(outline) for shot in results.snapshots for outline in shot.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
     size = max(float(np.max(high - low)), 1e-9)
-    if results.surface is not None and results.surface > low[1] - 2 * size:
-        low[1] = min(low[1], results.surface - 0.05 * size)
-        high[1] = max(high[1], results.surface)
+    if results.surface is not None:
+        sand = surface_height(results.surface, np.linspace(low[0], high[0], 65))
+        if sand.max() > low[1] - 2 * size:
+            low[1] = min(low[1], sand.min() - 0.05 * size)
+            high[1] = max(high[1], sand.max())
     return View("mechanism", low[0], low[1], high[0] - low[0], high[1] - low[1]).grown(0.06)
 
 
@@ -71,9 +74,11 @@ def tip_view(results: Results) -> View | None:
     if results.surface is None or deepest is None:
         return None
     under = np.concatenate([submerged(shot, results.surface) for shot in results.snapshots])
+    under = around(under, deepest.x, deepest.depth)
     if not len(under):
         return None
-    low, high = under.min(axis=0), np.array([under[:, 0].max(), results.surface])
+    low, right = under.min(axis=0), float(under[:, 0].max())
+    high = np.array([right, surface_height(results.surface, np.linspace(low[0], right, 65)).max()])
     size = float(np.max(high - low))
     left, right = low[0] - 0.15 * size, high[0] + 0.15 * size
     beside = deepest.clear + 0.7 * deepest.side * size

@@ -59,9 +59,11 @@ def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
     own = Frame(whole.center, frames[group[0]].angle)
     shapes = []
     for name in group:
-        for shape, _ in parts[name]:
+        density = bodies[name].density_kg_m3
+        for shape, lump in parts[name]:
             points = np.array([own.local(frames[name].world(p)) for p in shape.points])
-            shapes.append(replace(shape, points=points, free=layout.is_free(name, shape.points[-1])))
+            mass = masses[name].mass if density is None else density * lump.volume
+            shapes.append(replace(shape, points=points, free=layout.is_free(name, shape.points[-1]), mass=mass))
     root = layout.tethers[group[0]]
     tether = Tether(own.local(frames[group[0]].world(root.point)), root.length)
     return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), tether)

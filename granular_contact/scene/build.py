@@ -130,8 +130,8 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout) -> float:
         return 0.0  # which is refused
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     name, at = _tip(list(_ends(rigid, links)), rigid, layout)
-    body = next(body for body in (*rigid, *links) if body.name == name)
-    return speed / float(np.linalg.norm(place(body.motion, at) - pins[0]))
+    motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
+    return speed / float(np.linalg.norm(place(motions[name], at) - pins[0]))
 
 
 def _pins(model: schema.Model) -> list[Vector]:
@@ -239,9 +239,7 @@ def _unsuited(scene: Scene) -> Iterator[Fault]:
         yield _fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
 
 
-def _has_body_columns(
-    scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]
-) -> bool:
+def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
     """Whether the motion of every body is reported."""
     if scenario.output.bodies != "auto":
         return scenario.output.bodies == "all"

@@ -18,9 +18,10 @@ def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
-        given, phase = getattr(spec, key), 0.0
+        given: schema.AnySignal = getattr(spec, key)
+        phase = 0.0
         if isinstance(given, schema.Shared):
-            given, phase = scenario.signals[given.name], given.phase_deg
+            phase, given = given.phase_deg, scenario.signals[given.name]
         if isinstance(given, schema.Csv):
             words = f"{given.file} was not read: load the config from its file, or give the signal as a table"
             faults.append(Fault("", None, f"drives.{name}.{key}", words))

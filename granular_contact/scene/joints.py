@@ -111,4 +111,3 @@ def law(joint: schema.Joint | schema.Closure) -> JointLaw:
             damping_time=0.0 if rub is None else rub.damping_time_s,
         )
     return JointLaw()
-

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault
@@ -13,6 +14,7 @@ from granular_contact.scene.layout import JointState, Pose, is_rigid, point, pos
 from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive, Vector, rotation
 
+Mask = NDArray[np.bool_]
 # A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.
 GAP, TILT = 1e-4, math.radians(0.01)
 RANK_TOLERANCE = 1e-9  # of the largest singular value
@@ -38,9 +40,9 @@ class Loops:
         values = np.concatenate([states[name].value for name in self.joints])
         return values, np.concatenate([states[name].rate for name in self.joints])
 
-    def mask(self, names: frozenset[str]) -> Vector:
+    def mask(self, names: frozenset[str]) -> Mask:
         """Which coordinates (n,) belong to these joints."""
-        return np.repeat([name in names for name in self.joints], self.sizes)
+        return np.repeat(np.array([name in names for name in self.joints], dtype=bool), self.sizes)
 
     def at(self, x: Vector, rates: Vector) -> Pose:
         """Pose of the mechanism."""
@@ -86,7 +88,7 @@ class Loops:
                 column.append(self.gap_rates(name, placed))
         return {name: np.array(column).T for name, column in columns.items()}
 
-    def close(self, x: Vector, movable: Vector) -> Vector:
+    def close(self, x: Vector, movable: Mask) -> Vector:
         """Coordinates near x that close all loops, or as far as Newton's method gets; only the movable (n,) change."""
         for _ in range(20):
             gap = self.all_gaps(x)
@@ -109,12 +111,12 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
         return begun.states
     loops = Loops(model, ground_angle)
     wanted, rates = loops.vector(begun.states)
-    home = _home(loops, wanted, begun)
+    home = _home(loops, begun)
     faults += _open(loops, home, "at home")
     if faults:
         return begun.states
     placed = loops.mask(begun.placed)
-    x = loops.close(home, ~loops.mask(frozenset()))
+    x = loops.close(home, np.ones(len(home), dtype=bool))
     if placed.any():
         first = x
         for share in np.linspace(0.0, 1.0, _STEPS + 1)[1:]:
@@ -133,10 +135,10 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     return loops.states(x, rates)
 
 
-def _home(loops: Loops, wanted: Vector, begun: Start) -> Vector:
+def _home(loops: Loops, begun: Start) -> Vector:
     """Coordinates in which the loops are to close as the model is written; free bodies are where the run has them."""
     home = []
-    for name, size in zip(loops.joints, loops.sizes, strict=True):
+    for name in loops.joints:
         joint = loops.model.all_joints[name]
         if isinstance(joint, schema.Hinge):
             home.append(math.radians(joint.home_deg))
@@ -144,7 +146,6 @@ def _home(loops: Loops, wanted: Vector, begun: Start) -> Vector:
             home.append(joint.home_m)
         else:
             home += begun.states[name].value.tolist()
-        assert size in (1, 3)
     return np.array(home)
 
 
@@ -189,7 +190,9 @@ def redundant(
             held, rank = tried, rank + gained
             continue
         spare = len(slope) - gained
-        words = f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} hold{'s' * (spare == 1)} what"
+        words = (
+            f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} hold{'s' * (spare == 1)} what"
+        )
         words += " the other joints hold already: leave it out, or choose a type that holds less"
         faults.append(Fault("", None, f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
     return faults

@@ -47,7 +47,9 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
             faults += _gaps(name, joint, state, follows, has_place, has_rate)
             state, has_place, has_rate = follows, True, True
             if initial.settle and state.rate[0] != 0.0:
-                words = f"the motion starts at {state.rate[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
+                words = (
+                    f"the motion starts at {state.rate[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
+                )
                 faults.append(Fault("", None, f"drives.{name}", words))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
             state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rate), True

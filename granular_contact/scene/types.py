@@ -28,6 +28,7 @@ class Shape:
     points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
     point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
     of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
+    mass (kg): of a ball by itself, for laws that ask for it.
     """
 
     part: str
@@ -37,6 +38,7 @@ class Shape:
     thickness: float
     in_sand: bool = True
     free: bool = False
+    mass: float = 0.0
 
     @property
     def drop(self) -> float:
@@ -110,8 +112,8 @@ class FlexibleLink:
 class JointLaw:
     """What acts in a joint by its own coordinate (rad or m) and rate; torques in N m or forces in N.
 
-    Spring (stiffness, rest) and damper; stops beyond `lower` and `upper`, of stop_stiffness x depth x (1 + dissipation x
-    rate of depth); dry friction as a bristle that yields at `slip`, with a damping time (s).
+    Spring (stiffness, rest) and damper; stops beyond `lower` and `upper`, of stop_stiffness x depth x (1 + dissipation
+    x rate of depth); dry friction as a bristle that yields at `slip`, with a damping time (s).
     """
 
     stiffness: float = 0.0
@@ -145,9 +147,9 @@ class JointLaw:
 class Connection:
     """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
 
-    axis: of a slider, unit vector (2,) in the parent's frame. offset: what a hinge's coordinate is beyond parent's angle
-    less child's (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its rate at the start.
-    closes: whether it closes a loop.
+    axis: of a slider, unit vector (2,) in the parent's frame. offset: what a hinge's coordinate is beyond the parent's
+    angle less the child's (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its rate at the
+    start. closes: whether it closes a loop.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Processes to work in: warm, single-threaded, deaf to Ctrl-C, and gone when the sweep is."""
+"""Processes to work in, on this machine: warm, single-threaded, deaf to Ctrl-C, and gone when the sweep is."""
 
 from __future__ import annotations
 
@@ -53,11 +53,23 @@ class _Processes(ProcessPoolExecutor):
 
 def local_processes(workers: int) -> Executor:
     """Pool of processes on this machine."""
-    methods = multiprocessing.get_all_start_methods()
-    context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-    if "forkserver" in methods:
-        context.set_forkserver_preload(_PRELOADED)
+    prepare()
+    context: Any = multiprocessing.get_context("forkserver" if _has_server() else "spawn")
     return _Processes(workers, mp_context=context, initializer=_start)
+
+
+def prepare() -> None:
+    """Start the server that workers are forked from, without waiting: it imports meanwhile what they will need."""
+    if _has_server():
+        from multiprocessing import forkserver
+
+        forkserver.set_forkserver_preload(_PRELOADED)
+        with _no_interrupt(), _one_thread():
+            forkserver.ensure_running()
+
+
+def _has_server() -> bool:
+    return "forkserver" in multiprocessing.get_all_start_methods()
 
 
 def _start() -> None:

@@ -1,47 +1,58 @@
-"""What is done with a case, in whichever process: Scenario -> Results -> Row. Knows nothing of how it got there."""
+"""What is done with a case, in whichever process: Case -> Scenario -> Results -> Row."""
 
 from __future__ import annotations
 
+import pickle
+import secrets
 import time
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from granular_contact.config import Scenario
+from granular_contact.config import Case, Scenario, Sweep
+from granular_contact.config.sweep import Probe, case_faults
+from granular_contact.errors import ConfigError, Fault
 from granular_contact.results import Results
+from granular_contact.sweep.journal import Journal, Row, Writer
 
 Simulate = Callable[[Scenario], Results]
 
 
 @dataclass(frozen=True)
 class Task:
-    """A case to run: its place in the sweep (from 0) and name; folder for its results, None to keep no more than a row.
-
-    values: what the case has under the keys of the sweep.
-    """
+    """A case to run: its place in the sweep (from 0); and its scenario, where that can't be made anywhere."""
 
     index: int
-    name: str
-    values: dict[str, Any]
-    scenario: Scenario
-    folder: Path | None = None
+    case: Case
+    scenario: Scenario | None = None
 
 
 @dataclass(frozen=True)
-class Row:
-    """What came of a case. summary: flat, by dotted key; at least `status` and `message`."""
+class Job:
+    """What the tasks of a sweep have in common; sent with each of them, and read once in each process.
 
-    index: int
-    name: str
-    values: dict[str, Any]
-    summary: dict[str, Any]
+    sweep: without its cases. folder: for the results of each case, None to keep no more than a row. journal: where the
+    process writes its rows, None to leave that to whoever gets them. token: of this run, as a process may see several.
+    """
 
-    @property
-    def failed(self) -> bool:
-        """Whether the case gave no result to rely on."""
-        return self.summary["status"] not in ("rest", "end_time")
+    sweep: Sweep
+    function: Simulate
+    folder: Path | None = None
+    journal: Path | None = None
+    token: str = field(default_factory=lambda: secrets.token_hex(8))
+
+    def packed(self) -> bytes:
+        """As `work` and `check` take it."""
+        return pickle.dumps(replace(self, sweep=self.sweep.without_cases()))
+
+
+@lru_cache(maxsize=2)
+def _unpacked(job: bytes) -> tuple[Job, Writer | None]:
+    held: Job = pickle.loads(job)
+    return held, None if held.journal is None else Journal(held.journal).writer()
 
 
 def simulate(scenario: Scenario) -> Results:
@@ -52,29 +63,57 @@ def simulate(scenario: Scenario) -> Results:
     return run(scene.build(scenario), scenario)
 
 
-def work(tasks: Sequence[Task], function: Simulate) -> tuple[list[Row], float]:
-    """Rows of the tasks, and the seconds that they took; whatever a case raises is a row."""
+def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
+    """Lines of the tasks' rows, and the seconds that they took; whatever a case raises is a row.
+
+    Raises
+    ------
+    OSError
+        The results can't be saved.
+    """
+    held, writer = _unpacked(job)
     begin = time.perf_counter()
-    rows = [_row(task, function) for task in tasks]
-    return rows, time.perf_counter() - begin
+    lines = []
+    for task in tasks:
+        lines.append(_line(task, held))
+        if writer is not None:
+            writer.append(lines[-1])
+    return lines, time.perf_counter() - begin
 
 
-def _row(task: Task, function: Simulate) -> Row:
+def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
+    """Faults of some cases."""
+    return case_faults(_unpacked(job)[0].sweep, cases, probe)
+
+
+def _line(task: Task, job: Job) -> bytes:
     try:
-        results = function(task.scenario)
-        if task.folder is not None:
-            from granular_contact import report
-
-            report.write(results, task.folder, figures=task.scenario.output.figures)
+        scenario = task.scenario or job.sweep.scenario(task.case)
+        results = job.function(scenario)
+        values = job.sweep.values(task.case, scenario)
+        line = Row(task.index, task.case.name, values, dict(_flat(results.summary))).line()
     except Exception as error:
-        return error_row(task, error)
-    return Row(task.index, task.name, task.values, dict(_flat(results.summary)))
+        return error_row(task, job.sweep, error).line()
+    if job.folder is not None:
+        from granular_contact import report
+
+        try:
+            report.write(results, job.folder / task.case.name, figures=scenario.output.figures)
+        except OSError:  # no matter of the case
+            raise
+        except Exception as error:
+            return error_row(task, job.sweep, error).line()
+    return line
 
 
-def error_row(task: Task, error: BaseException) -> Row:
+def error_row(task: Task, sweep: Sweep, error: BaseException) -> Row:
     """The row of a case that did not come to an end, with the exception in one line."""
+    try:
+        values = sweep.values(task.case, task.scenario or sweep.scenario(task.case))
+    except ConfigError:  # was not checked
+        values = task.case.values
     message = " ".join(traceback.format_exception_only(error)[-1].split())
-    return Row(task.index, task.name, task.values, {"status": "error", "message": message})
+    return Row(task.index, task.case.name, values, {"status": "error", "message": message})
 
 
 def _flat(summary: dict[str, Any], above: str = "") -> list[tuple[str, Any]]:

@@ -145,8 +145,7 @@ FAULTS = {
     ),
     "clock of a torque": (
         "",
-        "  knee: {type: torque, torque_Nm: "
-        "{type: buehler, frequency_Hz: 1, stance_sweep_deg: 40, duty_factor: 0.5}}\n",
+        "  knee: {type: torque, torque_Nm: {type: buehler, frequency_Hz: 1, stance_sweep_deg: 40, duty_factor: 0.5}}\n",
         14,
         "drives.knee.torque_Nm",
         "got a buehler clock, which gives angles",
@@ -218,7 +217,13 @@ model:
 initial: {impact_angle_deg: 10}
 """
 CHAIN_FAULTS = {
-    "no link": ("count: 3", "count: 0", 4, "model.chain.count", "got the number 0; allowed is a whole number from 1 to"),
+    "no link": (
+        "count: 3",
+        "count: 0",
+        4,
+        "model.chain.count",
+        "got the number 0; allowed is a whole number from 1 to",
+    ),
     "a million links": ("count: 3", "count: 1000000", 4, "model.chain.count", "from 1 to 4096"),
     "a faulty link": (
         "diameter_m: 0.006",
@@ -273,7 +278,12 @@ CSV = "drives:\n  knee: {type: motion, angle_deg: {type: csv, file: gait.csv, co
 COLUMNS = {
     "no file": (None, ("run.yaml", 14), "drives.knee.angle_deg.file", "can't be read"),
     "no column": ("time_s,hip\n0,1\n1,2\n", ("gait.csv", 1), "drives.knee.angle_deg", "no column 'knee'"),
-    "a hole": ("time_s,knee\n0,1\n1,\n2,3\n", ("gait.csv", 3), "drives.knee.angle_deg", "got nothing in the column knee"),
+    "a hole": (
+        "time_s,knee\n0,1\n1,\n2,3\n",
+        ("gait.csv", 3),
+        "drives.knee.angle_deg",
+        "got nothing in the column knee",
+    ),
     "a word": ("time_s,knee\n0,1\n1,two\n", ("gait.csv", 3), "drives.knee.angle_deg", "got 'two' in the column knee"),
     "a short row": ("time_s,knee\n0,1\n1\n", ("gait.csv", 3), "drives.knee.angle_deg", "got nothing"),
     "not a number": ("time_s,knee\n0,1\n1,nan\n", ("gait.csv", 3), "drives.knee.angle_deg", "got 'nan'"),

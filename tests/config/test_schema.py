@@ -7,8 +7,8 @@ from granular_contact.config import json_schema, schema
 from granular_contact.config.schema.drives import DRIVES
 from granular_contact.config.schema.joints import CLOSURES, JOINTS
 from granular_contact.config.schema.mechanism import BODIES
-from granular_contact.config.schema.shapes import SHAPES
 from granular_contact.config.schema.scenario import FRICTIONS
+from granular_contact.config.schema.shapes import SHAPES
 from granular_contact.config.schema.signals import SIGNALS
 
 

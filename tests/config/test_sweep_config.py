@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import pickle
 import subprocess
 import sys
 import time
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support_config import GOOD
 
@@ -52,6 +54,11 @@ def vary(lines: str, more: str = "") -> str:
     return f"config: run.yaml\n{more}vary:\n{lines}"
 
 
+def sample(lines: str, ranges: str = "{initial.impact_speed_rad_s: [1, 9]}") -> str:
+    return f"config: run.yaml\nsample:\n{lines}  ranges: {ranges}\n"
+
+
+SOBOL = "  method: sobol\n  count: 4\n"
 SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
 # text, line, key, words that the message must hold
 FAULTS = {
@@ -62,11 +69,11 @@ FAULTS = {
     "config is a list": ("config: [run.yaml]\ncases: {a: {}}\n", 1, "config", ["a list of 1 item"]),
     "config is the sweep": ("config: many.yaml\ncases: {a: {}}\n", 1, "config", ["stands in a sweep only"]),
     "a plain config": (GOOD, 1, "", ["the config of one run", "under config"]),
-    "a list": ("- 1\n", 1, "", ["a list of 1 item", "config, set, cases, vary, combine"]),
+    "a list": ("- 1\n", 1, "", ["a list of 1 item", "config, set, cases, vary, combine, sample"]),
     "empty": ("", 1, "", ["is empty"]),
     "unknown key": (named("  a: {}\ncolour: red\n"), 4, "colour", ["unknown key", "config, set, cases"]),
     "nearly a key": (named("  a: {}\nsett: {}\n"), 4, "sett", ["did you mean set?"]),
-    "neither": ("config: run.yaml\n", 1, "", ["neither of cases and vary", "exactly one"]),
+    "neither": ("config: run.yaml\n", 1, "", ["none of cases, vary and sample", "exactly one"]),
     "both": (named("  a: {}\nvary: {solver.step_s: [1e-3]}\n"), 1, "", ["both of cases and vary"]),
     "set is a list": (named("  a: {}\nset: [1]\n"), 4, "set", ["a list of 1 item", "dotted keys"]),
     "combine with cases": (named("  a: {}\ncombine: grid\n"), 4, "combine", ["not cases"]),
@@ -130,6 +137,44 @@ FAULTS = {
     "huge range": (
         vary(f"  {SPEED}: {{from: 1, to: 2, count: 100001}}\n"), 3, f"vary.{SPEED}.count", ["100001", "to 100000"],
     ),
+    # sample
+    "sample a list": ("config: run.yaml\nsample: [1]\n", 2, "sample", ["a list of 1 item", "method, count, seed"]),
+    "sample and vary": (sample(SOBOL) + "vary: {}\n", 1, "", ["both of vary and sample", "exactly one"]),
+    "sample and combine": (sample(SOBOL) + "combine: grid\n", 6, "combine", ["not sample"]),
+    "no method": (sample("  count: 4\n"), 2, "sample.method", ["is missing", "latin_hypercube, sobol"]),
+    "method": (sample("  method: random\n  count: 4\n"), 3, "sample.method", ["'random'", "one_at_a_time, saltelli"]),
+    "no sample count": (sample("  method: sobol\n"), 2, "sample.count", ["is missing", "from 2 to 100000"]),
+    "sample count 0": (sample("  method: sobol\n  count: 0\n"), 4, "sample.count", ["the number 0"]),
+    "no power of two": (
+        sample("  method: sobol\n  count: 100\n"), 4, "sample.count", ["got 100", "powers of two", "64 or 128"],
+    ),
+    "no power of two either": (sample("  method: saltelli\n  count: 7\n"), 4, "sample.count", ["take 4 or 8"]),
+    "too many": (sample("  method: saltelli\n  count: 65536\n"), 4, "sample.count", ["got 196608 cases", "100000"]),
+    "seed": (sample(f"{SOBOL}  seed: -1\n"), 5, "sample.seed", ["the number -1", "from 0 to"]),
+    "seed of nothing": (
+        sample("  method: one_at_a_time\n  count: 4\n  seed: 1\n"), 5, "sample.seed", ["no effect", "draws nothing"],
+    ),
+    "unknown in sample": (sample(f"{SOBOL}  sed: 1\n"), 5, "sample.sed", ["unknown key", "did you mean seed?"]),
+    "no ranges": ("config: run.yaml\nsample:\n" + SOBOL, 2, "sample.ranges", ["is missing", "dotted key"]),
+    "empty ranges": (sample(SOBOL, "{}"), 5, "sample.ranges", ["an empty mapping", "dotted key"]),
+    "three ends": (sample(SOBOL, f"{{{SPEED}: [1, 2, 3]}}"), 5, f"sample.ranges.{SPEED}", ["3 items", "[from, to]"]),
+    "range is text": (sample(SOBOL, f"{{{SPEED}: all}}"), 5, f"sample.ranges.{SPEED}", ["'all'", "[from, to]"]),
+    "end is text": (sample(SOBOL, f"{{{SPEED}: [1, x]}}"), 5, f"sample.ranges.{SPEED}.to", ["'x'", "finite"]),
+    "equal ends": (sample(SOBOL, f"{{{SPEED}: [2, 2]}}"), 5, f"sample.ranges.{SPEED}.to", ["the same as from"]),
+    "log of -1": (
+        sample(SOBOL, f"{{{SPEED}: {{from: -1, to: 2, scale: log}}}}"), 5, f"sample.ranges.{SPEED}", ["above 0"],
+    ),
+    "count of a key": (
+        sample(SOBOL, f"{{{SPEED}: {{from: 1, to: 2, count: 3}}}}"), 5, f"sample.ranges.{SPEED}.count", ["unknown key"],
+    ),
+    "outputs of sobol": (
+        sample(f"{SOBOL}  outputs: [stopping_time_s]\n"), 5, "sample.outputs", ["no effect with sobol", "saltelli"],
+    ),
+    "outputs is text": (
+        sample("  method: saltelli\n  count: 4\n  outputs: x\n"), 5, "sample.outputs", ["'x'", "a list of different"],
+    ),
+    "unknown key in ranges": (sample(SOBOL, "{medium.eta_q: [1, 2]}"), 5, "medium.eta_q", ["unknown key"]),
+    "a range out of bounds is one fault": (sample(SOBOL, f"{{{ANGLE}: [95, 99]}}"), 5, ANGLE, ["from -90 to 90"]),
     "vary what vary hides": (vary("  medium.eta_h: [1]\n  medium: [null]\n"), 3, "medium.eta_h", ["swap them"]),
 }  # fmt: skip
 
@@ -295,6 +340,88 @@ def test_a_range_of_whole_numbers_fits_whole_numbers(read):
     key = "model.bodies.arm.flexible.elements"
     sweep = read(vary(f"  {key}: {{from: 2, to: 32, count: 5, scale: log}}\n"))
     assert [sweep.scenario(case).model.bodies["arm"].flexible.elements for case in sweep.cases] == [2, 4, 8, 16, 32]
+
+
+def sampled(read, method: str, count: int, more: str = "", ranges: str = "") -> np.ndarray:
+    """Values of the keys in each case."""
+    ranges = ranges or f"{{{SPEED}: [2, 10], medium.eta_d: {{from: 1, to: 100, scale: log}}}}"
+    sweep = read(sample(f"  method: {method}\n  count: {count}\n{more}", ranges))
+    return np.array([list(case.values.values()) for case in sweep.cases], dtype=float)
+
+
+def strata(values: np.ndarray, count: int) -> list[list[int]]:
+    """How many values of each key lie in each of `count` equal parts of its range."""
+    fractions = np.column_stack([(values[:, 0] - 2) / 8, np.log10(values[:, 1]) / 2])
+    return [np.bincount((column * count).astype(int), minlength=count).tolist() for column in fractions.T]
+
+
+def test_a_latin_hypercube_has_one_case_in_each_stratum(read):
+    assert strata(sampled(read, "latin_hypercube", 100), 100) == [[1] * 100] * 2
+
+
+def test_sobol_points_are_even_in_powers_of_two(read):
+    values = sampled(read, "sobol", 64)
+    assert strata(values, 64) == [[1] * 64] * 2
+    # In both keys at once too, which a Latin hypercube does not promise.
+    squares = np.floor(values[:, 0] - 2).astype(int) * 8 + np.floor(4 * np.log10(values[:, 1])).astype(int)
+    assert sorted(squares) == list(range(64))
+
+
+@pytest.mark.parametrize("method", ["latin_hypercube", "sobol", "saltelli"])
+def test_a_seed_gives_the_same_cases(read, method):
+    one, same, other = (sampled(read, method, 16, f"  seed: {seed}\n") for seed in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.isclose(one, other).all(axis=1).any()
+    assert np.array_equal(sampled(read, method, 16), sampled(read, method, 16, "  seed: 0\n"))
+
+
+def test_one_at_a_time(read):
+    key = "model.bodies.arm.flexible.elements"
+    ranges = f"{{{SPEED}: [2, 10], {key}: {{from: 2, to: 8, scale: log}}}}"
+    sweep = read(sample("  method: one_at_a_time\n  count: 3\n", ranges))
+    found = [case.values for case in sweep.cases]
+    assert found == [{}, {SPEED: 2}, {SPEED: 6}, {SPEED: 10}, {key: 2}, {key: 4}, {key: 8}]
+    assert sweep.keys == (SPEED, key)
+    assert sweep.scenario(sweep.cases[0]) == sweep.base
+    assert sweep.scenario(sweep.cases[-1]).model.bodies["arm"].flexible.elements == 8
+
+
+def test_saltelli_mixes_two_samples(read):
+    values = sampled(read, "saltelli", 8)
+    a, b, first, second = values.reshape(4, 8, 2)
+    assert not np.isclose(a, b).any()
+    assert np.array_equal(first, np.column_stack([b[:, 0], a[:, 1]]))
+    assert np.array_equal(second, np.column_stack([a[:, 0], b[:, 1]]))
+    assert strata(a, 8) == strata(b, 8) == [[1] * 8] * 2
+
+
+def test_a_sample_says_itself_again(read):
+    sweep = read(sample("  method: sobol\n  count: 4\n  seed: 3\n", f"{{{SPEED}: {{from: 1, to: 9, scale: log}}}}"))
+    ranges = {SPEED: {"from": 1, "to": 9, "scale": "log"}}
+    assert sweep.sample.plain() == {"method": "sobol", "count": 4, "seed": 3, "ranges": ranges}
+    assert read(vary(f"  {SPEED}: [1]\n")).sample is None
+
+
+def test_what_can_be_sent_away_needs_no_file(read, tmp_path):
+    """Of cases that name files themselves the scenario has to be sent."""
+    (tmp_path / "arm.yaml").write_text((ROOT / "models" / "compound_pendulum.yaml").read_text().replace("7700", "2700"))
+    initial = f"initial: {{{SPEED[8:]}: 6, {ANGLE[8:]}: 31}}"
+    (tmp_path / "arm_run.yaml").write_text(f"model: arm.yaml\nmedium: play_sand\n{initial}\n")
+    sweep = read(
+        "config: arm_run.yaml\nset: {medium.eta_h: 9, gravity_m_s2: 9}\ncases:\n"
+        "  a: {}\n  b: {solver.step_s: 1e-4}\n  c: {model.bodies.link.diameter_m: 0.005}\n"
+        "  d: {model: compound_pendulum}\n  e: {medium: null}\n"
+    )
+    assert [sweep.needs_files(case) for case in sweep.cases] == [False, False, False, True, True]
+    sent = pickle.dumps((sweep.without_cases(), sweep.cases[:3]))
+    expected = [sweep.scenario(case) for case in sweep.cases[:3]]
+    (tmp_path / "arm.yaml").unlink()
+    elsewhere, cases = pickle.loads(sent)
+    assert len(elsewhere.cases) == 0
+    assert [elsewhere.scenario(case) for case in cases] == expected
+    assert len({str(scenario) for scenario in expected}) == 3
+    with pytest.raises(ConfigError, match=r"no file .*arm\.yaml"):
+        read("config: arm_run.yaml\ncases: {a: {}}\n")
 
 
 def test_the_twelve_cases_are_those_of_the_paper():

@@ -165,7 +165,9 @@ def test_redundant_closures_are_named() -> None:
 
 def test_a_weld_that_stops_a_loop_is_partly_redundant() -> None:
     # The four-bar has one freedom; a third weld constraint would leave minus one.
-    weld = "{type: weld, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0], angle_deg: 90}"
+    weld = (
+        "{type: weld, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0], angle_deg: 90}"
+    )
     (fault,) = faults_of(FOUR_BAR, f"model.closures={{c: {weld}, d2: {weld}}}")
     assert fault.key == "model.closures.d2"
     assert fault.message.startswith("3 of the 3 constraints")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarra
 
     def inside(points: np.ndarray) -> np.ndarray:
         found = np.zeros(len(points), bool)
-        for a, b in zip(line, line[1:], strict=False):
+        for a, b in pairwise(line):
             along = (points - a) @ (b - a) / np.sum((b - a) ** 2)
             off = points - a - along[:, None] * (b - a)
             found |= (along >= 0) & (along <= 1) & (np.linalg.norm(off, axis=1) <= half)

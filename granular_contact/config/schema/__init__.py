@@ -1,8 +1,8 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
 `mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them,
-`drives` and `signals` what moves them, `medium` the laws, `bed` where the media lie, `method` the choice of solver,
-`scenario` the run around them.
+`initial`, `drives` and `signals` what moves them, `medium` the laws, `bed` where the media lie, `method` the choice of
+solver, `scenario` the run around them.
 """
 
 from granular_contact.config.schema.ball_laws import (

@@ -65,7 +65,6 @@ def expand(chain: Chain) -> tuple[dict[str, Link], dict[str, Hinge]]:
     laws: dict[str, Any] = {name: getattr(chain.hinge, name) for name in ChainHinge.model_fields}
     joints = {}
     for i, (hinge, parent, child) in enumerate(zip(hinges, parents, links, strict=True)):
-        place = {"parent": parent, "child": child, "parent_point_m": tip if i else chain.parent_point_m}
-        home = laws if i else laws | {"home_deg": chain.root_home_deg}
-        joints[hinge] = Hinge(type="hinge", **place, **home)
+        seat, more = (tip, laws) if i else (chain.parent_point_m, laws | {"home_deg": chain.root_home_deg})
+        joints[hinge] = Hinge(type="hinge", parent=parent, child=child, parent_point_m=seat, **more)
     return dict.fromkeys(links, link), joints

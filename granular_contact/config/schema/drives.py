@@ -1,4 +1,4 @@
-"""Schema of drives: what acts at a joint over time. Torques and angles are positive clockwise, as the joint's column."""
+"""Schema of drives: what acts at a joint over time. Clockwise is positive, as in the joint's column."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class HingeSpring(Strict):
 
 
 class HingeStops(Strict):
-    """Ends of the range, as springs that act beyond them: stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+    """Ends of the range, as springs beyond them: stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
 
     lower_deg: float
     upper_deg: float
@@ -89,7 +89,7 @@ class SliderSpring(Strict):
 
 
 class SliderStops(Strict):
-    """Ends of the range, as springs that act beyond them: stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
+    """Ends of the range, as springs beyond them: stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
 
     lower_m: float
     upper_m: float

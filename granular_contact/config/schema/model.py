@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import LocalFault, Strict, Text, refusal
 from granular_contact.config.schema.chain import Chain, expand, names
@@ -18,10 +18,10 @@ class Model(Strict):
 
     name: Text
     description: Text = ""
-    bodies: dict[str, Body] = {}
-    joints: dict[str, Joint] = {}
+    bodies: dict[str, Body] = Field(default_factory=dict)
+    joints: dict[str, Joint] = Field(default_factory=dict)
     """The tree: each body is the child of one joint, and leads back to the ground."""
-    closures: dict[str, Closure] = {}
+    closures: dict[str, Closure] = Field(default_factory=dict)
     """Joints that close loops: between bodies that hang on the ground already."""
     chain: Chain | None = None
     """Many equal links in a row, besides the bodies and joints."""

@@ -54,7 +54,7 @@ class Solver(Strict):
     end_time_s: Positive = 0.5
     step_s: Positive = 2e-4
     rest_time_s: Positive | None = 0.02
-    """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives never stops so."""
+    """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives does not."""
     rest_speed_m_s: Positive = 1e-3
     spectral_radius: Annotated[float, Field(ge=0, le=1)] = 0.9
     """Of the integrator at high frequency: 1 keeps all, 0 damps most."""
@@ -94,9 +94,9 @@ class Scenario(Strict):
     bed: Bed | None = None
     """Slope or profile of the surface, floor, container and layers; null: level and without end."""
     initial: Initial
-    drives: dict[str, Drive] = {}
+    drives: dict[str, Drive] = Field(default_factory=dict)
     """What acts at joints over time, by the name of the joint."""
-    signals: dict[str, Signal] = {}
+    signals: dict[str, Signal] = Field(default_factory=dict)
     """Signals that several drives share, by a name."""
     load: Load = Load()
     solver: Solver = Solver()

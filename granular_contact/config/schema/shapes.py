@@ -170,8 +170,8 @@ def doubled_area(points: tuple[tuple[float, float], ...]) -> float:
 
 
 def _extent(points: tuple[tuple[float, float], ...]) -> float:
-    (x0, x1), (y0, y1) = ((min(c), max(c)) for c in zip(*points, strict=True))
-    return max(x1 - x0, y1 - y0)
+    x, y = [p[0] for p in points], [p[1] for p in points]
+    return max(max(x) - min(x), max(y) - min(y))
 
 
 def _repeated(points: tuple[tuple[float, float], ...]) -> list[LocalFault]:

@@ -129,7 +129,11 @@ def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collecti
 
 def _unknown_body(name: str, known: list[str]) -> str:
     near = get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known[:_MOST_LISTED])}{', ...' * (len(known) > _MOST_LISTED)}"
+    hint = (
+        f"did you mean {near[0]}?"
+        if near
+        else f"there are {', '.join(known[:_MOST_LISTED])}{', ...' * (len(known) > _MOST_LISTED)}"
+    )
     return f"there is no body {name!r}; {hint}"
 
 

@@ -1,0 +1,35 @@
+"""The command `examples`: the models and configs of the package, written out ready to run."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from pathlib import Path
+
+from granular_contact.cli.common import FAULTY_INPUT, FINE, complain
+
+HELP = "write the models and configs that come with the package into a folder"
+FIRST = "configs/pendulum.yaml"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("directory", metavar="DIR", help="folder to write into; nothing in it is overwritten")
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    from granular_contact import examples
+
+    folder = Path(chosen.directory)
+    try:
+        written = examples.write(folder)
+    except OSError as error:
+        # The project's own are sentences; the system's are numbers with a short reason.
+        complain(f"examples: {f'{folder} cannot be written: {error.strerror}' if error.strerror else error}")
+        return FAULTY_INPUT
+    configs = sum(name.startswith("configs/") for name in written)
+    print(f"{configs} configs and {len(written) - configs} models are in {folder}; the next step, for example:")
+    print(f"  cd {shlex.quote(str(folder))}")
+    print(f"  granular-contact run {FIRST} --animate")
+    return FINE

@@ -1,0 +1,128 @@
+"""The command `fit`: parameters from measured runs, their errors and whether they can be believed, shown and saved."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, add_output, add_set, complain, folder_problem
+from granular_contact.cli.fit_options import wanted
+
+if TYPE_CHECKING:
+    from granular_contact.fit import Fit
+
+HELP = "find coefficients from measured runs, with their errors"
+MOST_WORKERS = 256
+MOST_SHOWN = 12  # parameters in the matrix of correlations
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    words = "a fit file; or configs, each followed by the CSV files that were measured of it"
+    parser.add_argument("files", metavar="FILE", nargs="+", help=words)
+    parser.add_argument("--parameters", metavar="KEY,KEY", help="what to find, as medium.eta_h,medium.eta_d")
+    words = "where to look for a parameter, as medium.eta_h=1:40; repeatable"
+    parser.add_argument("--bounds", metavar="KEY=LOW:HIGH", action="append", default=[], help=words)
+    words = "names in the CSV files by what they hold, as time_s=t,tip_x_mm=X"
+    parser.add_argument("--columns", metavar="COLUMN=NAME,...", help=words)
+    words = "the clock of each run starts at an unknown instant; a number of seconds if it is known"
+    parser.add_argument("--time-offset", metavar="S", nargs="?", const="fit", help=words)
+    words = "known noise, as tip_x_mm=0.1; estimated where not given; repeatable"
+    parser.add_argument("--noise", metavar="COLUMN=X", action="append", default=[], help=words)
+    parser.add_argument("--loss", metavar="soft_l1|linear", help="linear: no row may be an outlier (soft_l1)")
+    parser.add_argument("--starts", metavar="N", help="points to start from (8)")
+    parser.add_argument("--seed", metavar="N", help="of the choice of these points (0)")
+    parser.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    add_set(parser)
+    parser.add_argument("--no-plots", action="store_true", help="draw no figures")
+    add_output(parser, "results/NAME_OF_FIRST_FILE_fit")
+
+
+def _worker_count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
+    return int(text)
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.files[0]).stem}_fit")
+    asked = wanted(chosen)
+    problem_of_folder = folder_problem(folder, "fit")
+    if problem_of_folder:
+        complain(problem_of_folder)
+        return FAULTY_INPUT
+
+    from granular_contact.fit import fit, prepare, write
+    from granular_contact.sweep.pool import cores
+
+    problem = prepare(asked)
+    with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:
+        found = fit(problem, chosen.workers or cores(), progress)
+    try:
+        write(found, folder, figures=not chosen.no_plots)
+    except OSError as error:
+        complain(f"the fit can't be saved in {folder}: {error}")
+        return FAULTY_INPUT
+    if not chosen.quiet:
+        _show(found)
+        print(f"saved in {folder}")
+    for warning in found.warnings if chosen.quiet else ():
+        complain(f"warning: {warning}")
+    return FINE if found.solution.converged else FAILED
+
+
+@contextmanager
+def _progress(shown: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """Give a callable that tells on stderr how many starting points are done, or None."""
+    if not shown:
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("starting") as status:
+        yield lambda done, count: status.update(f"{done} of {count} starting points done")
+
+
+def _show(found: Fit) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(markup=False, highlight=False, emoji=False, width=max(100, Console().width))
+    table = Table("parameter", box=None, pad_edge=False)
+    for head in ("value", "standard error", "95 % from", "to"):
+        table.add_column(head, justify="right")
+    for one in found.uncertainty.estimates:
+        label = one.parameter.label + (" (at its bound)" if one.at_bound else "")
+        table.add_row(label, f"{one.value:.6g}", *(f"{x:.4g}" for x in (one.error, one.low, one.high)))
+    console.print(table)
+    shared = [j for j, p in enumerate(found.problem.parameters) if p.shared]
+    if 1 < len(shared) <= MOST_SHOWN:
+        print()
+        console.print(_correlation(found, shared, Table))
+    print()
+    for column in found.goodness.columns:
+        kind = "given" if column.given else "estimated"
+        print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
+    good = found.goodness
+    words = "the residuals look like noise" if good.status == "fits" else "the residuals are no noise"
+    print(
+        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g} of {good.degrees_of_freedom} "
+        f"degrees of freedom, {found.agreeing} of {len(found.solution.starts)} starts agree"
+    )
+    for warning in found.warnings:
+        print(f"warning: {warning}")
+
+
+def _correlation(found: Fit, shared: Sequence[int], table_of: type) -> object:
+    table = table_of("correlation", box=None, pad_edge=False)
+    for j in shared:
+        table.add_column(found.problem.parameters[j].key[-1], justify="right")
+    matrix = found.uncertainty.correlation
+    for i in shared:
+        table.add_row(found.problem.parameters[i].label, *(f"{matrix[i, j]:+.3f}" for j in shared))
+    return table

@@ -1,0 +1,33 @@
+"""The command `report`: a results folder as one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from granular_contact.cli.common import FAULTY_INPUT, FINE, complain
+
+HELP = "make one HTML file of a results folder, to read, print and pass on"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("directory", metavar="DIR", help="folder of a run, a comparison, a sweep or a fit")
+    parser.add_argument("--out", metavar="FILE", help="file to write (DIR/report.html)")
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    from granular_contact import html
+
+    file = Path(chosen.out) if chosen.out else None
+    try:
+        written = html.write(Path(chosen.directory), file)
+    except html.FolderError as error:
+        complain(f"report: {error}")
+        return FAULTY_INPUT
+    except OSError as error:
+        complain(f"report: {file or chosen.directory} can't be written: {error.strerror or error}")
+        return FAULTY_INPUT
+    print(f"saved in {written}")
+    return FINE

@@ -1,0 +1,51 @@
+"""The models and configs that come with the package, written out for a user to run and change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+PACKAGE = Path(__file__).parent
+FOLDERS, ENDINGS = ("models", "configs"), (".yaml", ".csv")
+
+
+def shipped() -> dict[str, bytes]:
+    """Contents of all files by their relative path, `configs/pendulum.yaml` for example.
+
+    Raises
+    ------
+    FileNotFoundError
+        The package was installed without them.
+    """
+    # Of an editable install they stand beside the package.
+    home = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
+    if home is None:
+        raise FileNotFoundError(f"no models in {PACKAGE}: this installation is incomplete")
+    files = [path for folder in FOLDERS for path in sorted((home / folder).rglob("*")) if path.suffix in ENDINGS]
+    return {path.relative_to(home).as_posix(): path.read_bytes() for path in files}
+
+
+def write(directory: Path) -> list[str]:
+    """Write all files below `directory`, and return their relative paths.
+
+    Raises
+    ------
+    FileExistsError
+        Files of these names with another content are there; the message names them, and nothing was written.
+    OSError
+        As the disk has it.
+    """
+    files = shipped()
+    other = [name for name, content in files.items() if _differs(directory / name, content)]
+    if other:
+        more = f" and {len(other) - 3} more" if len(other) > 3 else ""
+        raise FileExistsError(f"{', '.join(other[:3])}{more} in {directory} would be overwritten: give another folder")
+    for name, content in files.items():
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists():
+            path.write_bytes(content)
+    return list(files)
+
+
+def _differs(path: Path, content: bytes) -> bool:
+    return path.exists() and not (path.is_file() and path.read_bytes() == content)

@@ -1,0 +1,42 @@
+"""Names of measured columns -> columns of the time series: a quantity, and its unit at the end of the name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+TIME = "time_s"
+# Unit of a column of ours -> units that a measured one may have, and how many of ours one of them is.
+UNITS = {
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+    "deg": {"deg": 1.0, "rad": math.degrees(1.0)},
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+}
+OBSERVED = ("deg", "m")
+
+
+def observables(columns: Iterable[str]) -> list[str]:
+    """The columns of a run that can be measured: its angles and lengths."""
+    return [name for name in columns if name.rpartition("_")[2] in OBSERVED]
+
+
+def recognise(name: str, known: Iterable[str]) -> tuple[str, float] | None:
+    """Which of the `known` columns the measured `name` is, and the factor to its unit; None if it is none of them."""
+    stem, _, unit = name.rpartition("_")
+    for column in known:
+        own, _, base = column.rpartition("_")
+        if own == stem and unit in UNITS[base]:
+            return column, UNITS[base][unit]
+    return None
+
+
+def spellings(known: Iterable[str]) -> list[str]:
+    """Every name by which the `known` columns may be measured."""
+    parts = [column.rpartition("_") for column in known]
+    return [f"{stem}_{unit}" for stem, _, base in parts for unit in UNITS[base]]
+
+
+def in_words(known: Iterable[str]) -> str:
+    """The known columns with the units that each may have, as `tip_x_m (cm, mm, um)`."""
+    parts = [(column, column.rpartition("_")[2]) for column in known]
+    return ", ".join(f"{column} ({', '.join(u for u in UNITS[base] if u != base)})" for column, base in parts)

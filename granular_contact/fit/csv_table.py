@@ -1,0 +1,93 @@
+"""A CSV file -> its cells as text, or what is wrong with its form.
+
+The first line that is not empty and does not start with # holds the names; commas, semicolons or tabs separate.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from granular_contact.config.tree import Position
+from granular_contact.errors import Fault
+
+MOST_BYTES = 50_000_000
+MOST_SHOWN = 10  # faults of one kind in one file
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells of a CSV file as text. lines: of each row in the file, from 1."""
+
+    file: str
+    header: tuple[str, ...]
+    header_line: int
+    rows: tuple[tuple[str, ...], ...]
+    lines: tuple[int, ...]
+
+
+def read_table(path: Path, faults: list[Fault]) -> Table | None:
+    """Header and rows of a CSV file; None, with faults, for one that has no such form."""
+    whole = Position(str(path), None)
+    try:
+        if path.is_dir():
+            faults.append(whole.fault((), "is a folder; a CSV file is needed"))
+            return None
+        if path.stat().st_size > MOST_BYTES:
+            faults.append(whole.fault((), f"is larger than {MOST_BYTES} bytes, the most that is read"))
+            return None
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        faults.append(whole.fault((), "no such file"))
+    except UnicodeDecodeError:
+        faults.append(whole.fault((), "is not text in UTF-8; save it as UTF-8"))
+    except OSError as error:
+        faults.append(whole.fault((), f"can't be read: {error.strerror or error}"))
+    else:
+        return _table(text, str(path), faults)
+    return None
+
+
+def _table(text: str, file: str, faults: list[Fault]) -> Table | None:
+    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
+    if not lines:
+        faults.append(Fault(file, 1, "", "is empty; a line with the names of the columns is needed"))
+        return None
+    separator = max(",;\t", key=lines[0][1].count)
+    cells = [
+        tuple(cell.strip() for cell in row) for row in csv.reader((line for _, line in lines), delimiter=separator)
+    ]
+    if len(cells) != len(lines):
+        faults.append(Fault(file, lines[0][0], "", "has a quoted text over several lines; numbers only are allowed"))
+        return None
+    (first, _), header = lines[0], cells[0]
+    if all(number(cell) is not None for cell in header):
+        words = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
+        faults.append(Fault(file, first, "", words))
+        return None
+    twice = sorted({name for name in header if header.count(name) > 1})
+    ragged = [(line, len(row)) for (line, _), row in zip(lines, cells, strict=True) if len(row) != len(header)]
+    faults += [Fault(file, first, name, "is the name of two columns; each needs its own") for name in twice]
+    words = f"cells; {len(header)} are allowed, as in the header of line {first}"
+    faults += few(file, [Fault(file, line, "", f"has {count} {words}") for line, count in ragged])
+    if twice or ragged:
+        return None
+    return Table(file, header, first, tuple(cells[1:]), tuple(line for line, _ in lines[1:]))
+
+
+def number(cell: str) -> float | None:
+    """The finite number that a cell holds; None for any other text."""
+    try:
+        value = float(cell) if "_" not in cell else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def few(file: str, faults: list[Fault]) -> list[Fault]:
+    """The first faults of a kind, and how many more there are."""
+    if len(faults) <= MOST_SHOWN:
+        return faults
+    return [*faults[:MOST_SHOWN], Fault(file, None, "", f"has {len(faults) - MOST_SHOWN} more such lines")]

@@ -1,0 +1,139 @@
+"""One run of the model for given parameters, as smooth curves of what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.config.load import Loaded, Template
+from granular_contact.config.overrides import Override, effective
+from granular_contact.config.tree import Items, Mapping, Node, Position, Scalar
+from granular_contact.errors import ConfigError, SceneError, SolveError
+from granular_contact.results import Results
+from granular_contact.run import run
+from granular_contact.scene import build
+
+Vector = NDArray[np.float64]
+Key = tuple[str, ...]
+
+_KEPT = 64  # runs of one config that are remembered
+_HERE = Position("fit", None)
+# Every accepted step is needed; pictures are not.
+_ALL_ROWS = (Override(("output", "interval_s"), Scalar(_HERE, None, "null"), _HERE),)
+
+
+class ModelFailed(Exception):
+    """The model gives no curve for these parameters; the text says why."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Curves of a run over its time (s), from 0 to `end`; at rest they stay where they are.
+
+    before: the same motion backwards in free flight, over the time before the start; None if nothing is asked there.
+    """
+
+    curves: CubicSpline
+    end: float
+    rests: bool
+    before: CubicSpline | None = None
+
+    def at(self, time: Vector) -> Vector:
+        """Values (n, columns) at times (n,) s."""
+        values: Vector = self.curves(np.clip(time, 0.0, self.end))
+        early = time < 0.0
+        if self.before is not None and np.any(early):
+            values[early] = self.before(-time[early])
+        return values
+
+
+def filled(scenario: Scenario) -> Template:
+    """Template of a scenario with every default in place, so that each single value can be replaced."""
+    return Template(_node(scenario_to_dict(scenario)), Path(scenario.name or "fit"), [])
+
+
+def _node(plain: Any) -> Node:
+    if isinstance(plain, dict):
+        nodes = {key: _node(value) for key, value in plain.items()}
+        return Mapping(_HERE, nodes, dict.fromkeys(nodes, _HERE))
+    return Items(_HERE, tuple(map(_node, plain))) if isinstance(plain, list) else Scalar(_HERE, plain, repr(plain))
+
+
+class Simulator:
+    """The runs of one config, by the values of some of its keys; the latest are remembered.
+
+    template: of `filled`. columns: which of the time series are kept. early: time (s) before the start for which
+    curves are needed.
+    """
+
+    def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
+        self._template, self._keys = template, tuple(keys)
+        self.columns, self.early = tuple(columns), 0.0
+        self._tracks: dict[tuple[float, ...], Track] = {}
+
+    def __getstate__(self) -> dict[str, object]:
+        """What goes to a worker: all but the runs, which it would make faster than it gets them."""
+        return self.__dict__ | {"_tracks": {}}
+
+    def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:
+        """Scenario for values of the keys; raises ConfigError for a value that is not allowed."""
+        varied = [
+            Override(key, Scalar(_HERE, float(value), repr(float(value))), _HERE)
+            for key, value in zip(self._keys, values, strict=True)
+        ]
+        return self._template.make(effective([*varied, *_ALL_ROWS, *more]))
+
+    def results(self, values: Sequence[float], more: Sequence[Override] = ()) -> Results:
+        """A whole run.
+
+        Raises
+        ------
+        ModelFailed
+            There is none for these values.
+        """
+        try:
+            scenario = self.load(values, more).scenario
+            results = run(build(scenario), scenario)
+        except (ConfigError, SceneError, SolveError) as error:
+            raise ModelFailed(str(error)) from error
+        if results.status.code in ("failed", "interrupted"):
+            if results.status.code == "interrupted":
+                raise KeyboardInterrupt
+            raise ModelFailed(results.status.message)
+        return results
+
+    def track(self, values: tuple[float, ...]) -> Track:
+        """Curves of the run for values of the keys; raises ModelFailed."""
+        if values not in self._tracks:
+            if len(self._tracks) >= _KEPT:
+                self._tracks.pop(next(iter(self._tracks)))
+            results = self.results(values)
+            before = self._curves(self._approach(values)) if self.early > 0.0 else None
+            end, rests = float(results["time_s"][-1]), results.status.code == "rest"
+            self._tracks[values] = Track(self._curves(results), end, rests, before)
+        return self._tracks[values]
+
+    def _curves(self, results: Results) -> CubicSpline:
+        return CubicSpline(results["time_s"], np.column_stack([results[name] for name in self.columns]))
+
+    def _approach(self, values: tuple[float, ...]) -> Results:
+        """What came before the start: free flight is the same backwards, a run in vacuum at the turned rate."""
+        scenario = self.load(values).scenario
+        turned = {
+            ("medium",): None,
+            ("initial", "impact_speed_rad_s"): -scenario.initial.impact_speed_rad_s,
+            ("solver", "end_time_s"): max(self.early, 2.0 * scenario.solver.step_s),
+            ("solver", "rest_time_s"): None,
+        }
+        if "depth_m" in self.columns:
+            turned["surface_height_m",] = build(scenario).surface
+        if "bed" in scenario_to_dict(scenario):
+            turned["bed",] = None
+        return self.results(values, [Override(key, Scalar(_HERE, v, repr(v)), _HERE) for key, v in turned.items()])

@@ -1,0 +1,93 @@
+"""A results folder as it lies on the disk, read with an eye on what may be broken."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from granular_contact.report import ANIMATION, ENTRIES, FIGURES, kind_of
+
+
+class FolderError(Exception):
+    """A folder that holds no results, or results that can't be read; the message says what and where."""
+
+
+Rows = list[list[Any]]
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A results folder and its kind, a key of `report.ENTRIES`."""
+
+    path: Path
+    kind: str
+
+    def has(self, name: str) -> bool:
+        """Whether there is a file of this name."""
+        return (self.path / name).is_file()
+
+    def read(self, name: str) -> dict[str, Any]:
+        """A JSON file that holds an object."""
+        try:
+            found = json.loads(self._text(name))
+        except ValueError as error:
+            raise FolderError(f"{self.path / name}: is no JSON: {error}") from None
+        if not isinstance(found, dict):
+            raise FolderError(f"{self.path / name}: holds no object")
+        return found
+
+    def table(self, name: str) -> tuple[list[str], Rows]:
+        """Head and rows of a CSV file; numbers as numbers, empty cells as None."""
+        try:
+            head, *rows = csv.reader(self._text(name).splitlines())
+        except (ValueError, csv.Error):
+            raise FolderError(f"{self.path / name}: has no header") from None
+        ragged = next((i for i, row in enumerate(rows, 2) if len(row) != len(head)), None)
+        if ragged is not None:
+            raise FolderError(f"{self.path / name}: row {ragged} does not have {len(head)} cells as the header has")
+        return head, [[_value(cell) for cell in row] for row in rows]
+
+    def figures(self) -> list[Path]:
+        """Figures, in the order of their names."""
+        return sorted((self.path / FIGURES).glob("*.png"))
+
+    def film(self) -> Path | None:
+        """The animation, if there is one."""
+        found = (self.path / f"{ANIMATION}{ending}" for ending in (".mp4", ".gif"))
+        return next((path for path in found if path.is_file()), None)
+
+    def _text(self, name: str) -> str:
+        try:
+            return (self.path / name).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            raise FolderError(f"{self.path} holds no {name}: it is no complete {self.kind}") from None
+        except UnicodeDecodeError:
+            raise FolderError(f"{self.path / name}: is no text") from None
+
+
+def _value(cell: str) -> Any:
+    try:
+        number = float(cell)
+    except ValueError:
+        return cell or None
+    return int(cell) if cell.lstrip("+-").isdecimal() else number
+
+
+def open_folder(path: Path) -> Folder:
+    """The results folder at a path.
+
+    Raises
+    ------
+    FolderError
+        It is none.
+    """
+    if not path.is_dir():
+        raise FolderError(f"{path} is {'a file' if path.exists() else 'not there'}; a folder of results is needed")
+    kind = kind_of(path)
+    if kind is None:
+        kinds = "; ".join(f"a {kind} {', '.join(names)}" for kind, names in ENTRIES.items())
+        raise FolderError(f"{path} holds no results of one kind; there would be of {kinds}")
+    return Folder(path, kind)

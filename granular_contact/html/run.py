@@ -1,0 +1,136 @@
+"""The page of a single run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from granular_contact.html import parts
+from granular_contact.html.folder import Folder
+from granular_contact.html.markup import Markup, tag
+from granular_contact.html.numbers import is_number, quantity
+from granular_contact.html.page import page as whole
+from granular_contact.report import PROGRAM, SCENARIO, SERIES, SUMMARY
+
+_ENDS = {"rest": "came to rest", "end_time": "ran to its end time", "failed": "failed", "interrupted": "interrupted"}
+# Told elsewhere on the page, or of no use as a single number.
+_ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions")
+FIGURES = {
+    "mechanism": "The mechanism at touch, at its deepest and at the end, to scale, and its immersed part enlarged.",
+    "motion": "Motion over time: angle and rate of every hinge; of a free body, where its tip is.",
+    "deflection": "Deflection of the flexible link's tip over time.",
+    "forces": "Forces of the medium over time, by term and in sum: horizontal, vertical, and moment about the pivot.",
+    "energy": "Where the energy is and went over time, and by how much the balance does not close.",
+}
+ENERGIES = {
+    "initial_J": "at the start",
+    "final_J": "at the end",
+    "granular_work_J": "done by the medium",
+    "damping_work_J": "done by the links' internal damping",
+}
+
+
+def page(folder: Folder) -> str:
+    """HTML of a run's page."""
+    summary = folder.read(SUMMARY)
+    sections = [
+        parts.warnings(summary.get("warnings") or []),
+        parts.section("Key numbers", parts.facts(_numbers(summary)), _measure(summary)),
+        parts.section("Animation", *_film(folder)),
+        parts.section("Figures", parts.figures(folder.figures(), FIGURES, wide="mechanism")),
+        parts.section("Energy audit", _energy(summary.get("energy") or {})),
+        parts.section("Scenario", _scenario(folder, "run")),
+        parts.section("Time series", _columns(summary.get("columns") or {})),
+        parts.section("Computation", *computation(summary)),
+    ]
+    status = str(summary.get("status", "unknown"))
+    words = f"Run, {_ENDS.get(status, status)}"
+    badge = tag("span", _ENDS.get(status, status), class_="status" if status in ("rest", "end_time") else "status bad")
+    name = str(summary.get("name") or folder.path.name)
+    version = (summary.get("versions") or {}).get(PROGRAM, "")
+    return whole(name, words, badge, " ".join(_sentences(summary)), sections, version)
+
+
+def _sentences(summary: dict[str, Any]) -> Iterator[str]:
+    """What happened, in words, as far as it is known."""
+    yield _sentence(str(summary.get("message", "")))
+    stop, angle = summary.get("stopping_time_s"), summary.get("angle_at_stop_deg")
+    if stop is not None:
+        at = f", at {quantity('angle_deg', angle)}" if angle is not None else ""
+        yield f"The mechanism stopped {quantity('s_s', stop)} after it touched the medium{at}."
+    elif "stopping_time_s" in summary:
+        yield "No stop was found."
+    depth, deflection = summary.get("max_depth_m"), summary.get("max_deflection_m")
+    if depth is not None and depth > 0:
+        yield f"It went {quantity('depth_m', depth)} deep."
+    elif depth is not None:
+        yield "It did not reach the medium."
+    if deflection is not None:
+        yield f"The flexible link bent by {quantity('deflection_m', deflection)} at most."
+    imbalance = (summary.get("energy") or {}).get("imbalance_relative")
+    if imbalance is not None:
+        yield f"Of the energy {quantity('imbalance_relative', imbalance)} is unaccounted for."
+
+
+def _sentence(words: str) -> str:
+    return f"{words[:1].upper()}{words[1:]}." if words else ""
+
+
+def _numbers(summary: dict[str, Any]) -> dict[str, Any]:
+    known = {key: value for key, value in summary.items() if key not in _ELSEWHERE and is_number(value)}
+    imbalance = (summary.get("energy") or {}).get("imbalance_relative")
+    return known | {"energy.imbalance_relative": imbalance}
+
+
+def _measure(summary: dict[str, Any]) -> Markup | None:
+    measure = summary.get("stopping_time_measure")
+    return tag("p", f"Stopping time: {measure}.") if measure and summary.get("stopping_time_s") is not None else None
+
+
+def _film(folder: Folder) -> list[Markup]:
+    film = folder.film()
+    if film is None:
+        return []
+    still = next((path for path in folder.figures() if path.stem == "mechanism"), None)
+    words = "The mechanism moving in the medium; the arrow is the force of the medium, the line the path of the tip."
+    return [parts.film(film, still, words)]
+
+
+def _energy(energy: dict[str, Any]) -> Markup | None:
+    known = {key: energy.get(key) for key in ENERGIES if energy.get(key) is not None}
+    if not known:
+        return None
+    rows = [[words, quantity(key, energy[key])] for key, words in ENERGIES.items() if key in known]
+    table = parts.table(
+        "Mechanical energy (kinetic, gravity from the start, elastic), and the work that changed it.",
+        ["energy or work", "value"],
+        rows,
+    )
+    relative = energy.get("imbalance_relative")
+    if relative is None:
+        return table
+    words = (
+        "What the mechanism lost and what the forces took differ by at most "
+        f"{quantity('imbalance_relative', relative)} of the largest single energy, at any time of the run."
+    )
+    return tag("div", table, tag("p", words))
+
+
+def _scenario(folder: Folder, command: str) -> Markup | None:
+    if not folder.has(SCENARIO):
+        return None
+    words = f"With every default in place; granular-contact {command} {SCENARIO} gives the same numbers again."
+    return parts.source(folder.path / SCENARIO, words)
+
+
+def _columns(columns: dict[str, str]) -> Markup | None:
+    if not columns:
+        return None
+    caption = f"Columns of {SERIES}, a row for each accepted step."
+    return parts.table(caption, ["column", "what it is"], columns.items())
+
+
+def computation(summary: dict[str, Any]) -> Iterator[Markup | None]:
+    """What a result took, and what its numbers depend on."""
+    yield parts.listing("Cost of the solve.", summary.get("cost") or {})
+    yield parts.listing("Versions that made it.", {f"{k}": v for k, v in (summary.get("versions") or {}).items()})

@@ -1,0 +1,189 @@
+"""The page of a sweep."""
+
+from __future__ import annotations
+
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.html import parts
+from granular_contact.html.folder import Folder, Rows
+from granular_contact.html.markup import Markup, join, tag
+from granular_contact.html.numbers import column, is_number, label, quantity
+from granular_contact.html.page import page as whole
+from granular_contact.report import SWEEP, TABLE
+
+MOST_ROWS = 200  # shown; the rest is in the table
+IMBALANCE = "energy.imbalance_relative"
+_NOT_KEY = ("cost.", "versions.", "energy.")
+_FIRST = ("stopping_time_s", "max_depth_m", "max_deflection_m")  # are drawn, if there are more than can be
+_GOOD = ("rest", "end_time")
+SENSITIVITY = "sensitivity.csv"
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Table:
+    """table.csv; varied: what the sweep varies; found: what came of it, key numbers only."""
+
+    head: list[str]
+    rows: Rows
+    varied: list[str]
+    found: list[str]
+
+    def column(self, name: str) -> list[Any]:
+        """Values of a column, in the order of the cases."""
+        i = self.head.index(name)
+        return [row[i] for row in self.rows]
+
+    def numbers(self, name: str) -> Values:
+        """Values of a column, NaN where there is no number."""
+        return np.array([value if is_number(value) else np.nan for value in self.column(name)], dtype=float)
+
+
+def page(folder: Folder) -> str:
+    """HTML of a sweep's page."""
+    table = _read(folder)
+    counts = Counter(str(status) for status in table.column("status"))
+    bad = sum(count for status, count in counts.items() if status not in _GOOD)
+    sections = [
+        parts.warnings([f"{warning} ({count} of {len(table.rows)} cases)" for warning, count in _warnings(table)]),
+        parts.section("Key numbers", _statistics(table)),
+        parts.section("Figures", _figures(folder, table)),
+        parts.section("Sensitivity", _sensitivity(folder)),
+        parts.section("Cases that failed", _failed(table)),
+        parts.section("Energy audit", _energy(table)),
+        parts.section("Cases", _cases(table)),
+        parts.section("Scenario", _scenario(folder)),
+        parts.section("Computation", *_computation(table)),
+    ]
+    words = f"{bad} failed" if bad else "all came to an end"
+    badge = tag("span", words, class_="status bad" if bad else "status")
+    version = next((str(v) for v in _told(table, "versions.granular-contact")), "")
+    return whole(folder.path.name, "Sweep", badge, _lead(table, counts), sections, version)
+
+
+def _read(folder: Folder) -> _Table:
+    head, rows = folder.table(TABLE)
+    begin = next((i for i, name in enumerate(head) if name in ("name", "status")), len(head))
+    table = _Table(head, rows, head[1:begin], [])
+    found = [
+        name
+        for name in head[begin:]
+        if not name.startswith(_NOT_KEY) and np.isfinite(table.numbers(name)).any() and name != "touch_time_s"
+    ]
+    return _Table(head, rows, head[1:begin], found)
+
+
+def _lead(table: _Table, counts: Counter[str]) -> str:
+    ends = {"rest": "came to rest", "end_time": "ran to the end time", "error": "crashed"}
+    words = ", ".join(f"{count} {ends.get(status, status)}" for status, count in counts.most_common())
+    varied = ", ".join(label(name) for name in table.varied) or "nothing"
+    return f"{len(table.rows)} cases: {words}. They differ in {varied}."
+
+
+def _told(table: _Table, name: str) -> list[Any]:
+    """What a column says, each value once; nothing if there is no such column."""
+    return list(dict.fromkeys(v for v in table.column(name) if v is not None)) if name in table.head else []
+
+
+def _warnings(table: _Table) -> list[tuple[str, int]]:
+    return Counter(v for v in table.column("warnings") if v).most_common() if "warnings" in table.head else []
+
+
+def _statistics(table: _Table) -> Markup | None:
+    rows = []
+    for name in table.found:
+        values = table.numbers(name)
+        values = values[np.isfinite(values)]
+        spread = (values.min(), np.median(values), values.max())
+        rows.append([label(name), len(values), *(quantity(name, float(value)) for value in spread)])
+    names = ["number", "cases that have it", "least", "median", "greatest"]
+    return parts.table("What the cases found.", names, rows) if rows else None
+
+
+def _figures(folder: Folder, table: _Table) -> Markup | None:
+    shown = [parts.figure(path, path.stem.replace("_", " ")) for path in folder.figures()]
+    columns = [(name, table.numbers(name)) for name in table.varied]
+    varied = [(name, values) for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
+    if varied and table.found:
+        from granular_contact.plots.overview import MOST, draw
+
+        with tempfile.TemporaryDirectory() as place:
+            for name in sorted(table.found, key=lambda one: one not in _FIRST)[:MOST]:
+                across = dict(_axis(*one) for one in varied)
+                draw(across, _axis(name, table.numbers(name)), Path(place, "overview.png"))
+                words = f"{label(name).capitalize()} of every case against what varies."
+                shown.append(parts.figure(Path(place, "overview.png"), words))
+    return tag("div", *shown, class_="figures") if shown else None
+
+
+def _axis(key: str, values: Values) -> tuple[str, Values]:
+    """What an axis is called, and its numbers in the unit named there."""
+    words, numbers = column(key, values.tolist())
+    return words, np.array(numbers)
+
+
+def _sensitivity(folder: Folder) -> Markup | None:
+    if not folder.has(SENSITIVITY):
+        return None
+    head, rows = folder.table(SENSITIVITY)
+    return parts.keyed_table(f"{SENSITIVITY}.", head, rows)
+
+
+def _failed(table: _Table) -> Markup | None:
+    rows = [
+        [case, message]
+        for case, status, message in zip(
+            table.column(table.head[0]), table.column("status"), table.column("message"), strict=True
+        )
+        if status not in _GOOD
+    ]
+    return _at_most("Why they failed.", ["case", "message"], rows) if rows else None
+
+
+def _at_most(caption: str, head: list[str], rows: Rows) -> Markup:
+    shown = parts.keyed_table(caption, head, rows[:MOST_ROWS])
+    more = len(rows) - MOST_ROWS
+    return join(shown, tag("p", f"... and {more} more in {TABLE}.") if more > 0 else None)
+
+
+def _energy(table: _Table) -> Markup | None:
+    if IMBALANCE not in table.head:
+        return None
+    values = table.numbers(IMBALANCE)
+    if not np.isfinite(values).any():
+        return None
+    worst = int(np.nanargmax(values))
+    return tag(
+        "p",
+        f"Share of the energy unaccounted for: {quantity(IMBALANCE, float(np.nanmedian(values)))} in the median, "
+        f"{quantity(IMBALANCE, float(values[worst]))} at most, in case {table.rows[worst][0]}.",
+    )
+
+
+def _cases(table: _Table) -> Markup:
+    names = [table.head[0], *table.varied, "status", *table.found[:6]]
+    places = [table.head.index(name) for name in names]
+    rows = [[row[i] for i in places] for row in table.rows]
+    return _at_most("Cases, what they vary, and what came of them.", names, rows)
+
+
+def _scenario(folder: Folder) -> Markup | None:
+    if not folder.has(SWEEP):
+        return None
+    words = f"The config with every default in place, and the cases; granular-contact sweep {SWEEP} runs them again."
+    return parts.source(folder.path / SWEEP, words)
+
+
+def _computation(table: _Table) -> Iterator[Markup | None]:
+    if "cost.solve_s" in table.head:
+        yield parts.facts({"time_of_all_solves_s": float(np.nansum(table.numbers("cost.solve_s")))})
+    versions = {n.partition(".")[2]: ", ".join(map(str, _told(table, n))) for n in table.head if n[:9] == "versions."}
+    yield parts.listing("Versions that made it.", versions)

@@ -1,0 +1,137 @@
+"""Rows on the disk as soon as they are there: JSON lines, in a file of its own for each process that writes.
+
+A row is one write to the system, so the death of a process leaves whole rows and at most one torn line, which is no
+row. What may be lost with the power are the last seconds.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import secrets
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+SYNC_SECONDS = 2.0  # a sync takes milliseconds, as long as a case
+_ENDING = ".jsonl"
+_START = re.compile(rb'{"index": (\d+), ')
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came of a case. summary: flat, by dotted key; at least `status` and `message`."""
+
+    index: int
+    name: str
+    values: dict[str, Any]
+    summary: dict[str, Any]
+
+    @property
+    def failed(self) -> bool:
+        """Whether the case gave no result to rely on."""
+        return self.summary["status"] not in ("rest", "end_time")
+
+    def line(self) -> bytes:
+        """The row as JSON; raises TypeError for what is no plain data."""
+        return (json.dumps(vars(self), ensure_ascii=False, default=_plain) + "\n").encode()
+
+    @staticmethod
+    def of(line: bytes) -> Row:
+        """The row of a whole line."""
+        return Row(**json.loads(line))
+
+
+class Writer:
+    """Appends rows to a new file in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        path = folder / f"{os.getpid()}-{secrets.token_hex(4)}{_ENDING}"
+        self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        self._end, self._synced = 0, time.monotonic()
+        self._lock = threading.Lock()
+
+    def append(self, line: bytes) -> None:
+        """Write the line of a row, whole.
+
+        Raises
+        ------
+        OSError
+            The disk refuses; the file ends with the row before.
+        """
+        with self._lock:
+            try:
+                written = os.write(self._file, line)
+                while written < len(line):
+                    written += os.write(self._file, line[written:])
+            except OSError:
+                os.ftruncate(self._file, self._end)
+                os.lseek(self._file, self._end, os.SEEK_SET)
+                raise
+            self._end += len(line)
+            if time.monotonic() - self._synced > SYNC_SECONDS:
+                os.fsync(self._file)
+                self._synced = time.monotonic()
+
+    def close(self) -> None:
+        """No more rows."""
+        os.close(self._file)
+
+
+class Journal:
+    """The rows in a folder of such files, in the order of the sweep, read again each time; of a case the first one."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def writer(self) -> Writer:
+        """A writer for this process."""
+        return Writer(self.folder)
+
+    def done(self) -> set[int]:
+        """Indices of the cases that have a row."""
+        return set(self._places())
+
+    def __len__(self) -> int:
+        return len(self._places())
+
+    def __iter__(self) -> Iterator[Row]:
+        places = self._places()
+        files = {path: path.open("rb") for path in {path for path, _ in places.values()}}
+        try:
+            for index in sorted(places):
+                path, offset = places[index]
+                files[path].seek(offset)
+                yield Row.of(files[path].readline())
+        finally:
+            for file in files.values():
+                file.close()
+
+    def _places(self) -> dict[int, tuple[Path, int]]:
+        """File of each row, by index of its case, and where it begins there."""
+        places: dict[int, tuple[Path, int]] = {}
+        for path in sorted(self.folder.glob(f"*{_ENDING}")):
+            offset = 0
+            with path.open("rb") as file:
+                for line in file:
+                    if (index := _index(line)) is not None:
+                        places.setdefault(index, (path, offset))
+                    offset += len(line)
+        return places
+
+
+def _index(line: bytes) -> int | None:
+    """Index of the row of a line, which is its first entry; None for a torn line."""
+    found = _START.match(line)
+    return int(found[1]) if found and line.endswith(b"}\n") else None
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's scalars as Python's."""
+    if hasattr(value, "item"):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} is no plain data")

@@ -1,0 +1,226 @@
+"""What is wrong with data, fit files and parameters: one line each, with file and line, all at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support_fit import CONFIG, RIGID, measure
+
+from granular_contact.config.tree import Position
+from granular_contact.errors import ConfigError, Fault
+from granular_contact.fit import load_specification, prepare
+from granular_contact.fit.csv_table import read_table
+from granular_contact.fit.measurements import select
+
+FIT = f"""\
+parameters: [medium.eta_d]
+set: {{method.reduced.modes: 0}}
+runs:
+  - config: {CONFIG}
+    data: data.csv
+"""
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory) -> list[str]:
+    """Lines of a file of 50 rows, 2 ms apart."""
+    return measure(tmp_path_factory.mktemp("good") / "data.csv", RIGID).read_text().splitlines()
+
+
+@pytest.fixture
+def faults(tmp_path: Path, good: list[str]) -> Callable[..., list[tuple[str, int | None, str, str]]]:
+    """File, line, key and message of each fault of a fit file with the data of these lines."""
+
+    def of(text: str = FIT, lines: list[str] | None = None) -> list[tuple[str, int | None, str, str]]:
+        (tmp_path / "data.csv").write_text("\n".join(good if lines is None else lines) + "\n", encoding="utf-8")
+        (tmp_path / "fit.yaml").write_text(text, encoding="utf-8")
+        with pytest.raises(ConfigError) as caught:
+            prepare(load_specification(tmp_path / "fit.yaml"))
+        assert all(len(str(fault).splitlines()) == 1 for fault in caught.value.faults)
+        return [(Path(f.file).name, f.line, f.key, f.message) for f in caught.value.faults]
+
+    return of
+
+
+# ---- data ----
+
+
+def cell(lines: list[str], line: int, column: int, text: str) -> list[str]:
+    """The lines with one cell of a line (from 1) replaced."""
+    cells = lines[line - 1].split(",")
+    cells[column] = text
+    return [*lines[: line - 1], ",".join(cells), *lines[line:]]
+
+
+DATA = {
+    "no header": (lambda g: g[1:], 1, "", "has numbers where the names"),
+    "empty": (lambda _: [], 1, "", "is empty"),
+    "hole": (lambda g: cell(g, 7, 2, ""), 7, "tip_y_m", "is empty; leave the row out"),
+    "text": (lambda g: cell(g, 7, 1, "lost"), 7, "tip_x_m", "got 'lost'; allowed is a finite number"),
+    "nan": (lambda g: cell(g, 7, 1, "nan"), 7, "tip_x_m", "got 'nan'"),
+    "underscore": (lambda g: cell(g, 7, 1, "1_000"), 7, "tip_x_m", "got '1_000'"),
+    "short row": (lambda g: [*g[:8], "0.014,0.2", *g[9:]], 9, "", "has 2 cells; 3 are allowed"),
+    "time again": (lambda g: cell(g, 9, 0, "0.012"), 9, "time_s", "got 0.012, which is that of line 8 again"),
+    "time back": (lambda g: cell(g, 9, 0, "0.003"), 9, "time_s", "got 0.003, which comes after 0.012"),
+    "too few": (lambda g: g[:5], 1, "", "has 4 rows; at least 6"),
+    "shorter than the impact": (lambda g: g[:8], 8, "", "shorter than the impact, which takes about 0.0255 s"),
+    "longer than the run": (None, 51, "", "ends 0.098 s after the start, but the run at 0.03 s"),
+    "wrong unit of lengths": (lambda g: ["time_s,tip_x_cm,tip_y_m", *cell(g, 2, 1, "2e4")[1:]],
+                              2, "tip_x_m", "got 200 m, but the mechanism reaches 0.226 m"),
+    "angle": (lambda _: ["time_s,pivot_angle_deg", *(f"{0.002 * i},{31 + 8 * i}" for i in range(60))],
+              49, "pivot_angle_deg", "which is 407 deg; at most 400 deg"),
+    "angle in rad": (lambda _: ["time_s,pivot_angle_rad", *(f"{0.002 * i},31" for i in range(60))],
+                     2, "pivot_angle_rad", "got 31, which is 1776 deg"),
+    "unknown column": (lambda g: ["time_s,tip_q_m,tip_y_m", *g[1:]], 1, "tip_q_m", "did you mean tip_"),
+    "unlike any": (lambda g: ["time_s,frame,tip_y_m", *g[1:]], 1, "frame", "allowed are pivot_angle_deg (rad), tip"),
+    "no time": (lambda g: ["mean_rate_rad_s,tip_x_m,tip_y_m", *g[1:]], 1, "", "has no column of times"),
+    "time alone": (lambda g: ["time_s,drag_force_x_N,kinetic_J", *g[1:]], 1, "", "has nothing to compare a run with"),
+    "two of one": (lambda g: ["time_s,tip_x_m,tip_x_mm", *g[1:]], 1, "tip_x_m", "is measured by two columns"),
+    "name twice": (lambda g: ["time_s,tip_x_m,tip_x_m", *g[1:]], 1, "tip_x_m", "is the name of two columns"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DATA)
+def test_faulty_data(faults, good, name: str) -> None:
+    change, line, key, words = DATA[name]
+    text = FIT
+    if change is None:
+        text = FIT.replace("modes: 0}", "modes: 0, solver.end_time_s: 0.03}")
+    found = faults(text, change(good) if change else good)
+    assert found[0][:3] == ("data.csv", line, key)
+    assert words in found[0][3]
+    assert len(found) == 1
+
+
+def test_all_faulty_rows_at_once_and_not_too_many(faults, good) -> None:
+    spoilt = cell(cell(cell(good, 4, 1, ""), 9, 2, "x"), 12, 0, "?")
+    assert [(line, key) for _, line, key, _ in faults(lines=spoilt)] == [(4, "tip_x_m"), (9, "tip_y_m"), (12, "time_s")]
+    for line in range(2, 52):
+        spoilt = cell(spoilt, line, 1, "")
+    found = faults(lines=spoilt)
+    assert len(found) == 10 + 1 + 1 + 1
+    assert any("40 more such lines" in message for *_, message in found)
+
+
+def test_names_units_separators_and_comments(tmp_path: Path) -> None:
+    file = tmp_path / "odd.csv"
+    rows = [f"{i};{100 * i};{0.5 + 0.01 * i};{7}" for i in range(8)]
+    file.write_text("\ufeff# by a camera\n\nt [ms];X;swing;frame\n" + "\n".join(rows), encoding="utf-8")
+    table_faults: list[Fault] = []
+    table = read_table(file, table_faults)
+    assert table is not None
+    at = Position("here", 1)
+    mapping = {"time_ms": ("t [ms]", at), "tip_x_mm": ("X", at), "pivot_angle_rad": ("swing", at)}
+    measured = select(table, ["pivot_angle_deg", "tip_x_m", "tip_y_m"], mapping, table_faults)
+    assert table_faults == []
+    assert measured is not None
+    np.testing.assert_allclose(measured.time, 1e-3 * np.arange(8))
+    assert measured.columns == ("tip_x_m", "pivot_angle_deg")
+    np.testing.assert_allclose(measured.values[:, 0], 0.1 * np.arange(8))
+    np.testing.assert_allclose(measured.values[:, 1], np.degrees(0.5 + 0.01 * np.arange(8)))
+    assert measured.unused == ("frame",)
+    assert measured.lines[0] == 4
+
+
+def test_a_runs_own_table_is_data(tmp_path: Path) -> None:
+    # what a camera can't see is left out
+    names = "time_s,pivot_angle_deg,mean_rate_rad_s,tip_x_m,drag_force_x_N,kinetic_J"
+    (tmp_path / "t.csv").write_text("\n".join([names, *(f"{i},1,2,3,4,5" for i in range(9))]), encoding="utf-8")
+    found: list[Fault] = []
+    table = read_table(tmp_path / "t.csv", found)
+    assert table is not None
+    measured = select(table, ["pivot_angle_deg", "tip_x_m"], {}, found)
+    assert measured is not None
+    assert measured.columns == ("pivot_angle_deg", "tip_x_m")
+    assert measured.unused == ("mean_rate_rad_s", "drag_force_x_N", "kinetic_J")
+
+
+# ---- fit files ----
+
+TEXTS = {
+    "no such data": (("data.csv", "nowhere.csv"), "nowhere.csv", None, "", "no such file"),
+    "no such config": ((str(CONFIG), "nowhere.yaml"), "fit.yaml", 4, "", "nowhere.yaml', but there is no such file"),
+    "no runs": (("runs:", "rums:"), "fit.yaml", 3, "rums", "did you mean runs?"),
+    "unknown key of a run": (("    data:", "    colour: red\n    data:"), "fit.yaml", 5, "runs.0.colour", "unknown"),
+    "no data": (("    data: data.csv\n", ""), "fit.yaml", 4, "runs.0.data", "is missing"),
+    "no parameters": (("[medium.eta_d]", "[]"), "fit.yaml", 1, "parameters", "a list of 0 items"),
+    "parameter twice": (("[medium.eta_d]", "[medium.eta_d, medium.eta_d]"), "fit.yaml", 1, "parameters", "twice"),
+    "bounds upside down": (("[medium.eta_d]", "{medium.eta_d: {from: 9, to: 2}}"), "fit.yaml", 1,
+                           "parameters.medium.eta_d", "got bounds from 9 to 2"),
+    "bound no number": (("[medium.eta_d]", "{medium.eta_d: {from: low, to: 2}}"), "fit.yaml", 1,
+                        "parameters.medium.eta_d.from", "allowed is a finite number"),
+    "bound the schema refuses": (("[medium.eta_d]", "{medium.eta_d: {from: -2, to: 20}}"), "fit.yaml", 1,
+                                 "medium.eta_d", "from: got the number -2; allowed is a finite number of at least 0"),
+    "start outside": (("[medium.eta_d]", "{medium.eta_d: {from: 2, to: 9, start: 10}}"), "fit.yaml", 1,
+                      "parameters.medium.eta_d.start", "not within the bounds from 2 to 9"),
+    "log of nothing": (("[medium.eta_d]", "{medium.eta_d: {from: 0, to: 9, scale: log}}"), "fit.yaml", 1,
+                       "parameters.medium.eta_d.scale", "must be above 0"),
+    "unknown coefficient": (("eta_d]", "eta_q]"), "fit.yaml", 1, "medium.eta_q", "did you mean medium.eta_"),
+    "text": (("medium.eta_d]", "medium.law]"), "fit.yaml", 1, "medium.law", "is no number but 'lee_marghitu'"),
+    "whole number": (("medium.eta_d]", "load.strips_per_element]"), "fit.yaml", 1, "load.strips_per_element",
+                     "is a whole number, 4"),
+    "a setting of the solver": (("medium.eta_d]", "solver.step_s]"), "fit.yaml", 1, "solver.step_s",
+                                "tells how a run is computed"),
+    "unused": (("[medium.eta_d]", "[load.friction.damping_time_s]"), "fit.yaml", 1, "load.friction.damping_time_s",
+               "moves none of tip_x_m, tip_y_m in any run"),
+    "unknown column": (("    data:", "    columns: {time_s: time_s, tip_q_m: tip_x_m}\n    data:"), "fit.yaml", 5,
+                       "columns.tip_q_m", "the run has no such column; did you mean tip_"),
+    "column not in the file": (("    data:", "    columns: {time_s: t, tip_x_m: tip_x_m}\n    data:"), "fit.yaml", 5,
+                               "columns.time_s", "got 't', but"),
+    "offset": (("    data:", "    time_offset_s: maybe\n    data:"), "fit.yaml", 5, "runs.0.time_offset_s",
+               "allowed are fit, a number"),
+    "noise": (("runs:", "noise: {tip_x_m: 0}\nruns:"), "fit.yaml", 3, "noise.tip_x_m", "a number above 0"),
+    "noise of nothing": (("runs:", "noise: {deflection_mm: 1}\nruns:"), "fit.yaml", 3, "noise.deflection_mm",
+                         "no data have such a column"),
+    "loss": (("runs:", "loss: cauchy\nruns:"), "fit.yaml", 3, "loss", "one of soft_l1, linear"),
+    "starts": (("runs:", "starts: 0\nruns:"), "fit.yaml", 3, "starts", "from 1 to 1024"),
+    "faulty config": (("modes: 0", "modes: 99"), "fit.yaml", 2, "method.reduced.modes", "from 0 to 20"),
+    "a scene that can't be": (("modes: 0", "modes: 1, model.bodies.link.flexible: null"), "fit.yaml", 2,
+                              "method.reduced.modes", "the model has no flexible link"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_faulty_fit_file(faults, name: str) -> None:
+    (old, new), file, line, key, words = TEXTS[name]
+    assert FIT.count(old) == 1
+    text = FIT.replace(old, new)
+    if name == "unused":  # the true sign has no bristles
+        text = text.replace("modes: 0", "modes: 0, method.reduced.static: true_sign")
+    found = faults(text)
+    if name == "no runs":  # that they are missing stands in line 1
+        assert found.pop(0)[1:3] == (1, "runs")
+    assert found[0][:3] == (file, line, key)
+    assert words in found[0][3]
+    assert len(found) == 1
+
+
+def test_faults_of_all_files_come_together(faults, good, tmp_path: Path) -> None:
+    (tmp_path / "other.csv").write_text("1,2,3\n", encoding="utf-8")
+    text = FIT + f"  - {{config: {CONFIG}, data: other.csv}}\n  - {{config: {CONFIG}, data: gone.csv}}\n"
+    found = faults(text, cell(good, 5, 1, ""))
+    assert [(file, line) for file, line, *_ in found] == [("data.csv", 5), ("gone.csv", None), ("other.csv", 1)]
+
+
+@pytest.mark.parametrize(
+    "more", ["model.joints.pivot.damping_Nm_s_per_rad: 1e-3", "model.bodies.link.flexible.bending_damping_N_m2_s: 1e-3"]
+)
+def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: str) -> None:
+    early = [good[0], f"-0.002,{good[1].partition(',')[2]}", *good[1:]]
+    found = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
+    assert found[0][:3] == ("data.csv", 2, "")
+    assert "begins 0.002 s before the start" in found[0][3]
+
+
+def test_default_bounds_go_as_far_as_the_schema(tmp_path: Path, good) -> None:
+    (tmp_path / "data.csv").write_text("\n".join(good), encoding="utf-8")
+    keys = "medium.eta_d, medium.plunging.lambda, initial.impact_angle_deg"
+    (tmp_path / "fit.yaml").write_text(FIT.replace("medium.eta_d", keys), encoding="utf-8")
+    parameters = prepare(load_specification(tmp_path / "fit.yaml")).parameters
+    found = {p.label: (p.low, p.high, p.start, p.log) for p in parameters}
+    assert found["medium.eta_d"] == pytest.approx((0.65, 65.0, 6.5, True))
+    assert found["medium.plunging.lambda"] == pytest.approx((0.11, 3.3, 1.1, True))  # at most 5
+    assert found["initial.impact_angle_deg"] == pytest.approx((3.1, 46.5, 31.0, True))  # at most 90, so not 93

@@ -1,0 +1,159 @@
+"""Errors against plain linear algebra, derivatives against finer ones, tests of residuals against chance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+from support_fit import NOISE, TRUE, four, problem
+
+from granular_contact.fit import noise
+from granular_contact.fit.goodness import ljung_box
+from granular_contact.fit.jacobian import STEP, jacobian
+from granular_contact.fit.problem import Problem
+from granular_contact.fit.solve import minimise, solve
+from granular_contact.fit.uncertainty import uncertainty
+
+KEYS = "parameters: {medium.eta_d: , medium.plunging.eta_v: , medium.plunging.lambda: {from: 0.5, to: 2}}"
+
+
+@pytest.fixture(scope="module")
+def exact(tmp_path_factory) -> Problem:
+    """Four impacts without noise, started at the true values."""
+    folder = tmp_path_factory.mktemp("exact")
+    return problem(folder, f"{KEYS}\nloss: linear\n{four(folder, noise=0.0)}")
+
+
+def noisy(made: Problem, seed: int) -> tuple[Problem, np.ndarray]:
+    """The problem with noise, and that noise in a row."""
+    random = np.random.default_rng(seed)
+    added = [NOISE * random.standard_normal(run.measured.values.shape) for run in made.runs]
+    runs = [
+        replace(run, measured=replace(run.measured, values=run.measured.values + one))
+        for run, one in zip(made.runs, added, strict=True)
+    ]
+    return replace(made, runs=tuple(runs)), np.concatenate([one.ravel() for one in added])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_small_noise_moves_the_estimates_as_linear_theory_says(exact: Problem, seed: int) -> None:
+    made, added = noisy(exact, seed)
+    start = exact.start
+    slopes = jacobian(exact, start, exact.times())
+    expected = np.linalg.lstsq(slopes, added, rcond=None)[0]
+    deviation = NOISE * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
+    found = minimise(made, start, np.full(2, NOISE), "linear").x - start
+    # Curvature adds the square of the shift, 1 % of 1 %, against a shift of 1 %: 0.1 of a deviation is plenty.
+    assert np.all(np.abs(found - expected) < 0.1 * deviation)
+    assert np.max(np.abs(expected) / deviation) > 0.3  # there is something to see
+
+
+def test_covariance_is_that_of_linear_least_squares(exact: Problem) -> None:
+    made, _ = noisy(exact, 0)
+    made = replace(made, noise=dict.fromkeys(made.noise, NOISE))
+    solution = solve(made)
+    found = uncertainty(made, solution)
+    slopes = solution.jacobian
+    variance = np.sum(solution.residuals**2) / (len(solution.residuals) - 3)
+    np.testing.assert_allclose(found.covariance, variance * np.linalg.inv(slopes.T @ slopes), rtol=1e-6)
+    for one, row in zip(found.estimates, found.covariance.diagonal(), strict=True):
+        value, unit = one.value, one.parameter.value(one.parameter.scaled(one.value)) if one.parameter.log else 1.5
+        assert one.error == pytest.approx(unit * np.sqrt(row), rel=1e-9)
+        # Student's t of 405 - 3 degrees of freedom at 97.5 % is 1.966.
+        ends = (
+            np.log([one.low / value, one.high / value])
+            if one.parameter.log
+            else (np.array([one.low, one.high]) - value) / 1.5
+        )
+        np.testing.assert_allclose(ends, [-1.966 * np.sqrt(row), 1.966 * np.sqrt(row)], rtol=1e-3)
+
+
+@pytest.mark.parametrize("modes", [0, 1])
+def test_derivatives_are_right_to_a_third_of_a_per_cent(tmp_path: Path, modes: int) -> None:
+    text = f"{KEYS}\n{four(tmp_path)}"
+    both = [
+        problem(tmp_path, f"set: {{method.reduced.modes: {modes}, method.reduced.rtol: {rtol}}}\n{text}")
+        for rtol in ("1e-6", "1e-10")
+    ]
+    start = both[0].start
+    found = jacobian(both[0], start, both[0].times())
+    for j in range(3):
+        # Four points of the fine model: the error is of fourth order in the step.
+        values = []
+        for k in (-2, -1, 1, 2):
+            moved = start.copy()
+            moved[j] += k * STEP
+            values.append(both[1].model(moved, both[1].times()))
+        exact = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * STEP)
+        error = np.max(np.abs(found[:, j] - exact)) / np.max(np.abs(exact))
+        assert error < (1e-4 if modes == 0 else 5e-3)
+
+
+def test_derivatives_stay_within_the_bounds(exact: Problem) -> None:
+    at = exact.start
+    for j in range(2):
+        parameter = exact.parameters[j]
+        value = parameter.value(at[j])
+        edge = replace(parameter, low=value)
+        moved = replace(exact, parameters=tuple(edge if k == j else p for k, p in enumerate(exact.parameters)))
+        inside, outside = jacobian(moved, at, exact.times())[:, j], jacobian(exact, at, exact.times())[:, j]
+        # one-sided of second order: h^2/3 against h^2/6 of the curvature's change
+        np.testing.assert_allclose(inside, outside, atol=1e-3 * np.max(np.abs(outside)))
+
+
+# ---- noise ----
+
+
+def test_expected_pull_of_normal_noise() -> None:
+    points, weights = np.polynomial.hermite_e.hermegauss(100)
+    mean = np.sum(weights * noise.psi(points, "soft_l1") ** 2) / np.sum(weights)
+    assert mean == pytest.approx(noise._EXPECTED, rel=1e-8)
+    slope = np.sum(weights * noise.psi_slope(points, "soft_l1")) / np.sum(weights)
+    assert slope**2 / mean == pytest.approx(0.98, abs=0.005)  # the 2 % that the module tells
+
+
+def test_scale_of_normal_noise_and_of_noise_with_outliers() -> None:
+    values = 3.0 * np.random.default_rng(1).standard_normal(4000)
+    # 1 in sqrt(8000) is 1.1 %; four of these.
+    for loss in ("linear", "soft_l1"):
+        assert noise.scale(values, loss, 0.0) == pytest.approx(3.0, rel=0.045)
+    values[:200] = 300.0  # 5 %
+    assert noise.scale(values, "soft_l1", 0.0) < 4.5
+    assert noise.scale(values, "linear", 0.0) > 60.0
+
+
+def test_roughness_sees_noise_under_a_motion() -> None:
+    time = np.linspace(0.0, 1.0, 2000)
+    motion = np.exp(-3.0 * time)
+    # A median of 2000 values that overlap by three is good to some 4 %.
+    values = motion + 1e-3 * np.random.default_rng(0).standard_normal(2000)
+    assert noise.roughness(values) == pytest.approx(1e-3, rel=0.12)
+    assert noise.roughness(values[:9]) is None
+
+
+def test_ljung_box_is_fair_to_noise() -> None:
+    random = np.random.default_rng(5)
+    low = sum(ljung_box([random.standard_normal(60) for _ in range(4)], 3) < 0.05 for _ in range(400))
+    # 5 % of 400 is 20; what chance leaves with 999 in 1000, a little more as the test is approximate.
+    assert low <= binom.ppf(0.999, 400, 0.07)
+    assert low >= binom.ppf(0.001, 400, 0.03)
+
+
+def test_ljung_box_sees_a_pattern_and_ignores_one_outlier() -> None:
+    random = np.random.default_rng(2)
+    series = random.standard_normal((4, 60))
+    assert ljung_box([one + 0.8 * np.sin(np.linspace(0, 6, 60)) for one in series], 3) < 1e-3
+    series[0, 30] = 100.0
+    assert ljung_box(list(series), 3) > 1e-3
+
+
+def test_true_values_are_the_preset() -> None:
+    from support_runs import scenario_of
+
+    from granular_contact.config import scenario_to_dict
+
+    medium = scenario_to_dict(scenario_of("pendulum"))["medium"]
+    assert [medium["eta_d"], medium["eta_h"], *medium["plunging"].values()] == list(TRUE.values())

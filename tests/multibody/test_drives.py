@@ -1,0 +1,152 @@
+"""Drives: what they do by closed forms, and their work in the energy balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support_runs import DENSITY, simulate
+
+MASS = DENSITY * np.pi / 4 * 0.01**2 * 0.2
+INERTIA = MASS * (0.2**2 / 3 + 0.01**2 / 16)
+BAR = "type: link, length_m: 0.2, diameter_m: 0.01, density_kg_m3: 7700"
+ARM = f"""
+model:
+  name: arm
+  bodies:
+    upper: {{{BAR}}}
+    lower: {{{BAR}}}
+  joints:
+    shoulder: {{type: hinge, parent: ground, child: upper}}
+    elbow: {{type: hinge, parent: upper, child: lower, parent_point_m: [0.2, 0]}}
+initial: {{joints: {{}}}}
+solver: {{end_time_s: 0.5, tolerance: 1e-8}}
+"""
+LIFT = f"""
+model:
+  name: lift
+  bodies: {{bar: {{{BAR}}}}}
+  joints: {{rail: {{type: slider, parent: ground, child: bar, axis_deg: 90}}}}
+initial: {{joints: {{}}}}
+solver: {{end_time_s: 0.5, tolerance: 1e-8}}
+"""
+DRIVES = {
+    "torque": "shoulder: {type: torque, torque_Nm: {type: sine, amplitude: 1.5, frequency_Hz: 3, phase_deg: 40}}",
+    "torque between": "elbow: {type: torque, torque_Nm: {type: ramp, from: 0, to: -0.4, duration_s: 0.3}}",
+    "motion": "elbow: {type: motion, angle_deg: {type: sine, amplitude: 60, frequency_Hz: 2}}",
+    "motion from afar": "elbow: {type: motion, angle_deg: {type: sine, amplitude: 60, frequency_Hz: 2, offset: 200}}",
+    "both motions": "shoulder: {type: motion, angle_deg: {type: ramp, from: 0, to: 400, duration_s: 0.4}}, "
+    "elbow: {type: motion, angle_deg: {type: sine, amplitude: 60, frequency_Hz: 2}}",
+    "rotary leg": "shoulder: {type: motion, angle_deg: {type: buehler, frequency_Hz: 2, stance_sweep_deg: 60, "
+    "stance_offset_deg: 0, duty_factor: 0.5, blend: 0.2}}",
+    "control": "shoulder: {type: pd, angle_deg: {type: sine, amplitude: 30, frequency_Hz: 2}, gain_Nm_per_rad: 20, "
+    "rate_gain_Nm_s_per_rad: 0.5, limit_Nm: 3}",
+    "control of the rate": "elbow: {type: pd, rate_rad_s: 12, rate_gain_Nm_s_per_rad: 0.2, limit_Nm: 0.8}",
+    "table": "elbow: {type: motion, angle_deg: {type: table, time_s: [0, 0.1, 0.3, 0.4], values: [0, 40, -10, 0]}}",
+}
+
+
+@pytest.mark.parametrize("case", DRIVES)
+def test_work_of_drives_is_in_the_balance(case: str) -> None:
+    start = "{joints: {}}" if "shoulder: {type: motion" in DRIVES[case] else "{impact_angle_deg: 15}"
+    run = simulate(ARM, f"drives={{{DRIVES[case]}}}", f"initial={start}")
+    assert run.status.code == "end_time"
+    exchanged = max(np.abs(run["drive_work_J"]).max(), np.ptp(run["kinetic_J"]))
+    # The power is summed by trapezoids, of second order: 1e-3 is what the project promises.
+    assert np.abs(run["energy_imbalance_J"]).max() < 1e-3 * exchanged
+    assert np.abs(run["drive_work_J"]).max() > 0.02 * exchanged
+
+
+def test_work_of_a_force_is_force_times_way() -> None:
+    run = simulate(LIFT, "drives={rail: {type: force, force_N: 3}}")
+    acceleration = 3.0 / MASS - 9.81
+    np.testing.assert_allclose(run["rail_position_m"], 0.5 * acceleration * run["time_s"] ** 2, atol=1e-8)
+    # Trapezoids are exact for a power that grows in proportion to time.
+    np.testing.assert_allclose(run["drive_work_J"], 3.0 * run["rail_position_m"], atol=1e-8)
+    np.testing.assert_allclose(run["rail_force_N"], 3.0)
+
+
+def test_motion_is_followed_and_its_torque_is_that_of_newton() -> None:
+    run = simulate(
+        ARM,
+        "model.bodies={upper: {" + BAR + "}}",
+        "model.joints={shoulder: {type: hinge, parent: ground, child: upper}}",
+        "drives={shoulder: {type: motion, angle_deg: {type: sine, amplitude: 50, frequency_Hz: 2}}}",
+    )
+    t, omega, amplitude = run["time_s"], 4 * np.pi, np.radians(50.0)
+    angle = amplitude * np.sin(omega * t)
+    # A constraint on positions: to the tolerance of Newton's method.
+    np.testing.assert_allclose(np.radians(run["shoulder_angle_deg"]), angle, atol=1e-8)
+    weight = MASS * 9.81 * 0.1
+    torque = -INERTIA * omega**2 * angle - weight * np.cos(angle)
+    # Second order: (omega h)^2 = 6e-6 of the inertial part and, as the algorithm averages forces over a step, some
+    # steps of their change at the start.
+    late = t > 0.01
+    np.testing.assert_allclose(run["shoulder_torque_Nm"][late], torque[late], atol=2e-3 * np.abs(torque).max())
+
+
+def test_motion_of_a_slider_is_followed() -> None:
+    drive = "drives={rail: {type: motion, position_m: {type: sine, amplitude: 0.1, frequency_Hz: 3}}}"
+    run = simulate(LIFT, drive)
+    s = 0.1 * np.sin(6 * np.pi * run["time_s"])
+    np.testing.assert_allclose(run["rail_position_m"], s, atol=1e-8)
+    force = MASS * (9.81 - (6 * np.pi) ** 2 * s)
+    late = run["time_s"] > 0.01
+    np.testing.assert_allclose(run["rail_force_N"][late], force[late], atol=2e-3 * np.abs(force).max())
+
+
+def test_control_keeps_to_its_limit_and_holds_with_the_error_that_its_gain_leaves() -> None:
+    drive = "shoulder: {type: pd, angle_deg: 0, gain_Nm_per_rad: 100, rate_gain_Nm_s_per_rad: 2, limit_Nm: 1.2}"
+    alone = (
+        "model.bodies={upper: {" + BAR + "}}",
+        "model.joints={shoulder: {type: hinge, parent: ground, child: upper}}",
+    )
+    run = simulate(ARM, *alone, f"drives={{{drive}}}", "initial={joints: {shoulder: {angle_deg: 20}}}")
+    assert np.abs(run["shoulder_torque_Nm"]).max() == 1.2
+    weight = MASS * 9.81 * 0.1
+    # Held where 100 N m/rad carry the weight: the cosine is 1 to 1e-5.
+    assert np.radians(run["shoulder_angle_deg"][-1]) == pytest.approx(weight / 100.0, rel=1e-3)
+    assert run["shoulder_torque_Nm"][-1] == pytest.approx(-weight, rel=1e-3)
+
+
+def test_drive_on_a_flexible_link() -> None:
+    flexible = "model.bodies.upper.flexible={youngs_modulus_Pa: 2.0e+11}"
+    drive = "drives={shoulder: {type: motion, angle_deg: {type: ramp, from: 30, to: 110, duration_s: 0.4}}, " + (
+        "elbow: {type: pd, angle_deg: 0, gain_Nm_per_rad: 5, rate_gain_Nm_s_per_rad: 0.05}}"
+    )
+    bent, rigid = simulate(ARM, flexible, drive, "solver.step_s=1e-4"), simulate(ARM, drive, "solver.step_s=1e-4")
+    t = bent["time_s"]
+    x = np.minimum(t / 0.4, 1.0)
+    # The slope at the root is what is prescribed.
+    np.testing.assert_allclose(bent["shoulder_angle_deg"], 30 + 80 * x**3 * (10 - 15 * x + 6 * x**2), atol=1e-5)
+    # The tip of the link turns by some m g l^2 / (2 E I) = 0.014 deg against its root, thrice that where it swings.
+    np.testing.assert_allclose(bent["elbow_angle_deg"], rigid["elbow_angle_deg"], atol=0.05)
+    assert np.ptp(rigid["elbow_angle_deg"]) > 3.0
+    for run in (bent, rigid):
+        assert np.abs(run["energy_imbalance_J"]).max() < 1e-3 * np.abs(run["drive_work_J"]).max()
+
+
+def test_a_csv_column_is_followed(tmp_path) -> None:
+    from granular_contact import config
+    from granular_contact.run import run
+    from granular_contact.scene import build
+
+    (tmp_path / "gait.csv").write_text("time_s, knee\n0, 0\n0.1, 40\n0.3, -10\n0.4, 0\n")
+    column = "{type: csv, file: gait.csv, column: knee}"
+    (tmp_path / "arm.yaml").write_text(ARM + f"drives: {{elbow: {{type: motion, angle_deg: {column}}}}}\n")
+    scenario = config.load(tmp_path / "arm.yaml").scenario
+    results, table = run(build(scenario), scenario), simulate(ARM, f"drives={{{DRIVES['table']}}}")
+    np.testing.assert_array_equal(results["elbow_angle_deg"], table["elbow_angle_deg"])
+    # What is saved can be run without the file.
+    saved = results.scenario["drives"]["elbow"]["angle_deg"]
+    assert (saved["type"], saved["values"]) == ("table", [0, 40, -10, 0])
+
+
+def test_travel_of_a_driven_cart() -> None:
+    cart = LIFT.replace("axis_deg: 90", "axis_deg: 0")
+    run = simulate(cart, "drives={rail: {type: force, force_N: 1.5}}")
+    acceleration = 1.5 / MASS
+    way = 0.5 * acceleration * 0.25
+    assert run.summary["distance_m"] == pytest.approx(way, rel=1e-6)
+    assert run.summary["forward_speed_m_s"] == pytest.approx(way / 0.5, rel=1e-6)
+    assert run.summary["cost_of_transport"] == pytest.approx(1.5 / (MASS * 9.81), rel=1e-6)
+    assert run.summary["stopping_time_measure"] is None

@@ -1,0 +1,79 @@
+"""A real browser without a window, driven over HTTP by its own driver (W3C WebDriver): Debian's chromium-driver."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+import urllib.request
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+DRIVER = shutil.which("chromedriver")
+# A container has neither a sandbox to offer nor much shared memory.
+ARGUMENTS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
+
+
+class Browser:
+    """A session; to be used in a `with` block."""
+
+    def __init__(self) -> None:
+        assert DRIVER is not None
+        self._driver = subprocess.Popen([DRIVER, "--port=0"], stdout=subprocess.PIPE, text=True)
+        self._session = ""
+
+    def __enter__(self) -> Browser:
+        assert self._driver.stdout is not None
+        started = next(m for line in self._driver.stdout if (m := re.search(r"successfully on port (\d+)", line)))
+        self._root = f"http://127.0.0.1:{started[1]}"
+        wanted = {"goog:chromeOptions": {"args": ARGUMENTS}}
+        self._session = self._post("/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        try:
+            if self._session:
+                self._ask("DELETE", f"/session/{self._session}", None)
+        finally:
+            self._driver.terminate()
+            self._driver.wait()
+
+    def open(self, page: Path, width: int, height: int = 900) -> None:
+        """Show a file in a window of so many px."""
+        self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self._post(f"/session/{self._session}/url", {"url": page.resolve().as_uri()})
+
+    def media(self, medium: str = "", **features: str) -> None:
+        """Show the page as on paper (`print`), or to a system with features such as prefers_color_scheme."""
+        wanted = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
+        self.tell("Emulation.setEmulatedMedia", media=medium, features=wanted)
+
+    def run(self, script: str) -> Any:
+        """What the body of a JavaScript function returns in the page."""
+        return self._post(f"/session/{self._session}/execute/sync", {"script": script, "args": []})
+
+    def pdf(self) -> bytes:
+        """The page as printed."""
+        return base64.b64decode(self.tell("Page.printToPDF", printBackground=True)["data"])
+
+    def picture(self) -> bytes:
+        """PNG of the whole page."""
+        return base64.b64decode(self.tell("Page.captureScreenshot", captureBeyondViewport=True)["data"])
+
+    def tell(self, command: str, **parameters: Any) -> Any:
+        """A command of the browser's own protocol."""
+        return self._post(f"/session/{self._session}/goog/cdp/execute", {"cmd": command, "params": parameters})
+
+    def _post(self, path: str, content: dict[str, Any]) -> Any:
+        return self._ask("POST", path, json.dumps(content).encode())
+
+    def _ask(self, method: str, path: str, content: bytes | None) -> Any:
+        request = urllib.request.Request(
+            self._root + path, content, {"Content-Type": "application/json"}, method=method
+        )
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # the driver is on this machine
+        with opener.open(request, timeout=60) as answer:
+            return json.load(answer)["value"]

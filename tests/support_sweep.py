@@ -1,0 +1,82 @@
+"""Sweeps for the tests: the command, its tables without times, and what cases go through instead of the engine."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from support_results import make
+
+from granular_contact.config import Scenario
+from granular_contact.results import Results
+
+ROOT = Path(__file__).parents[1]
+CONFIGS = ROOT / "configs"
+SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
+TIME = "cost.solve_s"  # the only number that is not the same each time
+ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+
+
+def arguments(*words: object) -> list[str]:
+    return [sys.executable, "-m", "granular_contact", *map(str, words)]
+
+
+def command(*words: object, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        arguments(*words), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300, check=False
+    )
+
+
+def read(folder: Path) -> list[dict[str, str]]:
+    with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def timeless_bytes(folder: Path) -> bytes:
+    """The table to the byte, but for the cells of the time."""
+
+    def written(rows: list[list[str]]) -> bytes:
+        csv.writer(text := io.StringIO(), lineterminator="\n").writerows(rows)
+        return text.getvalue().encode()
+
+    raw = (folder / "table.csv").read_bytes()
+    rows = list(csv.reader(io.StringIO(raw.decode(), newline="")))
+    assert written(rows) == raw
+    place = rows[0].index(TIME)
+    return written([[cell for i, cell in enumerate(row) if i != place] for row in rows])
+
+
+def write(folder: Path, cases: str, name: str = "many.yaml") -> Path:
+    """A sweep on the rigid pendulum, which is quick."""
+    path = folder / name
+    path.write_text(f"config: {CONFIGS / 'pendulum_rigid.yaml'}\n{cases}")
+    return path
+
+
+def until(condition: Callable[[], bool], seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+# What cases go through in the workers: the speed says what happens.
+
+
+def of_speed(scenario: Scenario) -> Results:
+    speed = scenario.initial.impact_speed_rad_s
+    # Without NaN, which is not equal to itself.
+    return dataclasses.replace(make(), summary={"status": "rest", "energy": {"initial_J": speed**2}, "speed": speed})
+
+
+def dying(scenario: Scenario) -> Results:
+    if scenario.initial.impact_speed_rad_s in (3, 17):
+        os._exit(1)
+    return of_speed(scenario)

@@ -1,0 +1,212 @@
+"""A run's bed: slopes, profiles, floor, container, layers, several media, and the warnings that go with them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from support_runs import scenario_of, scene_of, simulate
+
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.limits import Reach, warnings
+from granular_contact.media.validity import Validity
+
+HILL = "{from: hill_cylinders, density_kg_m3: 2500}"
+ALBERT = "{law: albert, density_kg_m3: 2500, eta_h: 8}"
+
+BALL = """
+model:
+  name: ball
+  bodies:
+    ball: {type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.0254}]}
+  joints:
+    flight: {type: free, parent: ground, child: ball}
+medium: {from: glass_beads_katsuragi_durian, stiffness_N_m: 80}
+initial: {joints: {flight: {vy_m_s: -1.0}}}
+solver: {step_s: 2e-5, end_time_s: 0.06}
+"""
+
+
+def faults_of(text_or_name: str, *overrides: str) -> list[tuple[str, str]]:
+    with pytest.raises((SceneError, ConfigError)) as caught:
+        scene_of(text_or_name, *overrides)
+    return [(fault.key, fault.message) for fault in caught.value.faults]
+
+
+def test_a_sloped_surface_is_touched_at_the_start() -> None:
+    scene = scene_of("pendulum", "bed.slope_deg=10")
+    x, y = scene.tip_position
+    # Round-off of a height at 1 km times the slope.
+    assert float(scene.bed.height(np.array([x]))[0]) == pytest.approx(y, abs=1e-12)
+    rise = scene.bed.height(np.array([0.0, 0.1]))
+    assert rise[1] - rise[0] == pytest.approx(0.1 * math.tan(math.radians(10)), abs=1e-12)
+
+
+def test_a_level_profile_is_a_level_bed() -> None:
+    level = simulate("pendulum_rigid", "surface_height_m=-0.14")
+    profile = simulate("pendulum_rigid", "bed.profile_m=[[-1, -0.14], [0.1, -0.14], [2, -0.14]]")
+    for key in ("stopping_time_s", "angle_at_stop_deg", "max_depth_m"):
+        # The same operations but for the interpolation of a height.
+        assert profile.summary[key] == pytest.approx(level.summary[key], rel=1e-9)
+
+
+def test_rising_ground_stops_the_link_later_and_shallower_in_angle() -> None:
+    up, level = simulate("pendulum_rigid", "bed.slope_deg=10"), simulate("pendulum_rigid")
+    # The tip moves down and back: where the ground falls away behind it, it meets less sand on its way.
+    assert up.summary["angle_at_stop_deg"] > level.summary["angle_at_stop_deg"] + 0.5
+    assert up.summary["energy"]["imbalance_relative"] < 1e-3
+
+
+def test_layers_of_one_medium_are_one_bed() -> None:
+    whole = simulate("pendulum_rigid")
+    layered = simulate(
+        "pendulum_rigid", "bed.layers=[{top_m: 0.004, medium: play_sand}, {top_m: 0.011, medium: play_sand}]"
+    )
+    # The direction of a clipped strip is that of its own middle; a sixteenth of the link turns by that much less.
+    assert layered.summary["stopping_time_s"] == pytest.approx(whole.summary["stopping_time_s"], rel=1e-3)
+    assert layered.summary["angle_at_stop_deg"] == pytest.approx(whole.summary["angle_at_stop_deg"], abs=1e-2)
+    assert layered.terms[:3] == ("play_sand_1_drag", "play_sand_1_horizontal_static", "play_sand_1_vertical_static")
+
+
+def test_a_hard_layer_below_a_soft_one_stops_in_between() -> None:
+    soft, hard = (simulate("pendulum_rigid", f"medium=poppy_seeds_{name}") for name in ("loose", "close"))
+    both = simulate(
+        "pendulum_rigid", "medium=poppy_seeds_loose", "bed.layers=[{top_m: 0.02, medium: poppy_seeds_close}]"
+    )
+    depths = [one.summary["max_depth_m"] for one in (hard, both, soft)]
+    assert depths[0] + 1e-3 < depths[1] < depths[2] - 1e-3
+    assert both["poppy_seeds_close_static_force_y_N"].max() > 0.1
+    assert both.summary["energy"]["imbalance_relative"] < 1e-3
+
+
+def test_media_add_up() -> None:
+    pair = simulate("pendulum_rigid", f"medium=[{ALBERT}, {HILL}]")
+    assert pair.terms == ("albert_horizontal_static", "hill_cylinders_vertical_static")
+    whole = simulate(
+        "pendulum_rigid",
+        "medium={law: lee_marghitu, density_kg_m3: 2500, eta_d: 0, eta_h: 8, plunging: {eta_v: 10, lambda: 1.4}, "
+        "withdrawing: {eta_v: 0.5, lambda: 1.7}}",
+    )
+    # The same forces in another order of sums.
+    assert pair.summary["stopping_time_s"] == pytest.approx(whole.summary["stopping_time_s"], rel=1e-6)
+
+
+@pytest.mark.parametrize("medium", ["rft_generic", "rft3d_sand", "{law: drft, lambda: 1.1, density_kg_m3: 1617}"])
+def test_resistive_force_theories_stop_the_link_and_hold_it(medium: str) -> None:
+    results = simulate("pendulum_rigid", f"medium={medium}")
+    assert results.status.code == "rest"
+    # Of the trapezoidal work of a force that drops within a step at the stop: of first order in 0.2 ms of 25 ms.
+    assert results.summary["energy"]["imbalance_relative"] < 2e-3
+    assert (np.diff(results["granular_work_J"]) < 1e-6).all()
+
+
+def test_a_floor_reports_and_carries() -> None:
+    free = simulate("pendulum_rigid", "bed.depth_m=0.01")
+    assert any("floor was reached" in w and "carries nothing" in w for w in free.warnings)
+    floor = "bed={depth_m: 0.01, floor: {stiffness_N_m2: 1e6, damping_s_m: 0.5}}"
+    held = simulate("pendulum_rigid", floor, "solver.step_s=5e-5")
+    assert held.summary["max_depth_m"] < free.summary["max_depth_m"] - 1e-3
+    assert held["floor_force_y_N"].max() > 5.0
+    # The spring of the floor is in its work, which the balance counts by itself.
+    assert held.summary["energy"]["imbalance_relative"] < 1e-3
+    assert held["floor_work_J"].min() < -1e-4
+    assert any("its contact carried" in w for w in held.warnings)
+
+
+def test_a_container_reports_its_walls() -> None:
+    results = simulate("pendulum_rigid", "bed.container_x_m=[0.0, 0.2]")
+    (warning,) = [w for w in results.warnings if "container" in w]
+    x = results["tip_x_m"][results["depth_m"] > 0].max()
+    assert f"right wall of the container was passed by {x - 0.2:.4g} m" in warning
+
+
+def test_leaving_the_range_says_by_how_much() -> None:
+    fast = simulate("pendulum_rigid", "initial.impact_speed_rad_s=11")
+    (warning,) = fast.warnings
+    speed = 11 * 0.263525  # from the pivot to the tip, at the touch
+    assert "play_sand" in warning
+    assert f"is {speed / 2.51:.2f} times the greatest stated, 2.51 m/s" in warning
+    assert not simulate("pendulum_rigid").warnings
+    reduced = simulate("pendulum_rigid", "initial.impact_speed_rad_s=11", "method={reduced: {modes: 0}}")
+    (same,) = reduced.warnings
+    assert f"is {speed / 2.51:.2f} times the greatest stated" in same
+
+
+def test_validity_counts_both_ends_of_sizes() -> None:
+    validity = Validity(speed=(0.5, 1.0), size=(0.01, 0.02))
+    assert list(validity.departures(0.1, 5.0, (0.01, 0.02))) == []
+    small, large = validity.departures(0.1, 0.0, (0.005, 0.03))
+    assert "0.005 m below the least stated, 0.01 m" in small
+    assert "1.50 times the greatest stated, 0.02 m" in large
+
+
+def test_nothing_is_said_of_a_bed_that_was_not_left() -> None:
+    bed = scene_of("pendulum", "bed={depth_m: 0.05, container_x_m: [-1, 1]}").bed
+    assert list(warnings(bed, Reach(1.0, 0.01, -0.15, 0.1, 0.3, (0.00635,)))) == []
+
+
+def test_a_ball_falls_as_the_closed_form_says() -> None:
+    results = simulate(BALL)
+    d = 0.0254
+    mass, k, d1, g = 7700 * math.pi / 6 * d**3, 80.0, 3.4 * d, 9.81
+    # m v v' = m g - k z - (m / d1) v^2 is linear in v^2; the depth where it comes to zero, by bisection.
+    a = 2 / d1
+    slope = -2 * k / mass / a
+    level = (2 * g - slope) / a
+    low, high = 0.0, 0.1
+    for _ in range(60):
+        z = 0.5 * (low + high)
+        low, high = (z, high) if level + slope * z + (1.0 - level) * math.exp(-a * z) > 0 else (low, z)
+    # The drag sets in over 25 um and the bristle over 10 um: some 20 um of 31 mm.
+    assert results.summary["max_depth_m"] == pytest.approx(low, abs=3e-5)
+    assert low > 0.03
+    assert results.terms == ("static", "inertial")
+
+
+def test_what_a_bed_refuses() -> None:
+    ((key, message),) = faults_of("pendulum", "medium={law: bingham, yield_force_N: 1, viscosity_N_s_m: 1}")
+    assert key == "model.bodies.RB2" or key.startswith("model.bodies")
+    assert "lee_marghitu, albert, hill, rft, drft, rft3d" in message
+    assert faults_of("pendulum", "medium=hill_cylinders")[0][0] == "medium.density_kg_m3"
+    assert faults_of("pendulum", "medium=[play_sand, {from: hill_cylinders}]")[0][0] == "medium.1.density_kg_m3"
+    assert faults_of("pendulum", "bed={depth_m: 0.01, slope_deg: -20}")[0][0] == "bed.depth_m"
+    assert faults_of("pendulum", "bed.height_m=0.0")[0][0] == "bed.height_m"
+    assert (
+        faults_of("pendulum", "bed.layers=[{top_m: 0.01, medium: play_sand}]", "load.form=resultant")[0][0]
+        == "load.form"
+    )
+    assert faults_of("pendulum", "bed.slope_deg=5", "method=reduced")[0][0] == "method"
+    assert faults_of(BALL, "bed.layers=[{top_m: 0.01, medium: rft_generic}]")[0][0] == "bed.layers"
+
+
+@pytest.mark.parametrize(
+    ("override", "key", "words"),
+    [
+        ("bed={profile_m: [[0, 0], [0, 1]]}", "bed.profile_m.1.0", "must rise"),
+        ("bed={profile_m: [[0, 0], [1, 1]], slope_deg: 3}", "bed.profile_m", "one of the two"),
+        ("bed={floor: {stiffness_N_m2: 1e5}}", "bed.floor", "needs depth_m"),
+        ("bed={container_x_m: [1, 0]}", "bed.container_x_m", "left of"),
+        (
+            "bed={layers: [{top_m: 0.02, medium: play_sand}, {top_m: 0.01, medium: play_sand}]}",
+            "bed.layers.1.top_m",
+            "not below the layer above",
+        ),
+        ("bed={layers: [{top_m: 0.02, medium: play_sandd}]}", "medium", "did you mean play_sand?"),
+        ("medium=[play_sand, {law: rft, zeta: -1}]", "medium.1.zeta", "above 0"),
+        ("medium={law: katsuragi_durian, stiffness_N_m: 1}", "medium", "neither of drag_length_m"),
+        ("medium={from: play_sand, range: {speed_m_s: [2, 1]}}", "medium.range.speed_m_s", "must not exceed"),
+        ("medium=[]", "medium", "a list of one item or more"),
+    ],
+)
+def test_faults_of_beds_and_media_stand_at_their_keys(override: str, key: str, words: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        scenario_of("pendulum", override)
+    (fault,) = caught.value.faults
+    assert fault.key == key
+    assert words in fault.message
+
+
+def test_two_heights_of_one_surface_are_refused() -> None:
+    with pytest.raises(ConfigError, match="one height of the surface is allowed"):
+        scenario_of("pendulum", "surface_height_m=-0.2", "bed.height_m=-0.2")

@@ -1,0 +1,95 @@
+"""The examples: written from a checkout and from an installed wheel, ready to run, and never over a user's files."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from support_runs import ROOT
+
+from granular_contact import cli, examples
+
+PATTERNS = ("models/*.yaml", "configs/*.yaml")
+SOURCES = sorted(p.relative_to(ROOT).as_posix() for pattern in PATTERNS for p in ROOT.glob(pattern))
+
+
+def test_all_models_and_configs_are_written_and_say_what_next(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["examples", str(tmp_path / "my sand")]) == 0
+    written = {p.relative_to(tmp_path / "my sand").as_posix(): p for p in (tmp_path / "my sand").rglob("*.*")}
+    assert set(SOURCES) <= set(written)
+    for name in SOURCES:
+        assert written[name].read_bytes() == (ROOT / name).read_bytes()
+    assert {path.suffix for path in written.values()} <= {".yaml", ".csv"}
+    out = capsys.readouterr().out
+    assert f"cd '{tmp_path / 'my sand'}'" in out
+    assert "granular-contact run configs/pendulum.yaml" in out
+
+
+def test_a_changed_file_is_never_overwritten_and_an_equal_one_is_fine(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["examples", str(tmp_path)]) == 0
+    assert cli.main(["examples", str(tmp_path)]) == 0
+    mine = tmp_path / "configs" / "pendulum.yaml"
+    mine.write_text("mine")
+    (tmp_path / "configs" / "impact_22deg.yaml").unlink()
+    capsys.readouterr()
+    assert cli.main(["examples", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith("examples: configs/pendulum.yaml in ")
+    assert mine.read_text() == "mine"
+    assert not (tmp_path / "configs" / "impact_22deg.yaml").exists()  # nothing half-written
+
+
+def test_a_file_in_the_way_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "models").touch()
+    assert cli.main(["examples", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_an_installation_without_them_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(examples, "PACKAGE", tmp_path / "nowhere")
+    assert cli.main(["examples", str(tmp_path / "out")]) == 2
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A wheel of the checkout, unpacked as pip does it."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(ROOT)]
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    done = subprocess.run(build, capture_output=True, text=True, env=environment)
+    if done.returncode and "hatchling" in done.stderr:
+        pytest.skip("the build backend can't be had here: no network")
+    assert done.returncode == 0, done.stderr
+    (packed,) = folder.glob("*.whl")
+    with zipfile.ZipFile(packed) as archive:
+        archive.extractall(folder / "site")
+    return folder / "site"
+
+
+def test_a_wheel_writes_them_and_its_own_checkout_is_not_needed(wheel: Path, tmp_path: Path) -> None:
+    """In a clean folder, with the unpacked wheel first on the path and no checkout in sight."""
+    environment = {**os.environ, "PYTHONPATH": str(wheel)}
+
+    def command(*arguments: str, cwd: Path) -> str:
+        line = [sys.executable, "-m", "granular_contact", *arguments]
+        return subprocess.run(line, cwd=cwd, env=environment, capture_output=True, text=True, check=True).stdout
+
+    command("examples", "out", cwd=tmp_path)
+    assert set(SOURCES) <= {p.relative_to(tmp_path / "out").as_posix() for p in (tmp_path / "out").rglob("*.yaml")}
+    where = [sys.executable, "-c", "import granular_contact; print(granular_contact.__file__)"]
+    told = subprocess.run(where, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True).stdout
+    assert told.startswith(str(wheel))
+    configs = [name for name in SOURCES if name.startswith("configs/")]
+    assert command("check", *configs, cwd=tmp_path / "out").count(": ok") == len(configs)
+    # Without their own folder of models they find those of the package.
+    shutil.rmtree(tmp_path / "out" / "models")
+    assert command("check", *configs, cwd=tmp_path / "out").count(": ok") == len(configs)

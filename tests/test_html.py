@@ -1,0 +1,374 @@
+"""The HTML report: complete, self-contained, safe to build, and readable in a real browser on a phone and on paper."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from collections import Counter
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from support_browser import DRIVER, Browser
+from support_results import make
+from support_runs import CONFIGS, scenario_of
+
+from granular_contact import cli, compare, html, report
+from granular_contact.html.markup import Markup, join, tag
+from granular_contact.html.numbers import column, label, quantity
+from granular_contact.run import run
+from granular_contact.scene import build
+
+KINDS = ("run", "compare", "sweep", "fit")
+FIT = {
+    "status": "misfit",
+    "words": ["Two of three coefficients are determined.", "eta_v and lambda can't be told apart."],
+    "warnings": ["medium.eta_v stands at its upper bound"],
+    "reduced_chi_square": 1.7,
+    "estimates": [
+        {"parameter": "medium.eta_h", "value": 8.1, "standard_error": 0.12, "at_bound": False},
+        {"parameter": "medium.eta_d", "value": 6.2, "standard_error": None, "at_bound": True},
+    ],
+    "correlation": {"medium.eta_h": {"medium.eta_h": 1.0, "medium.eta_d": -0.43}},
+    "profile": [[1.0, 2.0], [3.0, 4.5]],
+    "goodness": {"ljung_box": 0.2, "words": ["none"], "columns": [{"column": "tip_y_m", "rows": 500}]},
+    "versions": {"python": "3.11"},
+}
+
+
+def made(kind: str, folder: Path) -> Path:
+    """A results folder of a kind, made by what makes them for users, as far as it is here."""
+    folder.parent.mkdir()
+    if kind == "run":
+        scenario = scenario_of("pendulum")
+        report.write(run(build(scenario), scenario, most_frames=31), folder, film="gif")
+    elif kind == "compare":
+        compare.write(compare.compare(CONFIGS / "pendulum.yaml", (1,), (2, 4), repeats=1), folder)
+    elif kind == "sweep":
+        cases = "\n".join(f"  case{i}: {{initial.impact_speed_rad_s: {2 + i}}}" for i in range(3))
+        file = folder.parent / "three.yaml"
+        file.write_text(f"config: {CONFIGS / 'pendulum_rigid.yaml'}\ncases:\n{cases}\n  still: {{medium: null}}\n")
+        assert cli.main(["sweep", str(file), "--workers", "1", "--quiet", "--out", str(folder)]) == 0
+    else:
+        (folder / "figures").mkdir(parents=True)
+        report.write(make(), folder.parent / "other")
+        (folder.parent / "other" / "figures" / "forces.png").rename(folder / "figures" / "residuals.png")
+        (folder / "fit.json").write_text(json.dumps(FIT))
+        (folder / "residuals.csv").write_text("time_s,tip_y_m\n0.0,3e-4\n0.002,-4e-4\n")
+        (folder / "medium.yaml").write_text("from: play_sand\neta_h: 8.1\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A page of each kind."""
+    place = tmp_path_factory.mktemp("pages")
+    return {kind: html.write(made(kind, place / kind / "results")) for kind in KINDS}
+
+
+class Outline(HTMLParser):
+    """Elements of a page in order, and whether every one of them was closed in turn."""
+
+    VOID = ("meta", "img", "source", "!doctype")
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.text: list[str] = []
+        self.open: list[str] = []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] != "style":
+            self.text.append(data)
+
+    def all(self, name: str) -> list[dict[str, str | None]]:
+        return [attributes for element, attributes in self.elements if element == name]
+
+
+# ---- what is in it ----
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pages_are_well_formed_and_need_nothing_else(kind: str, pages: dict[str, Path]) -> None:
+    outline = Outline(pages[kind].read_text(encoding="utf-8"))
+    assert not outline.open
+    names = Counter(name for name, _ in outline.elements)
+    assert not {"script", "link", "iframe", "object"} & set(names)
+    for _, attributes in outline.elements:
+        for key in ("src", "srcset", "href"):
+            assert (attributes.get(key) or "#").startswith(("data:", "#"))
+    assert "url(" not in pages[kind].read_text(encoding="utf-8")
+    assert names["h1"] == 1
+    assert names["table"] == names["caption"] > 0
+    assert names["figure"] == names["figcaption"] > 0
+    assert all(attributes["alt"] for attributes in outline.all("img"))
+    targets = {attributes.get("id") for attributes in outline.all("h2")}
+    assert {str(a["href"])[1:] for a in outline.all("a")} == targets
+    assert len(targets) == names["h2"] > 3
+    assert outline.all("html") == [{"lang": "en"}]
+
+
+WORDS = {
+    "run": ["stopping time", "25.45 ms", "16.31 mm", "Energy audit", "exudyn", "impact_angle_deg: 31", "0.0033 %"],
+    "compare": ["Cheapest within 1 %", "1 mode", "FE, 4 elements", "off by (%)", "exudyn", "impact_angle_deg: 31"],
+    "sweep": ["4 cases: ", "case0", "still", "impact speed (rad/s)", "exudyn", "impact_angle_deg: 31"],
+    "fit": ["misfit", "can't be told apart", "medium.eta_v stands at", "8.1", "tip_y_m", "from: play_sand", "0.43"],
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pages_tell_what_they_are_for(kind: str, pages: dict[str, Path]) -> None:
+    text = "".join(Outline(pages[kind].read_text(encoding="utf-8")).text)
+    for words in WORDS[kind]:
+        assert words in text
+
+
+def test_a_run_shows_all_its_figures_its_film_and_its_still(pages: dict[str, Path]) -> None:
+    outline = Outline(pages["run"].read_text(encoding="utf-8"))
+    kinds = Counter(str(attributes["src"])[:14] for attributes in outline.all("img"))
+    assert kinds == {"data:image/png": 5, "data:image/gif": 1}
+    (still,) = outline.all("source")
+    assert still["media"] == "(prefers-reduced-motion: reduce)"
+
+
+def test_a_failed_run_is_shown_as_failed(tmp_path: Path) -> None:
+    one = make(stopped=False)
+    summary = one.summary | {"status": "failed", "message": "Newton's method did not converge at 0.01 s"}
+    report.write(dataclasses.replace(one, summary=summary), tmp_path / "r", figures=False)
+    page = html.html(tmp_path / "r")
+    assert '<span class="status bad">failed</span>' in page
+    assert "No stop was found." in page
+    assert "Newton&#x27;s method did not converge" in page
+
+
+def test_failed_cases_of_a_sweep_are_named(tmp_path: Path) -> None:
+    lines = [
+        "case,initial.impact_speed_rad_s,status,message,stopping_time_s",
+        "a,1,rest,fine,0.02",
+        "b,2,error,no <b>,",
+    ]
+    (tmp_path / "table.csv").write_text("\n".join(lines))
+    page = html.html(tmp_path)
+    assert '<span class="status bad">1 failed</span>' in page
+    assert "no &lt;b&gt;" in page
+    assert "1 came to rest, 1 crashed" in page
+
+
+def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:
+    report.write(make(), tmp_path / "r", figures=False)
+    (tmp_path / "r" / "animation.mp4").write_bytes(b"\0" * 10)
+    assert '<video src="data:video/mp4;base64,AAAAAAAAAAAAAA==" controls=""' in html.html(tmp_path / "r")
+
+
+# ---- how it is built ----
+
+
+def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
+    evil = "</p><script>alert('x')</script>\"&amp;"
+    one = make()
+    summary = one.summary | {"name": evil, "message": evil, "warnings": [evil], "versions": {evil: evil}}
+    columns = tuple(dataclasses.replace(column, description=evil) for column in one.columns)
+    results = dataclasses.replace(one, summary=summary, columns=columns, scenario={"name": evil})
+    report.write(results, tmp_path / "r", figures=False)
+    page = html.html(tmp_path / "r")
+    outline = Outline(page)
+    assert not outline.all("script")
+    assert "".join(outline.text).count(evil) >= len(columns) + 4
+
+
+def test_markup() -> None:
+    assert tag("a", "1 < 2", Markup("<b>"), None, href='"x"', class_="c", id=None) == (
+        '<a href="&quot;x&quot;" class="c">1 &lt; 2<b></a>'
+    )
+    assert tag("meta", http_equiv="x") == '<meta http-equiv="x">'
+    assert join("&", None, tag("i", "&")) == "&amp;<i>&amp;</i>"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("stopping_time_s", 0.0254, "25.4 ms"),
+        ("tip_speed_m_s", -1.25, "\N{MINUS SIGN}1.25 m/s"),
+        ("max_deflection_m", 1.8889e-4, "188.9 µm"),
+        ("energy.imbalance_relative", 3.34e-5, "0.0033 %"),
+        ("steps", 482, "482"),
+        ("at_bound", True, "yes"),
+        ("medium", "play_sand", "play_sand"),
+        ("angle_at_stop_deg", None, "none"),
+        ("moment_Nm", 2.0, "2 N\N{MIDDLE DOT}m"),
+    ],
+)
+def test_quantities_have_the_unit_of_their_key(key: str, value: object, words: str) -> None:
+    assert quantity(key, value) == words
+
+
+def test_keys_are_put_into_words_and_columns_get_one_unit() -> None:
+    assert label("initial.impact_angle_deg") == "impact angle"
+    assert label("medium.eta_h") == "eta_h"
+    heading, values = column("depth_m", [0.011, 0.2, None, "?"])
+    assert heading == "depth (mm)"
+    assert values[:2] == pytest.approx([11.0, 200.0])
+    assert values[2:] == [None, "?"]
+
+
+# ---- the command ----
+
+
+def test_the_page_is_saved_in_the_folder_which_stays_a_results_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    report.write(make(), tmp_path / "r", figures=False)
+    assert cli.main(["report", str(tmp_path / "r")]) == 0
+    assert capsys.readouterr().out == f"saved in {tmp_path / 'r' / 'report.html'}\n"
+    assert cli.main(["report", str(tmp_path / "r")]) == 0  # over its own
+    assert not [path for path in (tmp_path / "r").iterdir() if path.name.startswith(".")]
+    report.check_target(tmp_path / "r")
+    report.write(make(), tmp_path / "r", figures=False)
+    assert not (tmp_path / "r" / "report.html").exists()  # that of an earlier run
+
+
+def test_another_file_can_be_named_and_no_foreign_one_is_overwritten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    report.write(make(), tmp_path / "r", figures=False)
+    out = tmp_path / "page.html"
+    assert cli.main(["report", str(tmp_path / "r"), "--out", str(out)]) == 0
+    assert out.is_file()
+    out.write_text("mine")
+    assert cli.main(["report", str(tmp_path / "r"), "--out", str(out)]) == 2
+    assert "is no report of this program" in capsys.readouterr().err
+    assert out.read_text() == "mine"
+    assert cli.main(["report", str(tmp_path / "r"), "--out", str(tmp_path / "nowhere" / "page.html")]) == 2
+
+
+def broken(folder: Path) -> Iterator[str]:
+    """Ways in which a folder can be no results, and what is said then."""
+    yield "is not there"
+    folder.mkdir()
+    yield "no results"
+    (folder / "table.csv").write_text("")
+    yield "has no header"
+    (folder / "table.csv").write_text("case,status\na\n")
+    yield "row 2 does not have 2 cells"
+    (folder / "table.csv").unlink()
+    (folder / "timeseries.csv").touch()
+    yield "holds no summary.json"
+    (folder / "summary.json").write_text("{")
+    yield "is no JSON"
+    (folder / "summary.json").write_text("[1]")
+    yield "holds no object"
+
+
+def test_broken_folders_are_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for words in broken(tmp_path / "r"):
+        assert cli.main(["report", str(tmp_path / "r")]) == 2
+        told = capsys.readouterr().err
+        assert words in told
+        assert told.count("\n") == 1
+        assert not (tmp_path / "r" / "report.html").exists()
+
+
+# ---- in a browser ----
+
+IN_BROWSER = pytest.mark.skipif(DRIVER is None, reason="no chromedriver on this machine (Debian: chromium-driver)")
+
+# Every text with its contrast to what is behind it, as WCAG defines it: the least of all, and whose it is.
+CONTRAST = """
+const light = c => {
+  const [r, g, b] = c.map(v => v / 255).map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+};
+const colour = text => text.match(/[\\d.]+/g).map(Number);
+const behind = element => {
+  for (let e = element; e; e = e.parentElement) {
+    const c = colour(getComputedStyle(e).backgroundColor);
+    if (c.length === 3 || c[3] === 1) return c;
+  }
+  return matchMedia('(prefers-color-scheme: dark)').matches ? [18, 18, 18] : [255, 255, 255];
+};
+let least = [99, ''];
+for (const e of document.body.querySelectorAll('*')) {
+  if (![...e.childNodes].some(n => n.nodeType === 3 && n.data.trim())) continue;
+  const [a, b] = [light(colour(getComputedStyle(e).color)), light(behind(e))];
+  const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  if (contrast < least[0]) least = [contrast, e.outerHTML.slice(0, 80)];
+}
+return least;
+"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with Browser() as one:
+        yield one
+
+
+@IN_BROWSER
+@pytest.mark.parametrize("width", [390, 768, 1400])
+@pytest.mark.parametrize("kind", KINDS)
+def test_pages_fit_the_window_and_show_every_picture(
+    kind: str, width: int, pages: dict[str, Path], browser: Browser
+) -> None:
+    browser.media()
+    browser.open(pages[kind], width)
+    assert browser.run("return document.documentElement.scrollWidth") <= width
+    shown = browser.run("return [...document.images].map(i => i.complete && i.naturalWidth > 100 && i.width > 100)")
+    assert shown
+    assert all(shown)
+    asked = browser.run("return performance.getEntriesByType('resource').map(e => e.name.slice(0, 5))")
+    assert set(asked) <= {"data:"}
+    # Words are large enough to read, and links to hit.
+    assert browser.run("return parseFloat(getComputedStyle(document.body).fontSize)") >= 16
+    assert min(browser.run("return [...document.links].map(a => a.getBoundingClientRect().height)")) >= 24
+    assert len(browser.picture()) > 20_000
+
+
+@IN_BROWSER
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_words_stand_out_by_day_and_by_night(kind: str, scheme: str, pages: dict[str, Path], browser: Browser) -> None:
+    browser.media(prefers_color_scheme=scheme)
+    browser.open(pages[kind], 800)
+    contrast, where = browser.run(CONTRAST)
+    assert contrast >= 4.5, where  # WCAG 2, level AA
+    paper = browser.run("return getComputedStyle(document.body).backgroundColor")
+    assert (sum(map(int, re.findall(r"\d+", paper)[:3])) < 200) == (scheme == "dark")
+
+
+@IN_BROWSER
+@pytest.mark.parametrize("kind", KINDS)
+def test_pages_print(kind: str, pages: dict[str, Path], browser: Browser) -> None:
+    browser.media("print", prefers_color_scheme="dark")
+    browser.open(pages[kind], 700)  # about what A4 leaves within its margins, in px
+    contrast, where = browser.run(CONTRAST)
+    assert contrast >= 4.5, where
+    assert browser.run("return getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert browser.run("return getComputedStyle(document.querySelector('nav')).display") == "none"
+    hidden = "return [...document.querySelectorAll('pre, .scroll')].map(e => e.scrollHeight - e.clientHeight)"
+    assert max(browser.run(hidden)) <= 1
+    wide = "return [...document.querySelectorAll('table, img')].map(e => e.getBoundingClientRect().right)"
+    assert max(browser.run(wide)) <= 701
+    pdf = browser.pdf()
+    assert pdf.startswith(b"%PDF")
+    assert len(pdf) > 20_000
+
+
+@IN_BROWSER
+def test_who_wants_no_motion_gets_a_still(pages: dict[str, Path], browser: Browser) -> None:
+    seen = "return document.querySelector('picture img').currentSrc.slice(0, 14)"
+    for wish, kind in (("no-preference", "data:image/gif"), ("reduce", "data:image/png")):
+        browser.media(prefers_reduced_motion=wish)
+        browser.open(pages["run"], 800)
+        assert browser.run(seen) == kind

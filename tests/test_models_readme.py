@@ -1,0 +1,36 @@
+"""What models/README.md shows runs, and does what it says."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from support_runs import ROOT, simulate
+
+TEXT = (ROOT / "models" / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
+    (leg,) = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    run = simulate(leg)
+    assert run.status.code == "end_time"
+    # Let down: it starts in the sand, at rest.
+    assert run["depth_m"][0] > 1e-3
+    assert run["kinetic_J"][0] == 0.0
+    # The knee follows 60 deg + 20 deg sin(2 pi t) as far as 5 N m/rad and 0.05 N m s/rad bring it; round-off.
+    phase = 2 * np.pi * run["time_s"]
+    error = np.radians(60 + 20 * np.sin(phase) - run["knee_angle_deg"])
+    rate_error = np.radians(20) * 2 * np.pi * np.cos(phase) - run["knee_rate_rad_s"]
+    np.testing.assert_allclose(5 * error + 0.05 * rate_error, run["knee_torque_Nm"], atol=1e-12)
+    assert np.ptp(run["knee_angle_deg"]) > 30.0
+    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+    assert run.summary["contacts"]["shank"]
+
+
+def test_every_kind_of_joint_signal_and_drive_is_named() -> None:
+    from granular_contact.config.schema.drives import DRIVES
+    from granular_contact.config.schema.joints import JOINTS
+    from granular_contact.config.schema.signals import SIGNALS
+
+    for kind in (*JOINTS, *DRIVES, *(name for name in SIGNALS if name != "constant")):
+        assert f"`{kind}`" in TEXT

@@ -1,0 +1,182 @@
+"""Sweeps on a real Dask scheduler and two worker processes, over TCP on this machine."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+import psutil
+import pytest
+from support_sweep import ENVIRONMENT, SPEED, command, dying, of_speed, timeless_bytes, write
+
+from granular_contact import sweep
+from granular_contact.cli import main
+from granular_contact.config import load_sweep
+from granular_contact.sweep import cluster
+from granular_contact.sweep.cluster import cluster_crew
+
+pytest.importorskip("distributed")
+QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 40}}\n"
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+def daemon(folder: Path, *words: str) -> subprocess.Popen[bytes]:
+    """A process of Dask's; one crash is enough to blame a task."""
+    environment = {**ENVIRONMENT, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    return subprocess.Popen([sys.executable, "-m", *words], cwd=folder, env=environment, **quiet)
+
+
+def end(process: subprocess.Popen[bytes]) -> None:
+    for one in [*psutil.Process(process.pid).children(recursive=True), process]:
+        one.kill()
+    process.wait()
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    port = free_port()
+    words = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
+    process = daemon(tmp_path_factory.mktemp("scheduler"), *words)
+    yield f"tcp://127.0.0.1:{port}", process
+    if process.poll() is None:
+        end(process)
+
+
+@pytest.fixture(scope="module")
+def workers(scheduler, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of the scheduler, once two workers have come."""
+    from distributed import Client
+
+    address, _ = scheduler
+    folder = tmp_path_factory.mktemp("workers")
+    words = ["--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
+    process = daemon(folder, "distributed.cli.dask_worker", address, *words)
+    with Client(address, timeout=20, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=60)
+    yield address
+    end(process)
+
+
+@pytest.fixture
+def numbered(tmp_path) -> sweep.Crew:
+    return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
+
+
+def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):
+    path = write(tmp_path, QUICK)
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler[0]]) == 2
+    said = f"--scheduler {scheduler[0]}: it has no workers; start some with dask worker {scheduler[0]}\n"
+    assert capsys.readouterr() == ("", said)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_cluster_gives_the_table_of_one_worker_and_of_two(workers, tmp_path):
+    path = write(tmp_path, QUICK)
+    ways = {"one": ["--workers", 1], "two": ["--workers", 2], "cluster": ["--scheduler", workers]}
+    for name, words in ways.items():
+        done = command("sweep", path, "--out", tmp_path / name, *words, "--quiet")
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert timeless_bytes(tmp_path / "one").count(b"\n") == 41
+    assert timeless_bytes(tmp_path / "two") == timeless_bytes(tmp_path / "one")
+    assert timeless_bytes(tmp_path / "cluster") == timeless_bytes(tmp_path / "one")
+
+
+def test_results_of_cases_come_from_a_cluster_too(workers, tmp_path, monkeypatch):
+    path = write(tmp_path, f"{QUICK.replace('40', '2')}").name
+    monkeypatch.chdir(tmp_path)  # the workers stand elsewhere
+    done = command("sweep", path, "--out", "out", "--scheduler", workers, "--quiet", "--plots", folder=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert sorted(entry.name for entry in (tmp_path / "out" / "cases").iterdir()) == ["case_1", "case_2"]
+
+
+def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_path):
+    journal = sweep.Journal(tmp_path)
+    with cluster_crew(workers) as crew:
+        rows = sorted(sweep.run(numbered, crew, function=dying, journal=journal), key=lambda row: row.index)
+    assert [row.index for row in rows] == list(range(20))
+    assert [row.index for row in rows if row.failed] == [3, 17]
+    assert "the process died" in rows[3].summary["message"]
+    with sweep.Crew(2) as crew:
+        assert rows == sorted(sweep.run(numbered, crew, function=dying), key=lambda row: row.index)
+    assert list(journal) == rows
+
+
+@pytest.mark.parametrize(
+    ("package", "version", "said"),
+    [
+        ("exudyn", "0.1", "has exudyn 1"),
+        ("python", "2.7", "has python 3"),
+        ("nothing-like-this", "1", "has no nothing-like-this, and here is 1"),
+    ],
+)
+def test_workers_that_are_not_like_this_process_are_refused(workers, monkeypatch, package, version, said):
+    monkeypatch.setattr(cluster, "versions", lambda: {package: version})
+    with pytest.raises(sweep.CrewError) as caught:
+        cluster_crew(workers)
+    assert str(caught.value).startswith(f"--scheduler {workers}: the worker tcp://127.0.0.1:")
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_folder_that_workers_do_not_see_is_told(workers, tmp_path):
+    with pytest.raises(sweep.CrewError, match=r"does not see .*nowhere"):
+        cluster_crew(workers, tmp_path / "nowhere")
+
+
+def test_a_scheduler_that_is_lost_ends_the_sweep_and_keeps_its_rows(scheduler, workers, numbered, tmp_path):
+    """The last test of this cluster."""
+    journal = sweep.Journal(tmp_path)
+    with cluster_crew(workers) as crew:
+        rows = sweep.run(numbered, crew, function=of_speed, journal=journal)
+        assert len(list(islice(rows, 5))) == 5
+        end(scheduler[1])
+        with pytest.raises(sweep.CrewError, match="the connection is lost"):
+            list(rows)
+    assert 5 <= len(journal) < 20
+
+
+@pytest.mark.parametrize("listening", [False, True])
+def test_a_scheduler_that_does_not_answer_is_named(listening, tmp_path, monkeypatch, capsys):
+    """Nobody there, and somebody who says nothing."""
+    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
+    path = write(tmp_path, QUICK)
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        if listening:
+            one.listen()
+        address = f"tcp://127.0.0.1:{one.getsockname()[1]}"
+        begin = time.monotonic()
+        assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", address]) == 2
+        assert time.monotonic() - begin < 5.0
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"--scheduler {address}: no Dask scheduler answers (")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_answer_is_awaited_for_less_than_ten_seconds():
+    assert cluster.ANSWER_SECONDS < 9.0
+
+
+def test_an_address_that_is_none(tmp_path, capsys):
+    path = write(tmp_path, QUICK)
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", "nonsense"]) == 2
+    assert "--scheduler nonsense: missing port number" in capsys.readouterr().err
+
+
+def test_distributed_is_an_extra(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    path = write(tmp_path, QUICK)
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:1"]) == 2
+    assert capsys.readouterr().err == f"{cluster.MISSING}\n"

@@ -1,0 +1,323 @@
+"""Sweeps that are killed go on where they were: nothing lost, nothing run twice, nothing of another sweep touched."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import hashlib
+import json
+import os
+import signal
+import subprocess
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import psutil
+import pytest
+from support_sweep import (
+    ENVIRONMENT,
+    ROOT,
+    SPEED,
+    arguments,
+    command,
+    of_speed,
+    read,
+    timeless_bytes,
+    until,
+    write,
+)
+
+from granular_contact import sweep
+from granular_contact.cli import main
+from granular_contact.cli import sweep as cli
+from granular_contact.config import load_sweep
+from granular_contact.sweep import journal as journals
+from granular_contact.sweep import local_processes as local
+from granular_contact.sweep.journal import Journal, Row
+
+QUICK = "set: {method: {reduced: {modes: 0}}}\n"
+
+
+def many(folder: Path) -> Path:
+    """Two hundred impacts by the engine: long enough to be killed between."""
+    return write(folder, f"vary:\n  {SPEED}: {{from: 1, to: 9, count: 200}}\n")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The results of the sweep in one go, on one worker."""
+    folder = tmp_path_factory.mktemp("whole")
+    done = command("sweep", many(folder), "--out", folder / "out", "--workers", 1, "--quiet")
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder / "out"
+
+
+def start(folder: Path) -> subprocess.Popen[str]:
+    words = arguments("sweep", folder / "many.yaml", "--out", folder / "out", "--workers", 2)
+    return subprocess.Popen(words, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def lines(folder: Path) -> list[bytes]:
+    """Whole lines of the journal of an unfinished sweep."""
+    files = (folder / "out.part" / "journal").glob("*.jsonl")
+    return [line for file in files for line in file.read_bytes().splitlines(keepends=True) if line.endswith(b"\n")]
+
+
+def test_a_sweep_killed_three_times_gives_the_same_table(whole, tmp_path):
+    many(tmp_path)
+    kept: set[bytes] = set()
+    for least in (30, 70, 110):
+        process = start(tmp_path)
+        until(lambda n=least: len(lines(tmp_path)) >= n, 60)
+        process.send_signal(signal.SIGKILL)
+        out, _ = process.communicate()
+        said = f"going on in {tmp_path / 'out.part'}: {len(kept)} of 200 cases are there\n"
+        assert out == (said if kept else "")
+        assert not (tmp_path / "out").exists()
+        # Each line is one run: those of before are there as they were, and no case was run again.
+        found = lines(tmp_path)
+        assert kept <= set(found)
+        assert len(kept) < len(found) < 200
+        assert set(Counter(json.loads(line)["index"] for line in found).values()) == {1}
+        kept = set(found)
+    process = start(tmp_path)
+    out, err = process.communicate(timeout=100)
+    assert (process.returncode, err) == (0, "")
+    assert f"{len(kept)} of 200 cases are there" in out
+    assert timeless_bytes(tmp_path / "out") == timeless_bytes(whole)
+    assert (tmp_path / "out" / "sweep.yaml").read_bytes() == (whole / "sweep.yaml").read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["many.yaml", "out"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["sweep.yaml", "table.csv"]
+    # What was kept is in the table to the digit, times too, which no second run would repeat.
+    times = {row["case"]: row["cost.solve_s"] for row in read(tmp_path / "out")}
+    for line in kept:
+        row = json.loads(line)
+        assert times[row["name"]] == repr(row["summary"]["cost.solve_s"])
+
+
+def test_killed_workers_cost_no_row(whole, tmp_path):
+    many(tmp_path)
+    process = start(tmp_path)
+    until(lambda: len(lines(tmp_path)) >= 40, 60)
+    # Below the command stands the server of the workers, and the workers below that.
+    workers = [w for server in psutil.Process(process.pid).children() for w in server.children()]
+    assert len(workers) >= 2
+    for worker in workers:
+        worker.kill()
+    _, err = process.communicate(timeout=100)
+    assert (process.returncode, err) == (0, "")
+    assert timeless_bytes(tmp_path / "out") == timeless_bytes(whole)
+
+
+def test_a_line_that_is_torn_anywhere_is_no_row(tmp_path):
+    rows = [
+        Row(i, f"c{i}", {SPEED: 0.1 * i}, {"status": "rest", "message": 'said "}\n"', "x": i / 3}) for i in range(3)
+    ]
+    writer = Journal(tmp_path).writer()
+    for row in rows:
+        writer.append(row.line())
+    writer.close()
+    [file] = tmp_path.iterdir()
+    text = file.read_bytes()
+    assert list(Journal(tmp_path)) == rows
+    for end in range(len(text)):
+        file.write_bytes(text[:end])
+        assert list(Journal(tmp_path)) == rows[: text[:end].count(b"\n")]
+
+
+def test_a_row_written_twice_counts_once(tmp_path):
+    first, second = (Row(0, "a", {}, {"status": "rest", "message": "", "try": i}) for i in (1, 2))
+    writer = Journal(tmp_path).writer()
+    for row in (first, second):
+        writer.append(row.line())
+    writer.close()
+    assert list(Journal(tmp_path)) == [first]
+
+
+# ---- what is in the way ----
+
+
+class Threads(ThreadPoolExecutor):
+    """Ends when it is told to, as processes do."""
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        super().shutdown(wait=True, cancel_futures=cancel_futures)
+
+
+@pytest.fixture(autouse=True)
+def _here(monkeypatch):
+    """Let the command, where it is no process of its own, run its cases in a thread of this one."""
+    monkeypatch.setattr(cli, "_crew", lambda *_: sweep.Crew(1, Threads))
+
+
+def small(folder: Path, cases: str = "  a: {}\n  b: {gravity_m_s2: 9}\n", name: str = "many.yaml") -> Path:
+    return write(folder, f"{QUICK}cases:\n{cases}", name)
+
+
+def state(folder: Path) -> dict[str, str]:
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+@pytest.mark.parametrize(
+    ("cases", "said"),
+    [
+        ("  a: {}\n  b: {gravity_m_s2: 9.5}\n", "cases.b.gravity_m_s2 is 9 there and 9.5 here"),
+        ("  a: {}\n  c: {gravity_m_s2: 9}\n", "cases.c is only here"),
+        ("  a: {}\n", "cases.b is only there"),
+    ],
+)
+def test_a_finished_folder_of_another_sweep_is_refused(tmp_path, capsys, cases, said):
+    out = str(tmp_path / "out")
+    assert main(["sweep", str(small(tmp_path)), "--out", out, "--quiet"]) == 0
+    small(tmp_path, cases)
+    before = state(tmp_path)
+    for more in ([], ["--restart"]):
+        assert main(["sweep", str(tmp_path / "many.yaml"), "--out", out, *more]) == 2
+        seen = capsys.readouterr()
+        assert seen.err == f"{out} is of another sweep ({said}): give another --out, or remove it\n"
+        assert state(tmp_path) == before
+
+
+def test_a_config_that_changed_is_another_sweep(tmp_path, capsys):
+    out = str(tmp_path / "out")
+    assert main(["sweep", str(small(tmp_path)), "--out", out, "--quiet"]) == 0
+    text = (tmp_path / "many.yaml").read_text()
+    (tmp_path / "many.yaml").write_text(text.replace("set: {", "set: {medium.eta_h: 9, "))
+    assert main(["sweep", str(tmp_path / "many.yaml"), "--out", out]) == 2
+    assert "config.medium.eta_h is 8.0 there and 9.0 here" in capsys.readouterr().err
+
+
+def test_a_finished_sweep_is_not_run_again_unless_asked(tmp_path, capsys):
+    path, out = str(small(tmp_path)), str(tmp_path / "out")
+    assert main(["sweep", path, "--out", out, "--quiet"]) == 0
+    before = state(tmp_path)
+    assert main(["sweep", path, "--out", out]) == 0
+    assert capsys.readouterr().out == f"{out} holds all cases of this sweep already; --restart runs them again\n"
+    assert state(tmp_path) == before
+    assert main(["sweep", path, "--out", out, "--restart", "--quiet"]) == 0
+    assert read(Path(out))[0]["cost.solve_s"] != ""
+    assert state(tmp_path) != before  # other times
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["many.yaml", "out"]
+
+
+def interrupted(folder: Path, monkeypatch, *more: str) -> None:
+    """Run the sweep in `folder` until its first row."""
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(cli, "_ask_for_outputs", stop)
+        patched.setattr(sweep.crew, "cores", lambda: 1)
+        assert main(["sweep", str(folder / "many.yaml"), "--out", str(folder / "out"), "--quiet", *more]) == 130
+
+
+SAMPLE = f"{QUICK}sample:\n  method: latin_hypercube\n  count: 8\n  ranges: {{{SPEED}: [1, 9]}}\n"
+
+
+def test_an_unfinished_folder_of_another_sweep_is_refused(tmp_path, capsys, monkeypatch):
+    path, out = write(tmp_path, SAMPLE), str(tmp_path / "out")
+    interrupted(tmp_path, monkeypatch)
+    said = capsys.readouterr().err
+    went_on = f"of 8 cases are kept in {out}.part, and the same command goes on from there\n"
+    assert said.startswith("interrupted; ")
+    assert said.endswith(went_on)
+    path.write_text(path.read_text().replace("count: 8", "count: 9"))
+    before = state(tmp_path)
+    assert main(["sweep", str(path), "--out", out]) == 2
+    words = f"{out}.part is of another sweep (sample.count is 8 there and 9 here): --restart throws it away\n"
+    assert capsys.readouterr().err == words
+    assert state(tmp_path) == before
+    assert main(["sweep", str(path), "--out", out, "--restart", "--quiet"]) == 0
+    assert len(read(tmp_path / "out")) == 9
+    assert not (tmp_path / "out.part").exists()
+
+
+def test_other_versions_and_options_do_not_go_on(tmp_path, capsys, monkeypatch):
+    path, out = write(tmp_path, SAMPLE), str(tmp_path / "out")
+    interrupted(tmp_path, monkeypatch)
+    capsys.readouterr()
+    assert main(["sweep", str(path), "--out", out, "--plots"]) == 2
+    assert "was begun without --plots: go on without it" in capsys.readouterr().err
+    begun = tmp_path / "out.part" / "journal" / "begun.json"
+    text = begun.read_text()
+    begun.write_text(text.replace('"exudyn": "1', '"exudyn": "0'))
+    assert main(["sweep", str(path), "--out", out]) == 2
+    assert "was begun with exudyn 0" in capsys.readouterr().err
+    begun.write_text(text)
+    with (tmp_path / "out.part" / "journal" / ".lock").open() as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        assert main(["sweep", str(path), "--out", out]) == 2
+        assert "another process is at work" in capsys.readouterr().err
+    assert main(["sweep", str(path), "--out", out, "--quiet"]) == 0
+
+
+def test_something_else_called_part_is_left_alone(tmp_path, capsys):
+    path = small(tmp_path)
+    (tmp_path / "out.part").mkdir()
+    (tmp_path / "out.part" / "thesis.tex").touch()
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--restart"]) == 2
+    assert "'thesis.tex', which no sweep wrote" in capsys.readouterr().err
+    assert [entry.name for entry in (tmp_path / "out.part").iterdir()] == ["thesis.tex"]
+
+
+def test_a_full_disk_keeps_what_is_there(tmp_path, capsys, monkeypatch):
+    """A worker writes half of its row, then there is no room left."""
+    path, out = write(tmp_path, SAMPLE), tmp_path / "out"
+    real, written = os.write, [0]
+
+    def full(file: int, data: bytes) -> int:
+        written[0] += 1
+        if written[0] > 4:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(file, data if written[0] <= 3 else data[: len(data) // 2])
+
+    with monkeypatch.context() as patched:
+        patched.setattr(journals.os, "write", full)
+        assert main(["sweep", str(path), "--out", str(out)]) == 2
+    seen = capsys.readouterr()
+    kept = "3 of 8 cases are kept in"
+    words = (
+        f"the sweep can't go on: No space left on device; {kept} {out}.part, and the same command goes on from there\n"
+    )
+    assert (seen.out, seen.err) == ("", words)
+    assert len(Journal(tmp_path / "out.part" / "journal")) == 3
+    assert main(["sweep", str(path), "--out", str(out)]) == 0
+    assert "3 of 8 cases are there" in capsys.readouterr().out
+    assert len(read(out)) == 8
+
+
+def test_a_disk_that_is_full_before_the_first_row(tmp_path, capsys, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    path = write(tmp_path, SAMPLE)
+    with monkeypatch.context() as patched:
+        patched.setattr(journals.os, "write", full)
+        assert main(["sweep", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert [entry.name for entry in tmp_path.iterdir()] == ["many.yaml"]
+
+
+def test_results_of_a_case_that_can_not_be_saved_end_the_sweep(tmp_path):
+    """They are no failure of the case, which would count as done the next time."""
+    cases = load_sweep(write(tmp_path, f"vary:\n  {SPEED}: [1, 2, 3]\n"))
+    (tmp_path / "file").touch()
+    with pytest.raises(FileExistsError), sweep.Crew(1, Threads) as crew:
+        list(sweep.run(cases, crew, cases_folder=tmp_path / "file", function=of_speed))
+
+
+def test_rows_that_are_there_are_not_run(tmp_path):
+    cases = load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
+    with sweep.Crew(2, local) as crew:
+        rows = list(sweep.run(cases, crew, done={0, 3, 19}, function=of_speed))
+    assert {row.index for row in rows} == set(range(20)) - {0, 3, 19}
+
+
+def test_the_checkout_is_the_package_under_test():
+    assert Path(sweep.__file__).is_relative_to(ROOT)

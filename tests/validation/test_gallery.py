@@ -1,0 +1,71 @@
+"""Every config runs and gives the number that the gallery shows; every model has its picture there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from validation import gallery
+
+PAGE = gallery.PAGE.read_text(encoding="utf-8")
+SHOWN = dict(re.findall(r"^\| \[(\w+)\]\(\1\.yaml\) \| .* \| (.*) \|$", PAGE, flags=re.M))
+ADVICE = "run python validation/gallery.py, and look at what it changed"
+
+
+@pytest.mark.parametrize("name", gallery.names(single=True))
+def test_a_config_gives_the_number_shown(name: str) -> None:
+    assert name in SHOWN, ADVICE
+    entry = gallery.entry(name)
+    assert entry.results.status.code in ("rest", "end_time")
+    words, value, unit = split(SHOWN[name])
+    now_words, now, now_unit = split(entry.number)
+    assert (words, unit) == (now_words, now_unit), ADVICE
+    # Four digits are shown; the same step on another machine differs by round-off, which a run that strikes the ground
+    # many times may enlarge.
+    assert now == pytest.approx(value, rel=2e-3), ADVICE
+
+
+def split(number: str) -> tuple[str, float, str]:
+    words, value, unit = number.rsplit(" ", 2)
+    return words, float(value), unit
+
+
+@pytest.mark.parametrize("name", gallery.names(single=False))
+def test_a_sweep_comes_to_its_end(name: str) -> None:
+    assert SHOWN.get(name) == gallery.cases(name), ADVICE
+    done, of = re.findall(r"\d+", SHOWN[name])
+    assert done == of
+
+
+def test_the_page_shows_what_there_is_and_no_more() -> None:
+    assert set(SHOWN) == {*gallery.names(single=True), *gallery.names(single=False)}, ADVICE
+    pictures = re.findall(r"!\[(.+)\]\(\.\./(validation/figures/gallery_\w+\.png)\)", PAGE)
+    assert len(pictures) == PAGE.count("\n## ") - 1
+    assert {name for _, name in pictures} == {
+        path.relative_to(gallery.HERE.parent).as_posix() for path in gallery.FIGURES.glob("gallery_*.png")
+    }
+    for words, name in pictures:
+        path = gallery.HERE.parent / name
+        assert words.endswith(".")
+        assert path.stat().st_size < 60_000
+        with Image.open(path) as image:
+            assert image.width >= gallery.WIDTH
+
+
+def test_the_picture_drawn_now_is_of_the_size_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gallery, "FIGURES", tmp_path)
+    entry = gallery.entry("pendulum", gallery.FRAMES)
+    path = gallery.draw(entry)
+    with Image.open(path) as now, Image.open(gallery.HERE / "figures" / path.name) as shown:
+        assert now.size == shown.size
+
+
+def test_the_comment_of_a_config_is_cut_at_its_first_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text("# Strikes at 61.5 degrees\n# or so. And more.\n#\nmodel: x\n# not this\n")
+    assert gallery.comment(path) == "Strikes at 61.5 degrees or so."
+    path.write_text("model: x\n")
+    assert gallery.comment(path) == ""

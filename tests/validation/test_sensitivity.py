@@ -1,0 +1,47 @@
+"""The study of what decides the stopping time: its claims, and that they can fail."""
+
+from __future__ import annotations
+
+import copy
+
+import pytest
+
+from validation import sensitivity as study
+
+SIX, ONE_IMPACT = (design.name for design in study.DESIGNS)
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, list[study.Indices]]:
+    return {design.name: study.indices(design, study.QUICK_COUNT) for design in study.DESIGNS}
+
+
+def held(found: dict[str, list[study.Indices]]) -> dict[str, bool]:
+    return {claim.name.removeprefix("sensitivity."): claim.held for claim in study.claims(found)}
+
+
+def test_claims_hold(found):
+    assert len(held(found)) == 4
+    assert all(held(found).values())
+
+
+@pytest.mark.parametrize(
+    ("design", "output", "array", "value", "statement"),
+    [
+        (SIX, 0, "first", 0.2, "speed and angle decide the stopping time more than the sand does"),
+        (SIX, 0, "total", 0.2, "speed and angle decide the stopping time more than the sand does"),
+        (SIX, 0, "total_interval", 0.06, "eta_d hardly changes the stopping time"),
+        (ONE_IMPACT, 0, "total_interval", 0.06, "eta_d hardly changes the stopping time"),
+        (ONE_IMPACT, 0, "first_interval", 0.4, "of the coefficients eta_v decides the stopping time of one impact"),
+        (ONE_IMPACT, 1, "first", 0.4, "eta_d decides where one impact stops"),
+    ],
+)
+def test_claims_fall_with_other_indices(found, design, output, array, value, statement):
+    other = copy.deepcopy(found)
+    getattr(other[design][output], array)[...] = value
+    assert not held(other)[statement]
+
+
+def test_table_has_a_line_for_each_input(found):
+    lines = study.table(found[SIX]).splitlines()
+    assert [line.split("|")[1].strip() for line in lines[2:]] == [*study.SYMBOLS.values(), "sum"]

@@ -1,0 +1,139 @@
+"""The gallery: every config in configs/ run, a picture of each model, and a number of each config that the tests hold.
+
+    python validation/gallery.py
+
+writes configs/README.md and figures/gallery_*.png. A new config needs nothing but to be there.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from granular_contact import config
+from granular_contact.results import Results
+from granular_contact.run import run
+from granular_contact.scene import build
+from granular_contact.sweep import run as run_sweep
+
+CONFIGS, FIGURES, PAGE = HERE.parent / "configs", HERE / "figures", HERE.parent / "configs" / "README.md"
+# Key numbers of a summary, the most telling first: key, what it is called, factor, unit.
+NUMBERS = (
+    ("forward_speed_m_s", "forward speed", 1.0, "m/s"),
+    ("stopping_time_s", "stopping time", 1e3, "ms"),
+    ("max_depth_m", "largest depth", 1e3, "mm"),
+    ("energy.final_J", "energy at the end", 1e3, "mJ"),
+)
+PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
+INTRODUCTION = """# Configs
+
+Every file here runs as it is, after `granular-contact examples DIR` from an installed package too:
+
+```sh
+granular-contact run configs/pendulum.yaml --animate
+```
+
+This page is written by `python validation/gallery.py`; the tests run every config and hold the number that stands here.
+Arrows are forces of the medium, thin lines the path of the tip.
+"""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A config of one run: its name, what its comment says first, the model's name and description, what came of it."""
+
+    name: str
+    words: str
+    model: str
+    description: str
+    results: Results
+
+    @property
+    def number(self) -> str:
+        """The key number, as it stands in the table."""
+        return number(self.results.summary)
+
+
+def names(single: bool) -> list[str]:
+    """Names of the configs of one run, or of the sweeps."""
+    found = {path.stem: yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(CONFIGS.glob("*.yaml"))}
+    return [name for name, content in found.items() if ("model" in content) == single]
+
+
+def number(summary: dict[str, Any]) -> str:
+    """The most telling number of a run, in words."""
+    energy = {f"energy.{key}": value for key, value in summary.get("energy", {}).items()}
+    flat = summary | energy
+    key, words, factor, unit = next(one for one in NUMBERS if flat.get(one[0]) is not None)
+    return f"{words} {factor * flat[key]:.4g} {unit}"
+
+
+def entry(name: str, frames: int = 0) -> Entry:
+    """Run a config."""
+    path = CONFIGS / f"{name}.yaml"
+    scenario = config.load(path).scenario
+    results = run(build(scenario), scenario, most_frames=frames)
+    model = scenario.model
+    return Entry(name, comment(path), model.name or name, model.description or "", results)
+
+
+def cases(name: str) -> str:
+    """Run a sweep and say how many of its cases came to an end, as it stands in the table."""
+    sweep = config.load_sweep(CONFIGS / f"{name}.yaml", probe=build)
+    rows = list(run_sweep(sweep, 1))
+    return f"{sum(not row.failed for row in rows)} of {len(rows)} cases came to an end"
+
+
+def comment(path: Path) -> str:
+    """The first sentence of the comment that a file begins with."""
+    lines = itertools.takewhile(lambda line: line.startswith("#"), path.read_text(encoding="utf-8").splitlines())
+    words = " ".join(line.lstrip("#").strip() for line in lines)
+    return re.split(r"(?<=\.) ", words)[0]
+
+
+def draw(one: Entry) -> Path:
+    """Write the picture of a model as a PNG of few colours; its path."""
+    from granular_contact.plots.film import write_strip
+
+    path = FIGURES / f"gallery_{one.model}.png"
+    write_strip(one.results, path, PANELS, WIDTH)
+    return path
+
+
+def sections(entries: list[Entry]) -> Iterator[str]:
+    """A section for each model: its picture, by the config of its name or the plainest one, and all its configs."""
+    for model in dict.fromkeys(one.model for one in entries):
+        own = [one for one in entries if one.model == model]
+        shown = min(own, key=lambda one: (one.name != model, len(one.name)))
+        yield f"## {model}\n\n{shown.description}.\n"
+        yield f"![{shown.words}](../{draw(shown).relative_to(HERE.parent).as_posix()})\n"
+        yield table([(one.name, one.words, one.number) for one in own])
+
+
+def table(rows: list[tuple[str, str, str]]) -> str:
+    """Markdown of configs, what they are, and their numbers."""
+    lines = ["| config | what happens | number |", "| --- | --- | --- |"]
+    lines += [f"| [{name}]({name}.yaml) | {words} | {found} |" for name, words, found in rows]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Write page and pictures."""
+    entries = [entry(name, FRAMES) for name in names(single=True)]
+    sweeps = [(name, comment(CONFIGS / f"{name}.yaml"), cases(name)) for name in names(single=False)]
+    parts = [INTRODUCTION, *sections(entries), f"## Sweeps\n\n{table(sweeps)}"]
+    PAGE.write_text("\n".join(parts), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""What a load call costs by law, and whether lee_marghitu costs what it did.
+
+    python validation/law_cost.py
+
+One call of the kernels that the engine calls for a run: force, and force with tangent as at a Newton step, on a line of
+16 strips (a ball for the scalar laws) that pierces the surface. The laws take turns; each number is the least of many
+rounds, as noise only adds.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import numpy as np
+
+from granular_contact import preset
+from granular_contact.kernels import kinematics, runs
+from granular_contact.kernels.law import RUN, TERMS
+from granular_contact.media.kinds import Medium
+from granular_contact.media.static_friction import Elastoplastic
+from validation.laws import every_medium
+from validation.tables import machine, markdown
+
+STRIPS, CALLS, ROUNDS = 16, 400, 60
+MOST = 1.5
+
+
+def calls(medium: Medium) -> tuple[Callable[[], None], Callable[[], None]]:
+    """A force call, and a tangent call, on a rigid body in a medium."""
+    run = np.zeros(1, RUN)
+    run["width"], run["mass"] = 0.00635, 0.07
+    geometry = kinematics.rigid_stations(np.array([[-0.1, 0.0], [0.1, 0.0]]), STRIPS)
+    if "ball" in medium.takes:
+        run["drop"] = 0.5 * run["width"]
+        geometry = kinematics.ball_stations(np.zeros(2))
+    q, v, where = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.arange(3)
+    n = len(geometry)
+    anchors, scratch, out, matrix = np.zeros((n - 1, 2)), np.zeros((TERMS, 3)), np.zeros(3), np.zeros((3, 3))
+    body = (q, v, where, np.zeros(3), geometry, run, np.array([[0.0, 0.0]]), medium.record(Elastoplastic(), 9.81))
+    return (
+        lambda: runs.force(*body, anchors, scratch, out),
+        lambda: runs.tangent(*body, anchors, 1.0, 1.0, matrix),
+    )
+
+
+def least(ways: dict[str, Callable[[], None]], rounds: int = ROUNDS) -> dict[str, float]:
+    """Least time of a call (s) of each way, in turns after a warm-up."""
+    for way in ways.values():
+        way()
+    best = dict.fromkeys(ways, float("inf"))
+    for _ in range(rounds):
+        for name, way in ways.items():
+            began = time.perf_counter()
+            for _ in range(CALLS):
+                way()
+            best[name] = min(best[name], (time.perf_counter() - began) / CALLS)
+    return best
+
+
+def main() -> int:
+    """Print the table; 0 when every law keeps its bound, else 1."""
+    media = {"lee_marghitu": preset("play_sand")} | {medium.name: medium for medium in every_medium()}
+    both = {name: calls(medium) for name, medium in media.items()}
+    force = least({name: pair[0] for name, pair in both.items()})
+    tangent = least({name: pair[1] for name, pair in both.items()})
+    rows, worst = [], 0.0
+    for name in media:
+        ratios = [cost[name] / cost["lee_marghitu"] for cost in (force, tangent)]
+        worst = max(worst, *ratios)
+        rows.append(
+            [name, f"{1e6 * force[name]:.2f}", f"{ratios[0]:.2f}", f"{1e6 * tangent[name]:.2f}", f"{ratios[1]:.2f}"]
+        )
+    print(f"{machine('numba')}; least of {ROUNDS} rounds of {CALLS} calls, in turns\n")
+    print(markdown(["law", "force us", "to lee_marghitu", "force and tangent us", "to lee_marghitu"], rows))
+    print(f"\nmost expensive: {worst:.2f} times lee_marghitu; allowed {MOST}")
+    return 0 if worst <= MOST else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,157 @@
+"""What decides how long the pendulum takes to stop: Sobol indices of six inputs, and of the four coefficients alone.
+
+    python validation/sensitivity.py [--quick]
+
+The source's pendulum with a rigid link, by the reduced model. eta_d, eta_h and eta_v lie between half of their values
+for play sand and as much above, lambda from 0.8 to 1.4, which is our choice and no measurement; speeds and angles
+within those of the twelve impacts. The indices are relative to these ranges: other ranges give others.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from granular_contact.config import Sweep, load_sweep
+from granular_contact.plots.sensitivity import Bars, draw_sensitivity
+from granular_contact.scene import build
+from granular_contact.sweep import Crew, Journal, run, sensitivity
+from granular_contact.sweep.sensitivity import Indices
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+ROOT = Path(__file__).parents[1]
+FIGURES = Path(__file__).parent / "figures"
+OUTPUTS = ("stopping_time_s", "angle_at_stop_deg")
+COEFFICIENTS = {
+    "medium.eta_d": (3.25, 9.75),
+    "medium.eta_h": (4.0, 12.0),
+    "medium.plunging.eta_v": (11.0, 33.0),
+    "medium.plunging.lambda": (0.8, 1.4),
+}
+IMPACT = {"initial.impact_speed_rad_s": (1.75, 9.17), "initial.impact_angle_deg": (22.0, 61.5)}
+SYMBOLS = {
+    "medium.eta_d": "eta_d",
+    "medium.eta_h": "eta_h",
+    "medium.plunging.eta_v": "eta_v",
+    "medium.plunging.lambda": "lambda",
+    "initial.impact_speed_rad_s": "speed",
+    "initial.impact_angle_deg": "angle",
+}
+COUNT, QUICK_COUNT = 1024, 64
+
+
+@dataclass(frozen=True)
+class Design:
+    """A question: its name in words, and the range of each input."""
+
+    name: str
+    ranges: dict[str, tuple[float, float]]
+
+
+DESIGNS = (
+    Design("all six inputs", {**COEFFICIENTS, **IMPACT}),
+    Design("the coefficients, at 31 deg and 6.24 rad/s", COEFFICIENTS),
+)
+
+
+def sweep_of(design: Design, count: int, folder: Path) -> Sweep:
+    lines = "".join(f"    {key}: [{low}, {high}]\n" for key, (low, high) in design.ranges.items())
+    path = folder / "design.yaml"
+    path.write_text(
+        f"config: {ROOT / 'configs' / 'pendulum.yaml'}\n"
+        "set: {method: {reduced: {modes: 0}}, output.figures: false}\n"
+        f"sample:\n  method: saltelli\n  count: {count}\n  outputs: [{', '.join(OUTPUTS)}]\n  ranges:\n{lines}",
+        encoding="utf-8",
+    )
+    return load_sweep(path, probe=build)
+
+
+def indices(design: Design, count: int) -> list[Indices]:
+    """Indices of each output, through the parts that the command uses."""
+    with tempfile.TemporaryDirectory() as name, Crew() as crew:
+        folder = Path(name)
+        sweep, journal = sweep_of(design, count, folder), Journal(folder)
+        for _ in run(sweep, crew, journal=journal):
+            pass
+        return sensitivity.of_sweep(sweep, journal)
+
+
+def table(found: list[Indices]) -> str:
+    rows = []
+    for i, key in enumerate(found[0].inputs):
+        cells = [SYMBOLS[key]]
+        for one in found:
+            for value, ends in ((one.first, one.first_interval), (one.total, one.total_interval)):
+                cells.append(f"{value[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})")
+        rows.append(cells)
+    sums = ["sum"] + [f"{values.sum():.3f}" for one in found for values in (one.first, one.total)]
+    head = ["input", *(f"{name}, {kind}" for name in ("stopping time", "angle at stop") for kind in ("first", "total"))]
+    return markdown(head, [*rows, sums])
+
+
+def claims(found: dict[str, list[Indices]]) -> list[Claim]:
+    time, _ = found[DESIGNS[0].name]
+    at_one, where = found[DESIGNS[1].name]
+    place = {SYMBOLS[key]: i for i, key in enumerate(time.inputs)}  # coefficients first, in both designs
+    together = float(time.first[[place["speed"], place["angle"]]].sum())
+    sand = float(time.total[[place[name] for name in ("eta_d", "eta_h", "eta_v", "lambda")]].sum())
+    drag, vertical = place["eta_d"], place["eta_v"]
+    return [
+        Claim(
+            "sensitivity.speed and angle decide the stopping time more than the sand does",
+            together > 0.5 > sand,
+            f"{100 * together:.0f} % of the variance is theirs alone (asked: over 50), at most {100 * sand:.0f} % has "
+            "to do with the four coefficients (asked: under 50)",
+        ),
+        Claim(
+            "sensitivity.of the coefficients eta_v decides the stopping time of one impact",
+            bool(at_one.first_interval[0, vertical] > 0.5),
+            f"first order {at_one.first[vertical]:.3f}, at least {at_one.first_interval[0, vertical]:.3f} (asked: 0.5)",
+        ),
+        Claim(
+            "sensitivity.eta_d hardly changes the stopping time",
+            bool(max(time.total_interval[1, drag], at_one.total_interval[1, drag]) < 0.05),
+            f"total at most {time.total_interval[1, drag]:.4f} of all six, {at_one.total_interval[1, drag]:.4f} of the "
+            "coefficients at one impact (asked: 0.05)",
+        ),
+        Claim(
+            "sensitivity.eta_d decides where one impact stops",
+            bool(where.first[drag] > 0.5),
+            f"first order {where.first[drag]:.3f} of the angle at stop (asked: 0.5)",
+        ),
+    ]
+
+
+def draw(found: dict[str, list[Indices]]) -> str:
+    links = []
+    for design, name in zip(DESIGNS, ("six", "coefficients"), strict=True):
+        one = found[design.name][0]
+        file = FIGURES / f"sensitivity_{name}.png"
+        bars = Bars("first order", one.first, one.first_interval), Bars("total", one.total, one.total_interval)
+        draw_sensitivity("the stopping time", [SYMBOLS[key] for key in one.inputs], *bars, file)
+        links.append(f"![Sobol indices of the stopping time: {design.name}](figures/{file.name})")
+    return "\n".join(links)
+
+
+def study(quick: bool) -> Outcome:
+    """Tables and claims; figures too, unless quick."""
+    count = QUICK_COUNT if quick else COUNT
+    found = {design.name: indices(design, count) for design in DESIGNS}
+    refused = [one.refused for both in found.values() for one in both if one.refused]
+    if refused:
+        return Outcome("\n".join(refused), (Claim("sensitivity.every case has its numbers", False, refused[0]),))
+    text = [f"Designs of {count} points (count x (inputs + 2) runs); in brackets 95 % intervals by bootstrap."]
+    for design in DESIGNS:
+        text += [f"{design.name[0].upper()}{design.name[1:]}:", table(found[design.name])]
+    if not quick:
+        text.append(draw(found))
+    return Outcome("\n\n".join(text), tuple(claims(found)))
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))

@@ -1,0 +1,193 @@
+"""How many impacts a second a sweep runs, what two cores gain over one, and whether its memory grows.
+
+    python validation/sweep_throughput.py [--quick]
+
+The whole command, as a user runs it: 10 000 impacts of the source's single-mode pendulum, 1 000 of the finite-element
+one, by Latin hypercube over four inputs. One worker and two in turn, best of the repeats each, so that a machine that
+others use for a while counts less.
+
+Efficiency is the time on one worker over twice that on two. `whole` has starting, reading, checking and writing in it,
+`running` is from the first rows to the last. `by CPU` does not depend on who else uses the cores: CPU seconds that one
+worker takes for the rows, over those that two workers and the parent, which shares the cores with them, take together.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from validation.tables import machine, markdown
+
+CONFIG = ROOT / "configs" / "pendulum.yaml"
+METHODS = {"single mode, reduced": "{reduced: {modes: 1}}", "finite elements": "engine"}
+COUNTS = {"single mode, reduced": 10_000, "finite elements": 1_000}
+RANGES = """
+    medium.eta_d: [4, 9]
+    medium.eta_h: [4, 16]
+    initial.impact_speed_rad_s: [2, 9]
+    initial.impact_angle_deg: [22, 60]
+"""
+LOOK_SECONDS = 0.05
+TICK = os.sysconf("SC_CLK_TCK")
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is seen at one time: seconds since the start, bytes of rows, CPU s of parent and workers, parent's MB."""
+
+    time: float
+    rows: int
+    parent: float
+    workers: float
+    memory: float
+
+
+@dataclass(frozen=True)
+class Timing:
+    """One sweep: seconds in all; from the first rows to the last, wall and CPU; parent's MB at a fifth, and most."""
+
+    whole: float
+    running: float
+    parent: float
+    workers: float
+    memory: tuple[float, float]
+
+
+def sweep_file(method: str, count: int, folder: Path) -> Path:
+    path = folder / "many.yaml"
+    sample = f"sample:\n  method: latin_hypercube\n  count: {count}\n  ranges:{RANGES}"
+    path.write_text(f"config: {CONFIG}\nset: {{method: {METHODS[method]}}}\n{sample}", encoding="utf-8")
+    return path
+
+
+def run(method: str, count: int, workers: int) -> tuple[Timing, int]:
+    """Time the command from outside; with the number of cases that have not failed."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path = sweep_file(method, count, folder)
+        words = ["sweep", str(path), "--out", str(folder / "out"), "--workers", str(workers), "--quiet"]
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        begin = time.perf_counter()
+        with subprocess.Popen([sys.executable, "-m", "granular_contact", *words], env=environment) as process:
+            timing = watch(process, folder / "out.part" / "journal", begin)
+        with (folder / "out" / "table.csv").open(encoding="utf-8", newline="") as file:
+            good = sum(row["status"] in ("rest", "end_time") for row in csv.DictReader(file))
+    return timing, good
+
+
+def watch(process: subprocess.Popen[bytes], journal: Path, begin: float) -> Timing:
+    """Look at the command, and at the bytes in its journal, until it is gone."""
+    seen: list[Look] = []
+    while process.poll() is None:
+        time.sleep(LOOK_SECONDS)
+        try:
+            size = sum(path.stat().st_size for path in journal.glob("*.jsonl"))
+            # Below the command stands the server of the workers, and they below that.
+            workers = [w for server in children(process.pid) for w in children(server)]
+            cpu = sum(map(cpu_seconds, workers))
+            now = time.perf_counter() - begin
+            seen.append(Look(now, size, cpu_seconds(process.pid), cpu, memory(process.pid)))
+        except OSError:  # gone in between
+            continue
+    whole = time.perf_counter() - begin
+    rows = [look for look in seen if look.rows > 0] or seen[-1:]  # of very few cases none may be seen
+    most = max(look.rows for look in rows)
+    first, last = rows[0], next(look for look in rows if look.rows == most)
+    early = next(look for look in rows if look.rows >= most / 5)
+    spent = last.time - first.time, last.parent - first.parent, last.workers - first.workers
+    return Timing(whole, *spent, (early.memory, max(look.memory for look in rows)))
+
+
+def children(process: int) -> list[int]:
+    return list(map(int, Path(f"/proc/{process}/task/{process}/children").read_text().split()))
+
+
+def cpu_seconds(process: int) -> float:
+    """CPU seconds of one process, without its children."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICK
+
+
+def memory(process: int) -> float:
+    """Resident memory of one process, MB."""
+    text = Path(f"/proc/{process}/status").read_text()
+    line = next((line for line in text.splitlines() if line.startswith("VmRSS")), "VmRSS: 0 kB")
+    return int(line.split()[1]) / 1024.0
+
+
+def measure(method: str, count: int, repeats: int) -> tuple[list[str], float]:
+    """A row of the table, and the efficiency of the running sweep."""
+    run(method, 2, 1)  # compiles, where nothing is compiled yet
+    timings: dict[int, list[Timing]] = {1: [], 2: []}
+    good = count
+    for _ in range(repeats):
+        for workers, found in timings.items():
+            timing, fine = run(method, count, workers)
+            found.append(timing)
+            good = min(good, fine)
+    one, two = (
+        {
+            name: min(getattr(timing, name) for timing in timings[n])
+            for name in ("whole", "running", "parent", "workers")
+        }
+        for n in (1, 2)
+    )
+    running = one["running"] / (2 * two["running"])
+    by_cpu = one["workers"] / (two["workers"] + two["parent"])
+    early, most = timings[2][-1].memory
+    cells = [
+        method,
+        f"{good} of {count}",
+        *(f"{way['whole']:.1f}" for way in (one, two)),
+        *(f"{count / way['whole']:.0f}" for way in (one, two)),
+        f"{100 * one['whole'] / (2 * two['whole']):.1f}",
+        f"{100 * running:.1f}",
+        f"{100 * by_cpu:.1f}",
+        f"{1e3 * two['parent'] / count:.3f}",
+        f"{1e3 * two['workers'] / count:.2f}",
+        f"{early:.0f}, {most:.0f}",
+    ]
+    return cells, running
+
+
+HEAD = (
+    "impacts",
+    "run",
+    "s, 1 worker",
+    "s, 2 workers",
+    "per s, 1",
+    "per s, 2",
+    "efficiency %, whole",
+    "running",
+    "by CPU",
+    "CPU ms a case, parent",
+    "workers",
+    "parent MB at a fifth, most",
+)
+
+
+def main() -> int:
+    """Print the table; 0 when two workers keep 95 % of what they could do, else 1."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--quick", action="store_true", help="a tenth of the impacts, once")
+    parser.add_argument("--repeats", type=int, default=3)
+    chosen = parser.parse_args()
+    share, repeats = (10, 1) if chosen.quick else (1, chosen.repeats)
+    found = [measure(method, count // share, repeats) for method, count in COUNTS.items()]
+    print(f"{machine('exudyn', 'numba', 'scipy')}; best of {repeats} after a warm-up\n")
+    print(markdown(HEAD, [cells for cells, _ in found]))
+    return 0 if all(running >= 0.95 for _, running in found) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
