@@ -18,6 +18,7 @@ from granular_contact.errors import SolveError
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.system import System
+from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Scene, Vector
 
@@ -27,8 +28,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), constant for the bodies used here. reactions: torque (N m) or force (N) of
-    prescribed motions, (n,) each, by joint.
+    did, None without one; mass (m, m), sparse, constant for the bodies used here. reactions: torque (N m) or force (N)
+    of prescribed motions, (n,) each, by joint.
     """
 
     status: Status
@@ -37,7 +38,7 @@ class Trajectory:
     q: Vector
     v: Vector
     load: LoadHistory | None
-    mass: Vector
+    mass: Any
     reactions: dict[str, Vector]
 
 
@@ -179,7 +180,6 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         if scene.settle:
             settle(system, simulation, recorder.lever)
         mbs.SetPostStepUserFunction(recorder)
-        mass = mbs.ComputeLinearizedSystem(simulation)[0]
         began = time.perf_counter()
         try:
             success = solver.SolveSystem(mbs, simulation)
@@ -202,7 +202,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
         v=states[:, 1 + count :],
         load=None if system.bed is None else system.bed.accepted.since(0.0),
-        mass=mass,
+        mass=mass_matrix(system),
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
         reactions={
             name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
