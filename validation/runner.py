@@ -1,0 +1,188 @@
+"""Forward speed of the planar runner against its limb frequency, and what the model can't show.
+
+    python validation/runner.py [--quick]
+
+configs/runner.yaml with its own clock on close-packed poppy seeds, and with a short stance (`SHORT`) on loose ones.
+Speeds are those of the trunk over whole strides in the second half of a run; the way of a stride is speed over limb
+frequency. The real-time factor is the time of the solve over the time simulated, of the config as it is.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from granular_contact.config import load_scenario
+from granular_contact.results import Results
+from granular_contact.run import run
+from granular_contact.scene import build
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+CONFIG, FIGURE = HERE.parent / "configs" / "runner.yaml", HERE / "figures" / "runner.png"
+FREQUENCIES = (0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # Hz
+QUICK = (1.0, 3.0, 8.0)
+LEG = 0.04  # m, hip to toe
+SHORT = {"medium": "poppy_seeds_loose", "signals.stride.stance_sweep_deg": 40, "signals.stride.duty_factor": 0.35}
+GROUNDS: dict[str, dict[str, object]] = {  # name: what differs from the config
+    "close-packed, stance of 90 deg": {},
+    "loose, stance of 40 deg": SHORT,
+}
+LEAST_TIME, STRIDES = 1.0, 4  # s, and strides that a run lasts at least
+MOST_IMBALANCE = 1e-3
+NOT_SHOWN = """What the model can't show: the resistance is that of a flat, undisturbed bed at every step. There are no
+craters, no heaps, no footprints that the next leg falls into and no sand that flows back, so that faster legs do not
+meet ground which earlier ones loosened. The law knows no rate: grains that are thrown have no inertia (the law `drft` has
+that, with coefficients that were not measured for seeds). The legs follow their clock whatever torque it takes. The motion
+is in the plane: no roll, no yaw, and both sides of the runner have the same sand."""
+
+
+@dataclass(frozen=True)
+class Gait:
+    """What came of a run: limb frequency Hz, speed m/s, greatest depth m, cost of transport, energy imbalance."""
+
+    frequency: float
+    speed: float
+    depth: float
+    cost: float
+    imbalance: float
+
+    @property
+    def stride(self) -> float:
+        """Way of one stride (m)."""
+        return self.speed / self.frequency
+
+
+def simulate(frequency: float, changes: dict[str, object], end_time: float) -> Results:
+    """Results of the runner at a limb frequency (Hz)."""
+    sets = [f"signals.stride.frequency_Hz={frequency}", f"solver.end_time_s={end_time}"]
+    scenario = load_scenario(CONFIG, [*sets, *(f"{key}={value}" for key, value in changes.items())])
+    return run(build(scenario), scenario)
+
+
+def gait(frequency: float, changes: dict[str, object]) -> Gait:
+    """Gait at a limb frequency (Hz)."""
+    end = max(LEAST_TIME, STRIDES / frequency)
+    results = simulate(frequency, changes, end)
+    time_s, x = results["time_s"], results["trunk_x_m"]
+    lasted = math.floor(0.5 * end * frequency + 1e-9) / frequency
+    speed = float(x[-1] - np.interp(time_s[-1] - lasted, time_s, x)) / lasted
+    summary = results.summary
+    return Gait(
+        frequency,
+        speed,
+        depth=summary["max_depth_m"],
+        cost=summary["cost_of_transport"],
+        imbalance=summary["energy"]["imbalance_relative"],
+    )
+
+
+def rows(gaits: list[Gait]) -> list[list[str]]:
+    """Cells of the table."""
+    return [
+        [
+            f"{g.frequency:g}",
+            f"{g.speed:.3f}",
+            f"{1e3 * g.stride:.1f}",
+            f"{1e3 * g.depth:.1f}",
+            f"{g.cost:.2f}",
+            f"{g.imbalance:.0e}",
+        ]
+        for g in gaits
+    ]
+
+
+def claims(close: list[Gait], loose: list[Gait]) -> tuple[Claim, ...]:
+    """Statements on both grounds, gaits in the order of their frequency."""
+    both = [*close, *loose]
+    least = min(float(np.diff([g.speed for g in gaits]).min()) for gaits in (close, loose))
+    kept = [gaits[-1].stride / max(g.stride for g in gaits) for gaits in (close, loose)]
+    worst = max(g.imbalance for g in both)
+    sunk = max(g.depth for g in both)
+    top = close[-1].frequency
+    return (
+        Claim("runner.speed rises with limb frequency", least > 0.0, f"least rise between two of them {least:.3f} m/s"),
+        Claim(
+            "runner.legs keep their footing on close-packed seeds",
+            kept[0] > 0.8,
+            f"at {top:g} Hz a stride is {kept[0]:.0%} of the longest (asked: 80 %)",
+        ),
+        Claim(
+            "runner.legs lose footing on loose seeds with a short stance",
+            kept[1] < 0.75,
+            f"at {top:g} Hz a stride is {kept[1]:.0%} of the longest (asked: below 75 %)",
+        ),
+        Claim(
+            f"runner.speed saturates or falls by {top:g} Hz",
+            least <= 0.0,
+            "it rises on both grounds all the way: the law knows neither rate nor footprints",
+        ),
+        Claim(
+            "runner.bodies do not sink without bound",
+            sunk < LEG,
+            f"at most {1e3 * sunk:.0f} mm deep (asked: the leg's {1e3 * LEG:.0f} mm)",
+        ),
+        Claim("runner.energy is balanced", worst <= MOST_IMBALANCE, f"{worst:.1e} at worst (asked: {MOST_IMBALANCE:g})"),
+    )
+
+
+def real_time(repeats: int) -> str:
+    """Real-time factor of the config as it is, after a warm-up, by wall clock and by processor time of the whole run."""
+    walls, processor = [], []
+    for _ in range(repeats):
+        scenario = load_scenario(CONFIG)
+        began = time.process_time()
+        results = run(build(scenario), scenario)
+        processor.append((time.process_time() - began) / scenario.solver.end_time_s)
+        walls.append(results.summary["cost"]["solve_s"] / scenario.solver.end_time_s)
+    cost = results.summary["cost"]
+    return (
+        f"Real-time factor of configs/runner.yaml, default solver settings: {statistics.median(walls):.2f} by the clock "
+        f"(least {min(walls):.2f}), {statistics.median(processor):.2f} of processor time with building and reporting; "
+        f"{cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations each, {repeats} runs. Below 1 is "
+        "faster than real time."
+    )
+
+
+def draw(found: dict[str, list[Gait]]) -> None:
+    """Figure of speed, and of the way of a stride, against limb frequency."""
+    import matplotlib.pyplot as plt
+
+    from granular_contact.plots.style import house_style
+
+    with house_style():
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
+        for name, gaits in found.items():
+            f = [g.frequency for g in gaits]
+            left.plot(f, [g.speed for g in gaits], "o-", label=name)
+            right.plot(f, [1e3 * g.stride for g in gaits], "o-", label=name)
+        left.set(xlabel="limb frequency (Hz)", ylabel="forward speed (m/s)", ylim=(0, None), xlim=(0, None))
+        right.set(xlabel="limb frequency (Hz)", ylabel="way of a stride (mm)", ylim=(0, None), xlim=(0, None))
+        left.legend(frameon=False)
+        figure.savefig(FIGURE, dpi=150)
+        plt.close(figure)
+
+
+def study(quick: bool) -> Outcome:
+    """Run both grounds over the frequencies."""
+    frequencies = QUICK if quick else FREQUENCIES
+    found = {name: [gait(f, ground) for f in frequencies] for name, ground in GROUNDS.items()}
+    head = ["limb Hz", "speed m/s", "way of a stride mm", "deepest mm", "cost of transport", "energy imbalance"]
+    parts = [f"{name[0].upper()}{name[1:]}.\n\n{markdown(head, rows(gaits))}" for name, gaits in found.items()]
+    if not quick:
+        draw(found)
+        parts += [f"![Forward speed and way of a stride against limb frequency](figures/{FIGURE.name})", real_time(5)]
+    return Outcome("\n\n".join([*parts, NOT_SHOWN]), claims(*found.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))
