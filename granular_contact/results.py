@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-StatusCode = Literal["rest", "end_time", "failed", "interrupted"]
+StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
 # Told now and then how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
 
@@ -24,13 +24,20 @@ class Status:
 
 @dataclass(frozen=True)
 class Cost:
-    """What a solve took; solve_s is wall time (s)."""
+    """What a solve took; solve_s is wall time (s).
+
+    full_newton: steps whose iteration was begun again with a fresh Jacobian each time; shortened_steps: those taken
+    shorter than asked for, as the iteration failed; refused_steps: repeated for their error, where steps are chosen.
+    """
 
     solve_s: float
     steps: int
     newton_iterations: int
     jacobians: int
     load_calls: int
+    full_newton: int = 0
+    shortened_steps: int = 0
+    refused_steps: int = 0
 
 
 @dataclass(frozen=True)
