@@ -58,7 +58,7 @@ def run(
         "end": len(time) - 1,
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
-    summary["warnings"] += _limits(scene, solved.reach)
+    summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach)]
     return Results(
         name=scene.name,
         status=solved.status,
@@ -81,7 +81,7 @@ class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
     pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
-    terms; reach: None where nothing could meet the medium; more: what the summary has besides.
+    terms; reach: None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
     """
 
     status: Status
@@ -95,6 +95,7 @@ class _Solved:
     terms: tuple[str, ...]
     reach: Reach | None
     more: dict[str, Any]
+    doubts: tuple[str, ...] = ()
 
 
 def _by_engine(
@@ -121,7 +122,15 @@ def _by_engine(
         terms=observer.terms,
         reach=observer.reach(),
         more=key_numbers(observer),
+        doubts=_doubts(observer),
     )
+
+
+def _doubts(observer: Observer) -> tuple[str, ...]:
+    from granular_contact.multibody.doubts import doubts
+
+    with np.errstate(all="ignore"):  # of a run that failed by running away
+        return tuple(doubts(observer))
 
 
 def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solved:

@@ -16,6 +16,7 @@ from granular_contact.cli.common import (
     FAULTY_INPUT,
     FINE,
     INTERRUPTED,
+    OUT_OF_TIME,
     add_output,
     add_set,
     complain,
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 HELP = "simulate a config and save what came of it"
 MOST_FRAMES = 151  # six seconds
-_STATUS_CODES = {"failed": FAILED, "interrupted": INTERRUPTED}
+_STATUS_CODES = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

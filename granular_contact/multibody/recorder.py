@@ -41,6 +41,7 @@ class Recorder:
         self.deadline = math.inf if wall is None else time.perf_counter() + wall
 
     def __call__(self, mbs: Any, t: float) -> bool:
+        """After a step accepted at t (s): whether to go on."""
         data = mbs.systemData
         v = data.GetODE2Coordinates_t(copy=False)
         if not np.abs(v).max(initial=0.0) < FASTEST:  # not a number, too

@@ -72,6 +72,7 @@ def settings(scene: Scene) -> Any:
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True
         if _rigid_but_in_name(scene):
+            newton.useModifiedNewton = False
             radius = OF_UNRESOLVED
     t.generalizedAlpha.spectralRadius = radius if solver.spectral_radius is None else solver.spectral_radius
     s.solution.file.write = False

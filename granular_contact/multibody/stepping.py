@@ -1,8 +1,8 @@
 """Steps chosen by an estimate of their error, for a generalised-alpha solve under way.
 
 The scheme lets the acceleration a vary over a step h as its coefficient beta says; were it to vary linearly, beta would
-be 1/6. So a step that takes it from a_0 to a_1 puts positions off by about |beta - 1/6| h^2 |a_1 - a_0| (Zienkiewicz and
-Xie, 1991). That is held below accuracy V h, where V is the greatest speed so far: positions are then off by no more
+be 1/6. So a step that takes it from a_0 to a_1 puts positions off by about |beta - 1/6| h^2 |a_1 - a_0| (Zienkiewicz
+and Xie, 1991). That is held below accuracy V h, where V is the greatest speed so far: positions are then off by no more
 than about `accuracy` times the way, and vibration that moves nothing visibly does not count. Where the force jumps (a
 flat touch, a reversal, a bristle that sticks), a_1 - a_0 does not shrink with h, and the step goes down as accuracy V.
 """
