@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -23,7 +24,8 @@ def add_joint(system: System, ground: Any, joint: Connection) -> None:
     drive = system.scene.drive(joint.name)
     rigid = joint.child in system.rigid and (joint.parent is None or joint.parent in system.rigid)
     if drive is not None and drive.kind == "motion":
-        system.motions[joint.name] = _add_motion(system, joint, drive)
+        turns = joint.kind == "hinge" and rigid
+        system.motions[joint.name] = (_add_turning if turns else _add_motion)(system, joint, drive)
         drive = None
     if drive is None and joint.law.is_idle:
         return
@@ -131,6 +133,28 @@ def _angle_marker(system: System, body: str | None) -> Any:
     mbs = system.mbs
     node = mbs.AddNode(items.NodePointGround()) if body is None else system.rigid[body].node
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0 if body is None else 2))
+
+
+def _add_turning(system: System, joint: Connection, drive: Drive) -> int:
+    """Motion of a hinge of rigid bodies: the engine's own constraint between their angles, asked once per instant."""
+    signal, asked = drive.signal, (math.nan, 0.0)
+
+    def turn(mbs: Any, t: float, item: int, offset: float) -> float:  # noqa: ARG001
+        nonlocal asked
+        if asked[0] != t:
+            # The engine counts angles from the start.
+            asked = t, signal.value(max(t, 0.0)) - joint.start
+        return asked[1]
+
+    def rate(mbs: Any, t: float, item: int, offset: float) -> float:  # noqa: ARG001
+        return signal.rate(t) if t >= 0.0 else 0.0
+
+    ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
+    return int(
+        system.mbs.AddObject(
+            items.ObjectConnectorCoordinate(markerNumbers=ends, offsetUserFunction=turn, offsetUserFunction_t=rate)
+        )
+    )
 
 
 def _add_motion(system: System, joint: Connection, drive: Drive) -> int:

@@ -14,6 +14,9 @@ from granular_contact.scene.types import Connection, Drive, Vector
 if TYPE_CHECKING:
     from granular_contact.multibody.observe import Observer
 
+LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
+
+
 
 def label(body: str) -> str:
     """Name of a body in columns: that of its first part; one that is called as the tip's columns are gets a tail."""
@@ -104,8 +107,7 @@ def key_numbers(observer: Observer) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     if observer.scene.body_columns and observer.trajectory.load is not None:
         numbers["contacts"] = {label(name): _contacts(observer, f) for name, f in _body_forces(observer).items()}
-    travels = any(c.parent is None and c.kind in ("slider", "free") for c in observer.scene.connections)
-    if observer.scene.drives and travels:
+    if observer.scene.drives and any(_travels(joint) for joint in observer.scene.connections):
         numbers |= _travel(observer)
     return numbers
 
@@ -119,6 +121,12 @@ def _contacts(observer: Observer, force: Vector) -> list[list[float]]:
     return [[float(time[a]), float(time[b])] for a, b in zip(on, off, strict=True)]
 
 
+def _travels(joint: Connection) -> bool:
+    """Whether a joint lets all that hangs on it move along the surface."""
+    along = joint.axis is not None and abs(joint.axis[0]) > LEAST_ALONG
+    return joint.parent is None and (joint.kind == "free" or along)
+
+
 def _travel(observer: Observer) -> dict[str, float | None]:
     """Way of the common centre of mass, its mean speed (of the second half too, when a gait has set in), and the cost.
 
@@ -128,7 +136,7 @@ def _travel(observer: Observer) -> dict[str, float | None]:
     x = np.sum([body.mass * observer.center(body.name)[0][:, 0] for body in scene.bodies], axis=0) / scene.mass
     put_in = sum(accumulate(time, np.maximum(power, 0.0))[-1] for _, power in observer.drive_forces.values())
     way, middle = float(x[-1] - x[0]), len(time) // 2
-    lasted, later = time[-1] - time[0], time[-1] - time[middle]
+    lasted, later = float(time[-1] - time[0]), float(time[-1] - time[middle])
     weight = scene.mass * abs(scene.gravity)
     return {
         "drive_work_put_in_J": float(put_in),
