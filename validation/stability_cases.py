@@ -86,10 +86,10 @@ def _numbers() -> Iterator[Case]:
 
 def _medium() -> Iterator[Case]:
     for power in range(-8, -1):
-        more = (f"load.friction.yield_displacement_m=1e{power}",)
+        more = (f"load.friction={{type: elastoplastic, yield_displacement_m: 1e{power}}}",)
         yield Case("yield displacement", f"1e{power} m", more, quick=power in (-8, -2))
     for tau in (0.0, 1e-5, 1e-4, 1e-2, 0.1):
-        more = (f"load.friction.damping_time_s={tau}",)
+        more = (f"load.friction={{type: elastoplastic, damping_time_s: {tau}}}",)
         yield Case("bristle damping time", f"{tau:g} s", more, quick=tau == 0.0)
     for speed in (1e-6, 1e-4, 1e-2, 1.0):
         more = (f"load.friction={{type: smooth, reference_speed_m_s: {speed}}}",)
@@ -136,7 +136,7 @@ def _events() -> Iterator[Case]:
         more = ("surface_height_m=-0.2", "initial.impact_angle_deg=5", f"initial.impact_speed_rad_s={speed}")
         yield Case("falls, then strikes", f"{speed:g} rad/s", more, until=0.25)
     for frequency in (5.0, 50.0, 200.0):
-        wave = f"{{type: sine, amplitude: 1, frequency_Hz: {frequency}, offset: 31, phase_deg: 90}}"
+        wave = f"{{type: sine, amplitude: 1, frequency_Hz: {frequency}, offset: 30, phase_deg: 90}}"
         more = (f"drives={{pivot: {{type: motion, angle_deg: {wave}}}}}", "initial.impact_speed_rad_s=0")
         yield Case("forced through the surface", f"{frequency:g} Hz", more, until=0.1, quick=frequency == 50.0)
     for friction in ("elastoplastic", "smooth"):
@@ -171,7 +171,10 @@ def _corners() -> Iterator[Case]:
         value = f"EI {f:g}, {n} elements, {h:g} s, {v:g} rad/s, {a:g} deg"
         yield Case("corner: structure", value, more, step=h, finer=_elements(32), quick=i % 16 == 3)
     for i, (u, e, h, v) in enumerate(itertools.product((1e-7, 1e-3), (1e-2, 1e2), steps, speeds)):
-        more = (f"load.friction.yield_displacement_m={u}", f"medium.plunging.eta_v={22 * e:g}")
+        more = (
+            f"load.friction={{type: elastoplastic, yield_displacement_m: {u}}}",
+            f"medium.plunging.eta_v={22 * e:g}",
+        )
         more = (*more, f"initial.impact_speed_rad_s={v}")
         value = f"u_y {u:g} m, eta_v {e:g} times, {h:g} s, {v:g} rad/s"
         yield Case("corner: medium", value, more, step=h, quick=i % 8 == 3)

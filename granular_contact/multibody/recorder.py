@@ -15,7 +15,8 @@ from granular_contact.results import Progress
 from granular_contact.scene.types import Vector
 
 FASTEST = 1e8  # m/s, in any coordinate: beyond it a run has run away
-CROWD = 20  # times the steps of the run, and some: so many are none that gets on
+CROWD = 20  # times the steps of the run, and some: with so many it does not get on
+MOST_CHOSEN = 200_000  # steps, where they are chosen
 
 
 class Recorder:
@@ -36,9 +37,14 @@ class Recorder:
         self.reason = ""
         self.control: StepControl | None = None
         self.shortened = 0
-        self.most = CROWD * math.ceil(self.solver.end_time / self.solver.step) + 1000
-        wall = self.solver.max_wall
-        self.deadline = math.inf if wall is None else time.perf_counter() + wall
+        fixed = self.solver.accuracy is None
+        self.most = CROWD * math.ceil(self.solver.end_time / self.solver.step) + 1000 if fixed else MOST_CHOSEN
+        self.deadline = math.inf
+
+    def start_clock(self) -> None:
+        """The time of the clock that the solve may take begins now; what is compiled before is no part of it."""
+        if self.solver.max_wall is not None:
+            self.deadline = time.perf_counter() + self.solver.max_wall
 
     def __call__(self, mbs: Any, t: float) -> bool:
         """After a step accepted at t (s): whether to go on."""

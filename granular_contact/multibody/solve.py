@@ -89,6 +89,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
             control_steps(simulation, recorder.control)
         mbs.SetPostStepUserFunction(recorder)
         mass = mbs.ComputeLinearizedSystem(simulation)[0]
+        recorder.start_clock()
         began = time.perf_counter()
         try:
             success = solver.SolveSystem(mbs, simulation)

@@ -20,7 +20,8 @@ from granular_contact.scene.types import Vector
 SAFETY, MOST, LEAST = 0.85, 2.0, 0.2
 KEEP = 0.8, 1.25  # within these factors of the last step its Jacobian serves, and no longer one is taken
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
-LONGEST = 0.05  # of the run
+LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
+SLOWEST = 0.02  # of the speed that such a swing has; below it what starts from rest counts as moving so fast
 
 
 class StepControl:
@@ -33,8 +34,9 @@ class StepControl:
         scene = system.scene
         self.system, self.solver, self.lever, self.accuracy = system, solver, lever, accuracy
         self.size = max(scene.length, 1e-3)
-        self.speed = max(scene.speed, math.sqrt(max(abs(scene.gravity), 0.1) * self.size))
-        self.longest = LONGEST * scene.solver.end_time
+        swing = math.sqrt(self.size / max(abs(scene.gravity), 0.1))
+        self.speed = max(scene.speed, SLOWEST * self.size / swing)
+        self.longest = LONGEST * min(scene.solver.end_time, swing)
         if scene.solver.rest_time is not None:
             self.longest = min(self.longest, 0.5 * scene.solver.rest_time)
         self.next = min(scene.solver.step, self.longest)
