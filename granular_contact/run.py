@@ -45,9 +45,12 @@ def run(
     most_frames : int
         From 2: the results get at most so many frames, for an animation.
     inspect : callable, optional
-        Called with the engine's own system and trajectory after the solve; never for a reduced model, which has none.
+        Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
     """
-    solved = _by_engine(scene, progress, inspect) if scene.method is None else _reduced(scene, scene.method, progress)
+    if isinstance(scene.method, Reduced):
+        solved = _reduced(scene, scene.method, progress)
+    else:
+        solved = _solved(scene, progress, inspect)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(time, series["depth_m"]) if scene.media else None
@@ -98,18 +101,28 @@ class _Solved:
     doubts: tuple[str, ...] = ()
 
 
-def _by_engine(
-    scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None
-) -> _Solved:
-    from granular_contact.multibody.build import build
+def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajectory]:
+    """By the engine, or in minimal coordinates: either way in the coordinates of the engine."""
+    if scene.method is None:
+        from granular_contact.multibody.build import build
+        from granular_contact.multibody.solve import solve
+
+        system = build(scene)
+        return system, solve(system, progress)
+    from granular_contact.minimal.solve import solve as solve_tree
+    from granular_contact.minimal.tree import tree
+
+    made = tree(scene)
+    return made.system, solve_tree(made, progress)
+
+
+def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
-    from granular_contact.multibody.solve import solve
 
-    system = build(scene)
-    trajectory = solve(system, progress)
+    system, trajectory = _trajectory(scene, progress)
     observer = Observer(system, trajectory)
-    if inspect is not None:
+    if inspect is not None and scene.method is None:
         inspect(system, trajectory)
     return _Solved(
         trajectory.status,
@@ -122,7 +135,7 @@ def _by_engine(
         terms=observer.terms,
         reach=observer.reach(),
         more=key_numbers(observer),
-        doubts=_doubts(observer),
+        doubts=_doubts(observer) if scene.method is None else (),
     )
 
 

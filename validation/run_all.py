@@ -27,6 +27,7 @@ STUDIES = (
     "laws",
     "sensitivity",
     "fit_recovery",
+    "scaling",
 )
 RECORD = HERE / "claims.json"
 

@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
-    words = "the engine, or the reduced model of a pendulum with its defaults"
-    parser.add_argument("--method", choices=("engine", "reduced"), help=words)
+    words = "the engine, minimal coordinates for trees of rigid bodies, or the reduced model of a pendulum"
+    parser.add_argument("--method", choices=("engine", "minimal", "reduced"), help=words)
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
@@ -56,10 +56,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
     """--method and --modes as what --set takes; modes alone keep the other options of the config's method."""
-    if chosen.method == "engine" and chosen.modes is not None:
-        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", "the engine has none: needs --method reduced")])
+    if chosen.method in ("engine", "minimal") and chosen.modes is not None:
+        what = "the engine has none" if chosen.method == "engine" else "rigid bodies have none"
+        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
     if chosen.method is not None:
-        yield "method=engine" if chosen.method == "engine" else "method={reduced: {}}"
+        yield "method=engine" if chosen.method == "engine" else f"method={{{chosen.method}: {{}}}}"
     if chosen.modes is not None:
         yield f"method.reduced.modes={chosen.modes}"
 
@@ -111,9 +112,9 @@ def act(chosen: argparse.Namespace) -> int:
 
 
 def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """What the run did without; a reduced model has no system in the engine."""
+    """What the run did without; other methods than the engine have no system in it."""
     if not solved:
-        yield "the engine: a reduced model does without" + (
+        yield "the engine: the method does without its solver" + (
             "" if "exudyn" in sys.modules else ", and it is not imported"
         )
     for system, trajectory in solved:

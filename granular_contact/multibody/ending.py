@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.results import Status
+from granular_contact.results import Status, out_of_time
 
 
 def status(recorder: Recorder, success: bool, problem: str, step: float) -> Status:
@@ -17,11 +17,7 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
                 "rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s"
             )
         case "time_limit":
-            return Status(
-                "time_limit",
-                f"stopped at {t:.6g} s of {solver.end_time:g} s: solver.max_wall_s ({solver.max_wall:g}) is over; the "
-                "results up to there were kept",
-            )
+            return out_of_time(t, solver.end_time, solver.max_wall)
         case "away":
             return Status("failed", f"the motion ran away at {t:.6g} s; {_remedy(recorder)}")
         case "crowd":

@@ -67,7 +67,13 @@ def _rest(system: System, trajectory: Trajectory) -> Iterator[str]:
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
         yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load returns at once"
-    never = {run.body for run in system.bed.runs if run.deepest <= 0.0}
-    touched = {run.body for run in system.bed.runs if run.deepest > 0.0}
-    if never - touched:
-        yield f"forces on {', '.join(sorted(never - touched))}: laid out, but never immersed in this run"
+    from granular_contact.kernels.groups import EVER  # compiled kernels: only where there is a load
+
+    ever = {run.nodes[0]: False for run in system.bed.runs}
+    for group in system.bed.groups:
+        for nodes, deepest in zip(group.nodes, group.reach[:, EVER], strict=True):
+            ever[nodes[0]] |= bool(deepest > 0.0)
+    touched = {run.body for run in system.bed.runs if ever[run.nodes[0]]}
+    never = {run.body for run in system.bed.runs} - touched
+    if never:
+        yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

@@ -110,15 +110,13 @@ class Observer:
         as a whole, without the trembling of any one part.
         """
         turn = self._turning()
-        momentum = np.einsum("ti,ij,tj->t", turn, self.trajectory.mass, self.trajectory.v, optimize=True)
-        inertia = np.einsum("ti,ij,tj->t", turn, self.trajectory.mass, turn, optimize=True)
+        momenta = turn @ self.trajectory.mass
+        momentum, inertia = np.sum(momenta * self.trajectory.v, axis=1), np.sum(momenta * turn, axis=1)
         return -momentum / inertia, inertia
 
     def weight_moment(self) -> Vector:
         """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
-        moment: Vector = -self.scene.gravity * np.einsum(
-            "ti,ij,j->t", self._turning(), self.trajectory.mass, self._up()
-        )
+        moment: Vector = -self.scene.gravity * (self._turning() @ (self.trajectory.mass @ self._up()))
         return moment
 
     def _up(self) -> Vector:
@@ -194,7 +192,7 @@ class Observer:
             lowest=float(load.lowest.min()),
             left=float(load.left.min()),
             right=float(load.right.max()),
-            sizes=tuple(sorted({float(run.run["width"][0]) for run in bed.runs if run.deepest > 0.0})),
+            sizes=tuple(sorted({width for group in bed.groups for width in group.widths()})),
         )
 
     # ---- forces and energies ----
@@ -217,7 +215,7 @@ class Observer:
 
     def _energies(self) -> series.Series:
         t = self.trajectory
-        kinetic = 0.5 * np.einsum("ti,ij,tj->t", t.v, t.mass, t.v, optimize=True)
+        kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
         gravity = self.scene.gravity * (t.q @ (t.mass @ self._up()))
         elastic, damping = np.zeros_like(kinetic), np.zeros_like(kinetic)
         for name, nodes in self._links.items():

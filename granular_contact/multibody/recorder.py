@@ -41,11 +41,6 @@ class Recorder:
         self.most = CROWD * math.ceil(self.solver.end_time / self.solver.step) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf
 
-    def start_clock(self) -> None:
-        """The time of the clock that the solve may take begins now; what is compiled before is no part of it."""
-        if self.solver.max_wall is not None:
-            self.deadline = time.perf_counter() + self.solver.max_wall
-
     def __call__(self, mbs: Any, t: float) -> bool:
         """After a step accepted at t (s): whether to go on."""
         data = mbs.systemData
@@ -60,6 +55,8 @@ class Recorder:
         row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
         row[1 + self.size :] = v
         self._count(t)
+        if self.rows == 0 and self.solver.max_wall is not None:
+            self.deadline = time.perf_counter() + self.solver.max_wall  # from here: kernels are compiled by now
         self.rows += 1
         if self.multipliers:
             self.reactions.append(data.GetAECoordinates()[self.multipliers])

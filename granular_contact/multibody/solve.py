@@ -22,6 +22,7 @@ from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System
+from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import Vector
 
@@ -31,8 +32,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), constant for the bodies used here. reactions: torque (N m) or force (N) of
-    prescribed motions, (n,) each, by joint.
+    did, None without one; mass (m, m), sparse, constant for the bodies used here. reactions: torque (N m) or force (N)
+    of prescribed motions, (n,) each, by joint.
     """
 
     status: Status
@@ -41,7 +42,7 @@ class Trajectory:
     q: Vector
     v: Vector
     load: LoadHistory | None
-    mass: Vector
+    mass: Any
     reactions: dict[str, Vector]
 
 
@@ -88,8 +89,6 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
             mbs.SetPostNewtonUserFunction(recorder.control)
             control_steps(simulation, recorder.control)
         mbs.SetPostStepUserFunction(recorder)
-        mass = mbs.ComputeLinearizedSystem(simulation)[0]
-        recorder.start_clock()
         began = time.perf_counter()
         try:
             success = solver.SolveSystem(mbs, simulation)
@@ -115,7 +114,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
         v=states[:, 1 + count :],
         load=None if system.bed is None else system.bed.accepted.since(0.0),
-        mass=mass,
+        mass=mass_matrix(system),
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
         reactions={
             name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)

@@ -79,5 +79,10 @@ class StepControl:
         if self.system.bed is None:
             return math.inf
         least = self.accuracy * self.size / self.speed
-        above = [(-run.depth, run.speed) for run in self.system.bed.runs if run.depth < 0.0 < run.speed]
+        above = [
+            (-depth, speed)
+            for group in self.system.bed.groups
+            for depth, speed in group.nearing()
+            if depth < 0.0 < speed
+        ]
         return max(least, min((height / speed for height, speed in above), default=math.inf))

@@ -49,9 +49,10 @@ class March:
         self.decide()
 
     def _rest_bristles(self) -> None:
-        w, where = self.world, np.arange(self.size)
+        w, q = self.world, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
-            release(self.y, where, np.zeros(self.size), w.geometry[first:end], w.anchors[first : end - 1])
+            P, V = np.empty((2, end - first, 2))
+            release(q, w.geometry[first:end], P, V, w.anchors[first : end - 1])
 
     @property
     def time(self) -> float:

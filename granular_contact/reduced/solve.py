@@ -10,7 +10,7 @@ from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.results import Cost, Progress, Status, out_of_time
 from granular_contact.scene.types import Vector
 
 OWN = "dormand_prince"
@@ -101,11 +101,7 @@ def _status(model: Model, march: March, code: int) -> Status:
             "method.reduced.static: elastoplastic, whose bristle gives way",
         )
     if code == OVERTIME:
-        return Status(
-            "time_limit",
-            f"stopped at {t:.6g} s of {solver.end_time:g} s: solver.max_wall_s ({solver.max_wall:g}) is over; the "
-            "results up to there were kept",
-        )
+        return out_of_time(t, solver.end_time, solver.max_wall)
     if code == kernels.FAILED:
         return Status(
             "failed",

@@ -233,6 +233,13 @@ class Reduced:
 
 
 @dataclass(frozen=True)
+class Minimal:
+    """Minimal coordinates in place of the engine; see `granular_contact.minimal`. rtol: as of `Reduced`."""
+
+    rtol: float
+
+
+@dataclass(frozen=True)
 class Scene:
     """All that a solver needs. gravity m/s2, downward; bed: None in vacuum.
 
@@ -250,7 +257,7 @@ class Scene:
     solver: Solver
     tip: tuple[str, Vector]
     output_interval: float | None
-    method: Reduced | None = None
+    method: Reduced | Minimal | None = None
     drives: tuple[Drive, ...] = ()
     settle: bool = False
     body_columns: bool = False

@@ -438,9 +438,13 @@ def cable_case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.nda
 def generalised(state: np.ndarray, args: tuple) -> np.ndarray:
     """Generalised forces of a run at a state (q, v)."""
     size = state.size // 2
-    out, where = np.zeros(size), np.arange(size)
-    runs.force(state[:size], state[size:], where, np.zeros(size), *args, np.zeros((3, 3)), out)
+    out = np.zeros(size)
+    runs.force(state[:size], state[size:], *args, *room(args), np.zeros((3, 3)), out)
     return out
+
+
+def room(args: tuple) -> np.ndarray:
+    return np.zeros((3, len(args[0]), 2))
 
 
 @pytest.mark.parametrize("resultant", [False, True])
@@ -458,10 +462,11 @@ def test_tangents_of_whole_runs(case: object, resultant: bool) -> None:
             rng.uniform(0.2, 0.8, (n - 1, 2)) * rng.choice([-1, 1], (n - 1, 2)) * YIELD - TAU * middles(V)
         )
         link = Link(P[:2], V[:2], 0.008)
-        args = (geometry, run_record(link, True, resultant), profile(link), record, anchors)
+        args = (geometry, run_record(link, True, resultant)[0], profile(link), record[0], anchors)
         fq, fv = rng.uniform(-2.0, 2.0, 2)
         got = np.zeros((size, size))
-        runs.tangent(q, v, np.arange(size), np.zeros(size), *args, fq, fv, got)
+        KP, KV = np.zeros((2, n - 1, 4, 4))
+        runs.tangent(q, v, *args, *room(args), KP, KV, fq, fv, got)
         want = central(lambda x, args=args: generalised(x, args), np.concatenate([q, v]), 1e-6)
         want = fq * want[:, :size] + fv * want[:, size:]
         # As for strips; forward differences of the resultant: step 1e-8 m over the smallest length of 1e-3 m.

@@ -133,6 +133,14 @@ class Scenario(Strict):
         return self
 
     @model_validator(mode="after")
+    def _steps_of_its_method(self) -> Scenario:
+        if self.solver.accuracy is not None and (self.method.reduced is not None or self.method.minimal is not None):
+            name = "reduced" if self.method.reduced is not None else "minimal"
+            words = f"chooses the steps of the engine; with method.{name} its rtol does, and allowed is null"
+            raise refusal([(("solver", "accuracy"), words)])
+        return self
+
+    @model_validator(mode="after")
     def _one_static_law(self) -> Scenario:
         reduced, has = self.method.reduced, self.load.friction.type
         if reduced is not None and reduced.static not in ("auto", "true_sign", has):
