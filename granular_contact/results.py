@@ -26,7 +26,8 @@ def out_of_time(reached: float, end: float, wall: float | None) -> Status:
     """Status of a run that `solver.max_wall_s` ended at a time (s), before its end (s)."""
     return Status(
         "time_limit",
-        f"stopped at {reached:.6g} s of {end:g} s: solver.max_wall_s ({wall:g}) is over; the results up to there were kept",
+        f"stopped at {reached:.6g} s of {end:g} s: solver.max_wall_s ({wall:g}) is over; "
+        "the results up to there were kept",
     )
 
 

@@ -258,7 +258,15 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
                     if one.status in GOOD
                     else {"failed": "F", "refused": "R"}.get(one.status, "T")
                 )
-                axes.text(j, i, mark, ha="center", va="center", fontsize=7, color="black")
+                axes.text(
+                    j,
+                    i,
+                    mark,
+                    ha="center",
+                    va="center",
+                    fontsize=7,
+                    color="white" if one.difference > 0.02 else "black",
+                )
             shown = axes.imshow(
                 np.maximum(values, 1e-6), norm=LogNorm(1e-5, 1.0), cmap="cividis_r", origin="lower", aspect="auto"
             )
