@@ -61,7 +61,7 @@ def run(
         "end": len(time) - 1,
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
-    summary["warnings"] += _limits(scene, solved.reach)
+    summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach)]
     return Results(
         name=scene.name,
         status=solved.status,
@@ -84,7 +84,7 @@ class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
     pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
-    terms; reach: None where nothing could meet the medium; more: what the summary has besides.
+    terms; reach: None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
     """
 
     status: Status
@@ -98,6 +98,7 @@ class _Solved:
     terms: tuple[str, ...]
     reach: Reach | None
     more: dict[str, Any]
+    doubts: tuple[str, ...] = ()
 
 
 def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajectory]:
@@ -115,9 +116,7 @@ def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajec
     return made.system, solve_tree(made, progress)
 
 
-def _solved(
-    scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None
-) -> _Solved:
+def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
 
@@ -136,7 +135,15 @@ def _solved(
         terms=observer.terms,
         reach=observer.reach(),
         more=key_numbers(observer),
+        doubts=_doubts(observer) if scene.method is None else (),
     )
+
+
+def _doubts(observer: Observer) -> tuple[str, ...]:
+    from granular_contact.multibody.doubts import doubts
+
+    with np.errstate(all="ignore"):  # of a run that failed by running away
+        return tuple(doubts(observer))
 
 
 def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solved:

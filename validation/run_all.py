@@ -23,6 +23,7 @@ STUDIES = (
     "paper_cases",
     "single_mode_vs_fe",
     "error_vs_run_time",
+    "stability",
     "beam_against_theory",
     "laws",
     "sensitivity",

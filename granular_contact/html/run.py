@@ -12,7 +12,13 @@ from granular_contact.html.numbers import is_number, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import PROGRAM, SCENARIO, SERIES, SUMMARY
 
-_ENDS = {"rest": "came to rest", "end_time": "ran to its end time", "failed": "failed", "interrupted": "interrupted"}
+_ENDS = {
+    "rest": "came to rest",
+    "end_time": "ran to its end time",
+    "time_limit": "ran out of time",
+    "failed": "failed",
+    "interrupted": "interrupted",
+}
 # Told elsewhere on the page, or of no use as a single number.
 _ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions")
 FIGURES = {

@@ -83,7 +83,12 @@ def _read(folder: Folder) -> _Table:
 
 
 def _lead(table: _Table, counts: Counter[str]) -> str:
-    ends = {"rest": "came to rest", "end_time": "ran to the end time", "error": "crashed"}
+    ends = {
+        "rest": "came to rest",
+        "end_time": "ran to the end time",
+        "time_limit": "ran out of time",
+        "error": "crashed",
+    }
     words = ", ".join(f"{count} {ends.get(status, status)}" for status, count in counts.most_common())
     varied = ", ".join(label(name) for name in table.varied) or "nothing"
     return f"{len(table.rows)} cases: {words}. They differ in {varied}."

@@ -7,7 +7,11 @@ step the anchor is fixed, so with p and v at the end of the step
     sigma = clip((p - anchor + tau v) / u_y, -1, 1),          anchor <- p - clip(p - anchor, -u_y, u_y) afterwards,
 
 is the closed-form return mapping of one-dimensional perfect plasticity, with the bristle damping tau. At rest the
-anchor does not move: no creep. Smooth: sigma = tanh(v / v_eps), which creeps under any load.
+anchor does not move: no creep. What the form costs: the bristle's stiffness B / u_y follows the depth with its bound B, so
+a closed loop below yield can gain up to B' u_y^2 per strip where tau = 0 (4e-9 J for the source's link), B' the slope of
+the bound; the damping takes more than that from any loop faster than u_y / (z tau), 0.7 rad/s at z = 14 mm by default. And
+a strip has one sign: where it turns about a point within, off its middle by less than a third of a half, the force of the
+smaller side works with the motion; that is at most a sixth of B times its length times its rate, and falls with strips. Smooth: sigma = tanh(v / v_eps), which creeps under any load.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.weights import mass_matrix
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.results import Cost, Progress, Status, out_of_time
 from granular_contact.scene.types import Minimal, Scene, Vector
 
 SHARE = 1024  # steps between two looks at the progress bar
@@ -72,8 +72,9 @@ def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
     assert isinstance(scene.method, Minimal)
     march = March(tree, scene.method)
     code, began = kernels.PAUSE, time.perf_counter()
+    wall = scene.solver.max_wall
     try:
-        while code == kernels.PAUSE:
+        while code == kernels.PAUSE and (wall is None or time.perf_counter() - began < wall):
             code = march.go_on()
             if progress is not None:
                 progress(march.time, scene.solver.end_time)
@@ -111,6 +112,8 @@ def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
             "failed",
             f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; take a larger one",
         )
+    if code == kernels.PAUSE:
+        return out_of_time(t, solver.end_time, solver.max_wall)
     if code == kernels.REST:
         return Status("rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s")
     return Status("end_time", f"end time {solver.end_time:g} s reached")

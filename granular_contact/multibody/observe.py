@@ -151,9 +151,17 @@ class Observer:
         joints = self.scene.connections
         return any(c.closes or (c.parent is None and c.kind in ("slider", "free")) for c in joints)
 
+    def nodes(self, name: str) -> list[Vector]:
+        """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""
+        return self._links[name]
+
     def deflection(self) -> Vector:
-        """Deflection (n,) m of the last flexible link's tip from the tangent at its root, clockwise positive."""
-        nodes = list(self._links.values())[-1]
+        """Deflection (n,) m of the last flexible link, see `bend`."""
+        return self.bend(list(self._links)[-1])
+
+    def bend(self, name: str) -> Vector:
+        """Deflection (n,) m of a flexible link's tip from the tangent at its root, clockwise positive."""
+        nodes = self._links[name]
         q = self.trajectory.q
         axis = q[:, nodes[0][2:]] / np.linalg.norm(q[:, nodes[0][2:]], axis=1, keepdims=True)
         chord = q[:, nodes[-1][:2]] - q[:, nodes[0][:2]]

@@ -98,6 +98,10 @@ class Group:
         touched: list[float] = self.runs["width"][self.reach[:, kernels.EVER] > 0.0].tolist()
         return touched
 
+    def nearing(self) -> list[tuple[float, float]]:
+        """Of each run after `accept`: depth of its deepest station (m), greatest speed at which one goes down (m/s)."""
+        return [(float(depth), float(speed)) for depth, speed in self.reach[:, [kernels.DEEPEST, kernels.NEARING]]]
+
     def remember(self) -> Memory:
         """Copy of all that `accept` changes, for `recall`."""
         return self.anchors.copy(), self.reach.copy()

@@ -77,6 +77,8 @@ def build(scenario: schema.Scenario) -> Scene:
             rest_speed=solver.rest_speed_m_s,
             spectral_radius=solver.spectral_radius,
             tolerance=solver.tolerance,
+            accuracy=solver.accuracy,
+            max_wall=solver.max_wall_s,
         ),
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,

@@ -201,14 +201,20 @@ class Load:
 
 @dataclass(frozen=True)
 class Solver:
-    """Times in s, speeds in m/s; tolerance relative to the forces of the scene."""
+    """Times in s, speeds in m/s; tolerance relative to the forces of the scene.
+
+    accuracy: of steps that are chosen, None for fixed ones; max_wall: wall time (s), None for no limit;
+    spectral_radius: None for the engine's choice.
+    """
 
     end_time: float
     step: float
     rest_time: float | None
     rest_speed: float
-    spectral_radius: float
+    spectral_radius: float | None
     tolerance: float
+    accuracy: float | None = None
+    max_wall: float | None = None
 
 
 @dataclass(frozen=True)
