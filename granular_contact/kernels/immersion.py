@@ -86,8 +86,8 @@ def depth_integral_gradients_rising(z0: float, z1: float, lam: float) -> tuple[f
     if z0 <= 0.0:
         beta = z1 / dz
         p = z1 if lam == 1.0 else z1**lam
-        beta_z0 = z1 / (dz * dz)
-        beta_z1 = -z0 / (dz * dz)
+        beta_z0 = beta / dz
+        beta_z1 = -z0 / dz / dz
         p_z1 = lam * p / z1
         total_beta = p / (lam + 1.0)
         total_p = beta / (lam + 1.0)
