@@ -143,7 +143,9 @@ def run_record(rng: Random, kind: str, plain: bool = False) -> Record:
     return run
 
 
-def state(rng: Random, family: str, kind: str, yields: tuple[float, float] = (1e-5, 1e-2), plain: bool = False) -> State:
+def state(
+    rng: Random, family: str, kind: str, yields: tuple[float, float] = (1e-5, 1e-2), plain: bool = False
+) -> State:
     """A run that mostly lies around the surface or below it, turning and bending as it goes."""
     static, line = _static(rng, yields), _line(rng, kind)
     around = medium(rng, family)

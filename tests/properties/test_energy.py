@@ -9,7 +9,7 @@ from random import Random
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support_properties import Array, State, floors, static_bound, states
+from support_properties import Array, State, floors, states, static_bound
 
 from granular_contact.media.static_friction import Elastoplastic
 
