@@ -66,4 +66,3 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
     # The property would hold on nothing: most states must be under load and smooth.
     assert met["loaded"] > 0.4 * sum(met.values())
     assert met["kink"] < 0.3 * sum(met.values())
-

@@ -147,7 +147,13 @@ def _body(rng: Random, family: str) -> Tree:
         return {"type": "rigid", "density_kg_m3": 10.0 ** rng.uniform(2, 4.3), "shapes": shapes}
     mass = 10.0 ** rng.uniform(-3, 1)
     inertia = mass * size(rng) ** 2
-    return {"type": "rigid", "mass_kg": mass, "inertia_kg_m2": inertia, "center_of_mass_m": _point(rng), "shapes": shapes}
+    return {
+        "type": "rigid",
+        "mass_kg": mass,
+        "inertia_kg_m2": inertia,
+        "center_of_mass_m": _point(rng),
+        "shapes": shapes,
+    }
 
 
 def _in_hinge(rng: Random) -> Tree:
@@ -230,7 +236,11 @@ def _drive(rng: Random, kind: str) -> Tree | None:
     turns = kind == "hinge"
     form = rng.choice(("load", "motion", "control", "speed"))
     if form == "load":
-        return {"type": "torque", "torque_Nm": _signal(rng, 1.0)} if turns else {"type": "force", "force_N": _signal(rng, 10)}
+        return (
+            {"type": "torque", "torque_Nm": _signal(rng, 1.0)}
+            if turns
+            else {"type": "force", "force_N": _signal(rng, 10)}
+        )
     target = _signal(rng, 60.0, clock=True) if turns else _signal(rng, 0.05)
     if form == "motion":
         return {"type": "motion", "angle_deg" if turns else "position_m": target}
@@ -251,9 +261,19 @@ def _signal(rng: Random, scale: float, clock: bool = False) -> Any:
     if kind == "number":
         return rng.gauss(0, scale)
     if kind == "sine":
-        return {"type": "sine", "amplitude": rng.gauss(0, scale), "frequency_Hz": size(rng, 0.1, 100), "phase_deg": 90.0}
+        return {
+            "type": "sine",
+            "amplitude": rng.gauss(0, scale),
+            "frequency_Hz": size(rng, 0.1, 100),
+            "phase_deg": 90.0,
+        }
     if kind == "ramp":
-        return {"type": "ramp", "from": rng.gauss(0, scale), "to": rng.gauss(0, scale), "duration_s": size(rng, 1e-3, 1)}
+        return {
+            "type": "ramp",
+            "from": rng.gauss(0, scale),
+            "to": rng.gauss(0, scale),
+            "duration_s": size(rng, 1e-3, 1),
+        }
     if kind == "table":
         times = sorted({rng.uniform(0, 0.05) for _ in range(rng.randint(2, 6))})
         values = [rng.gauss(0, scale) for _ in times]
@@ -286,7 +306,7 @@ def _pendulum(rng: Random, family: str) -> Tree:
     return drawn
 
 
-def _chain(rng: Random, family: str) -> Tree:
+def _chain(rng: Random, _: str) -> Tree:
     link = {"length_m": size(rng, 0.01, 0.2), "diameter_m": size(rng, 1e-3, 0.02), "density_kg_m3": 7700.0}
     if rng.random() < 0.3:
         link["flexible"] = _flexible(rng)
@@ -294,7 +314,7 @@ def _chain(rng: Random, family: str) -> Tree:
     return {"model": {"name": "chain", "chain": chain}, "initial": _strike(rng)}
 
 
-def _loop(rng: Random, family: str) -> Tree:
+def _loop(rng: Random, _: str) -> Tree:
     """Two parallel cranks with a coupler between their tips."""
     section = {"type": "link", "diameter_m": 0.01, "density_kg_m3": 7700.0}
     crank, coupler, angle = section | {"length_m": size(rng)}, section | {"length_m": size(rng)}, rng.uniform(5, 175)
