@@ -198,10 +198,10 @@ def _surface(scene: Scene) -> float | Vector | None:
 
 def _rows(time: Vector, interval: float | None) -> Any:
     """Which instants go into the table: all, or the first at or after each multiple of the interval, and the last."""
-    if interval is None:
+    if interval is None or interval <= np.diff(time).min(initial=np.inf):
         return slice(None)
-    due = np.arange(0.0, time[-1], interval)
-    return np.unique([*np.searchsorted(time, due - 1e-12), len(time) - 1])
+    passed = np.floor((time + 1e-12) / interval)  # multiples so far; counted, as there may be no room to list them
+    return np.unique([0, *(np.flatnonzero(np.diff(passed)) + 1), len(time) - 1])
 
 
 def engine_stop(observer: Observer, touch: Touch) -> Stop | None:

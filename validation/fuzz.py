@@ -4,8 +4,8 @@
     python validation/fuzz.py --first 4711 --count 1 --keep offenders
 
 A case is a seed (validation/fuzzing/cases.py). Cases run in processes of their own, so that one that crashes or hangs
-is counted and not the end. The files of every offender, with what happened, are kept in the folder --keep; the exit code is
-1 if there was one.
+is counted and not the end. The files of every offender, with what happened, are kept in the folder --keep; the exit
+code is 1 if there was one.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
     traction = z S(t, u) - lam rho v_n |v_n| n
 
 with the true velocity v and its part v_n normal to the element; on a one-sided outline only where n . v > 0. The free
-surface may be lowered by delta_h. With c = p_1 - p_0, t = c / |c| and w = t x v = v_n, n ds = (-c_y, c_x) dxi, so that on
-either side of the zero of w the inertial term is a cubic in xi, which two Gauss points integrate exactly.
+surface may be lowered by delta_h. With c = p_1 - p_0, t = c / |c| and w = t x v = v_n, n ds = (-c_y, c_x) dxi, so
+that on either side of the zero of w the inertial term is a cubic in xi, which two Gauss points integrate exactly.
 """
 
 from __future__ import annotations

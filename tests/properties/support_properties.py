@@ -1,8 +1,8 @@
 """Random media, surfaces, bodies and motions for hypothesis, and short ways to ask the kernels about them.
 
 A `State` is one run of stations in one medium at one instant. All laws of the schema are drawn with admissible
-coefficients; what they are for is left to the runs: round bars, plates, outlines and balls, whole or between two depths, with
-and without end caps, in both forms, and the floor.
+coefficients; runs are round bars, plates, outlines and balls, whole or between two depths, with and without end caps,
+in both forms, and the floor.
 """
 
 from __future__ import annotations
@@ -168,8 +168,8 @@ def on_floor(rng: Random) -> State:
     return given.with_(medium=None, static=None, record=floor.record(kind), profile=floor.profile)
 
 
-# Numbers that hypothesis chooses, the odd ones among them: what is level, at rest or just touching; it makes them simple
-# where something fails. Or such as come, away from all that.
+# Numbers that hypothesis chooses, the odd ones among them (level, at rest, just touching), and makes simple where
+# something fails; or such as come, away from all that.
 ODD = st.randoms(use_true_random=False)
 COMMON = st.integers(0, 2**32).map(Random)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from random import Random
 
 import numpy as np
@@ -35,7 +36,7 @@ def carried(body: State, path: Array, steps: int, speed: float) -> float:
     """
     work, start = 0.0, body.P
     body = body.rested()
-    for a, b in zip(path, path[1:], strict=False):
+    for a, b in pairwise(path):
         length = float(np.linalg.norm(b - a))
         if length == 0.0:
             continue

@@ -1,4 +1,4 @@
-"""Forces are finite everywhere and continuous; how a straight bar is cut into strips does not matter where it may not."""
+"""Forces are finite everywhere, continuous, and those of a straight bar do not depend on how it is cut."""
 
 from __future__ import annotations
 
@@ -84,8 +84,8 @@ def test_how_a_straight_bar_is_cut_does_not_matter(body: State, rng: Random) -> 
     inner = sorted(rng.uniform(0.0, 1.0) for _ in range(rng.randint(1, 8)))
     F, totals = cut(np.array([0.0, 1.0]))
     G, sums = cut(np.array([0.0, *inner, 1.0]))
-    # Closed forms over each strip: those of z^lambda cancel to 1e-12 of themselves over the relative difference of depths,
-    # and stretches next to u_y >= 1e-5 m carry round-off of positions, 1e-16 m.
+    # Closed forms over each strip: those of z^lambda cancel to 1e-12 of themselves, and stretches next to u_y >= 1e-5 m
+    # carry round-off of positions, 1e-16 m.
     scale = max(1e-9, float(np.abs(totals).max()))
     np.testing.assert_allclose(G, F, atol=1e-8 * scale)
     np.testing.assert_allclose(sums, totals, atol=1e-8 * scale)

@@ -29,8 +29,8 @@ def test_mirror_image_has_the_mirrored_force(body: State) -> None:
         run=run,
     )
     G, seen = mirrored.forces()
-    # The same operations with other signs, but that of a sloped surface, which is measured from its other end: round-off
-    # of 0.3 m in depths and stretches, 1e-16 m next to u_y of at least 1e-5 m; times a dozen operations.
+    # The same operations with other signs, but a slope is measured from its other end: round-off of 0.3 m in depths
+    # and stretches, 1e-16 m next to u_y of at least 1e-5 m; times a dozen operations.
     scale = body.scale()
     np.testing.assert_allclose(G, F * MIRROR, atol=1e-9 * scale)
     np.testing.assert_allclose(seen, totals * [-1.0, 1.0, -1.0], atol=1e-9 * scale)

@@ -54,11 +54,11 @@ def _lee_marghitu(rng: Random) -> Tree:
 
 
 def _rft(rng: Random) -> Tree:
-    """The generic set, or one whose terms were changed so little that no element is driven (0.1 of each, see C01)."""
+    """The generic set, scaled: not every set of coefficients resists in every direction."""
     return {"zeta": rng.uniform(0.05, 3.0)}
 
 
-# One line a law; `test_properties` sees to it that none is left out.
+# One line a law; `tests/fuzz` sees to it that none is left out.
 LAWS: dict[str, Callable[[Random], Tree]] = {
     "lee_marghitu": _lee_marghitu,
     "albert": lambda rng: _density(rng) | {"eta_h": _some(rng, 30)},
@@ -77,7 +77,8 @@ LAWS: dict[str, Callable[[Random], Tree]] = {
     },
     "linear_depth": lambda rng: {"stiffness_N_m": _some(rng, 1e4)},
     "tsimring_volfson": lambda rng: {
-        "drag_kg_m": _some(rng, 50), "friction_N": _some(rng, 1e3), "exponent": rng.choice((1.0, 5.0, rng.uniform(0.1, 3)))
+        "drag_kg_m": _some(rng, 50), "friction_N": _some(rng, 1e3),
+        "exponent": rng.choice((1.0, 5.0, rng.uniform(0.1, 3))),
     },
     "katsuragi_durian": lambda rng: {"stiffness_N_m": _some(rng, 1e4)}
     | rng.choice(({"drag_length_m": rng.uniform(0.01, 1)}, {"drag_length_diameters": rng.uniform(0.5, 10)})),

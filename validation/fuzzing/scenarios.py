@@ -306,7 +306,7 @@ def _pendulum(rng: Random, family: str) -> Tree:
     return drawn
 
 
-def _chain(rng: Random, family: str) -> Tree:
+def _chain(rng: Random, _: str) -> Tree:
     link = {"length_m": size(rng, 0.01, 0.2), "diameter_m": size(rng, 1e-3, 0.02), "density_kg_m3": 7700.0}
     if rng.random() < 0.3:
         link["flexible"] = _flexible(rng)
@@ -314,7 +314,7 @@ def _chain(rng: Random, family: str) -> Tree:
     return {"model": {"name": "chain", "chain": chain}, "initial": _strike(rng)}
 
 
-def _loop(rng: Random, family: str) -> Tree:
+def _loop(rng: Random, _: str) -> Tree:
     """Two parallel cranks with a coupler between their tips."""
     section = {"type": "link", "diameter_m": 0.01, "density_kg_m3": 7700.0}
     crank, coupler, angle = section | {"length_m": size(rng)}, section | {"length_m": size(rng)}, rng.uniform(5, 175)

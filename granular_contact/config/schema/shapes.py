@@ -138,10 +138,8 @@ class PolygonShape(_Shape):
         if not faults and abs(doubled_area(self.points_m)) < 1e-12 * _extent(self.points_m) ** 2:
             faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
         if not faults and (pair := _crossing(self.points_m)):
-            words = (
-                f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross, so the area would count twice or not"
-            )
-            faults = [(("points_m",), f"{words}; sides may only meet")]
+            words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
+            faults = [(("points_m",), words)]
         if faults:
             raise refusal(faults)
         return self
