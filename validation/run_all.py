@@ -27,6 +27,7 @@ STUDIES = (
     "laws",
     "sensitivity",
     "fit_recovery",
+    "runner",
 )
 RECORD = HERE / "claims.json"
 
