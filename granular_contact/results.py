@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-StatusCode = Literal["rest", "end_time", "failed", "interrupted"]
+StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
 # Told now and then how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
 
@@ -22,15 +22,31 @@ class Status:
     message: str
 
 
+def out_of_time(reached: float, end: float, wall: float | None) -> Status:
+    """Status of a run that `solver.max_wall_s` ended at a time (s), before its end (s)."""
+    return Status(
+        "time_limit",
+        f"stopped at {reached:.6g} s of {end:g} s: solver.max_wall_s ({wall:g}) is over; "
+        "the results up to there were kept",
+    )
+
+
 @dataclass(frozen=True)
 class Cost:
-    """What a solve took; solve_s is wall time (s)."""
+    """What a solve took; solve_s is wall time (s).
+
+    full_newton: steps whose iteration was begun again with a fresh Jacobian each time; shortened_steps: those taken
+    shorter than asked for, as the iteration failed; refused_steps: repeated for their error, where steps are chosen.
+    """
 
     solve_s: float
     steps: int
     newton_iterations: int
     jacobians: int
     load_calls: int
+    full_newton: int = 0
+    shortened_steps: int = 0
+    refused_steps: int = 0
 
 
 @dataclass(frozen=True)

@@ -45,9 +45,12 @@ def run(
     most_frames : int
         From 2: the results get at most so many frames, for an animation.
     inspect : callable, optional
-        Called with the engine's own system and trajectory after the solve; never for a reduced model, which has none.
+        Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
     """
-    solved = _by_engine(scene, progress, inspect) if scene.method is None else _reduced(scene, scene.method, progress)
+    if isinstance(scene.method, Reduced):
+        solved = _reduced(scene, scene.method, progress)
+    else:
+        solved = _solved(scene, progress, inspect)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(time, series["depth_m"]) if scene.media else None
@@ -58,7 +61,7 @@ def run(
         "end": len(time) - 1,
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
-    summary["warnings"] += _limits(scene, solved.reach)
+    summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach)]
     return Results(
         name=scene.name,
         status=solved.status,
@@ -81,7 +84,7 @@ class _Solved:
     """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
     pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
-    terms; reach: None where nothing could meet the medium; more: what the summary has besides.
+    terms; reach: None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
     """
 
     status: Status
@@ -95,20 +98,31 @@ class _Solved:
     terms: tuple[str, ...]
     reach: Reach | None
     more: dict[str, Any]
+    doubts: tuple[str, ...] = ()
 
 
-def _by_engine(
-    scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None
-) -> _Solved:
-    from granular_contact.multibody.build import build
+def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajectory]:
+    """By the engine, or in minimal coordinates: either way in the coordinates of the engine."""
+    if scene.method is None:
+        from granular_contact.multibody.build import build
+        from granular_contact.multibody.solve import solve
+
+        system = build(scene)
+        return system, solve(system, progress)
+    from granular_contact.minimal.solve import solve as solve_tree
+    from granular_contact.minimal.tree import tree
+
+    made = tree(scene)
+    return made.system, solve_tree(made, progress)
+
+
+def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
-    from granular_contact.multibody.solve import solve
 
-    system = build(scene)
-    trajectory = solve(system, progress)
+    system, trajectory = _trajectory(scene, progress)
     observer = Observer(system, trajectory)
-    if inspect is not None:
+    if inspect is not None and scene.method is None:
         inspect(system, trajectory)
     return _Solved(
         trajectory.status,
@@ -121,7 +135,15 @@ def _by_engine(
         terms=observer.terms,
         reach=observer.reach(),
         more=key_numbers(observer),
+        doubts=_doubts(observer) if scene.method is None else (),
     )
+
+
+def _doubts(observer: Observer) -> tuple[str, ...]:
+    from granular_contact.multibody.doubts import doubts
+
+    with np.errstate(all="ignore"):  # of a run that failed by running away
+        return tuple(doubts(observer))
 
 
 def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solved:
@@ -176,10 +198,10 @@ def _surface(scene: Scene) -> float | Vector | None:
 
 def _rows(time: Vector, interval: float | None) -> Any:
     """Which instants go into the table: all, or the first at or after each multiple of the interval, and the last."""
-    if interval is None:
+    if interval is None or interval <= np.diff(time).min(initial=np.inf):
         return slice(None)
-    due = np.arange(0.0, time[-1], interval)
-    return np.unique([*np.searchsorted(time, due - 1e-12), len(time) - 1])
+    passed = np.floor((time + 1e-12) / interval)  # multiples so far; counted, as there may be no room to list them
+    return np.unique([0, *(np.flatnonzero(np.diff(passed)) + 1), len(time) - 1])
 
 
 def engine_stop(observer: Observer, touch: Touch) -> Stop | None:

@@ -94,7 +94,7 @@ def _relative_imbalance(series: dict[str, Vector]) -> float:
 def _warnings(imbalance: float) -> list[str]:
     if imbalance <= IMBALANCE_LIMIT:
         return []
-    return [f"the energy balance is off by {imbalance:.1%}: take a smaller solver.step_s"]
+    return [f"the energy balance is off by {imbalance:.1%}: take a smaller solver.step_s or solver.accuracy"]
 
 
 def versions() -> dict[str, str]:

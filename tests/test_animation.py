@@ -178,6 +178,53 @@ def test_a_slope_is_drawn_where_it_is() -> None:
         assert is_sand == (aside > 0)
 
 
+def test_layers_and_floor_are_drawn_at_their_depths() -> None:
+    results = dataclasses.replace(filmed(), layers=(0.02,), floor=float(filmed().surface) - 0.03)
+    stage = stage_of(results)
+    picture = next(animation.pictures(results)).astype(int)
+
+    def brightness(depth: float) -> float:
+        row = int((stage.top - (results.surface - depth)) * stage.scale)
+        return float(picture[row - 1 : row + 2, : stage.width // 2].mean())
+
+    assert brightness(-0.01) > brightness(0.01) + 10 > brightness(0.025) + 10 > brightness(0.033) + 30
+
+
+def long_way(width: float) -> Results:
+    """A bar that moves by so many of its lengths."""
+    frames = tuple(
+        Snapshot("frame", 0.04 * i, (Outline("bar", np.array([[x, 0.1], [x + 0.1, 0.2]]), 0.01),))
+        for i, x in enumerate(np.linspace(0.0, 0.1 * width, 21))
+    )
+    return dataclasses.replace(filmed(), frames=frames, snapshots=frames[:1], surface=0.05)
+
+
+@pytest.mark.parametrize(("width", "columns"), [(0.2, 4), (3.0, 2), (12.0, 1)])
+def test_strips_have_as_many_pictures_in_a_row_as_fit(width: float, columns: int) -> None:
+    strip = animation.strip(long_way(width), 4, 1000)
+    rows = 4 // columns
+    assert strip.shape[1] == columns * (1000 // columns) + (columns - 1) * animation.GAP
+    # Between pictures, and nowhere else, there are white lines from side to side.
+    white = np.all(strip == 255, axis=(1, 2))
+    assert np.sum(white) == (rows - 1) * animation.GAP
+
+
+def test_a_strip_shows_instants_between_which_the_way_is_equal() -> None:
+    frames = long_way(3.0).frames
+    hurried = [*frames[:2], *frames[2::6]]
+    times = [frame.time for frame in animation._evenly_moved(hurried, 4)]
+    assert times[0] == 0.0
+    assert times[-1] == hurried[-1].time
+    np.testing.assert_allclose(np.diff(times), 0.8 / 3, atol=0.25)  # steps of 0.24 s are all there are
+
+
+def test_a_strip_is_a_small_png(tmp_path: Path) -> None:
+    film.write_strip(filmed(), tmp_path / "s.png")
+    assert (tmp_path / "s.png").stat().st_size < 60_000
+    with Image.open(tmp_path / "s.png") as image:
+        assert near(np.asarray(image.convert("RGB")), VERMILION).sum() > 50  # the arrows keep their colour
+
+
 def test_arrows_are_as_long_as_forces_are_strong() -> None:
     results = filmed()
     key = near(next(animation.pictures(results)), VERMILION).sum()  # nothing has touched yet

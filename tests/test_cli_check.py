@@ -131,7 +131,7 @@ def fake_run(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
 
     def set_up(outcome: str | BaseException) -> None:
-        def run(scene, scenario, progress):
+        def run(scene, scenario, progress, **_):
             assert scene.name == scenario.name == "pendulum"
             if progress is not None:
                 progress(0.1, 0.5)

@@ -23,18 +23,36 @@ from granular_contact.scene import build
 
 KINDS = ("run", "compare", "sweep", "fit")
 FIT = {
+    "name": "four impacts",
     "status": "misfit",
-    "words": ["Two of three coefficients are determined.", "eta_v and lambda can't be told apart."],
-    "warnings": ["medium.eta_v stands at its upper bound"],
-    "reduced_chi_square": 1.7,
-    "estimates": [
-        {"parameter": "medium.eta_h", "value": 8.1, "standard_error": 0.12, "at_bound": False},
-        {"parameter": "medium.eta_d", "value": 6.2, "standard_error": None, "at_bound": True},
-    ],
-    "correlation": {"medium.eta_h": {"medium.eta_h": 1.0, "medium.eta_d": -0.43}},
-    "profile": [[1.0, 2.0], [3.0, 4.5]],
-    "goodness": {"ljung_box": 0.2, "words": ["none"], "columns": [{"column": "tip_y_m", "rows": 500}]},
-    "versions": {"python": "3.11"},
+    "converged": True,
+    "warnings": ["medium.eta_d stands at its upper bound"],
+    "parameters": {
+        "medium.eta_h": {
+            "value": 8.1234567,
+            "standard_error": 0.123,
+            "interval_95": [7.9, 8.4],
+            "bounds": [0.8, 80.0],
+            "start": 8.0,
+            "scale": "log",
+            "at_bound": False,
+        },
+        "medium.eta_d": {
+            "value": 65.0,
+            "standard_error": None,
+            "interval_95": [None, None],
+            "bounds": [0.65, 65.0],
+            "start": 6.5,
+            "scale": "log",
+            "at_bound": True,
+        },
+    },
+    "correlation": {"labels": ["medium.eta_h", "medium.eta_d"], "matrix": [[1.0, -0.43], [-0.43, None]]},
+    "directions": [{"relative_error": 0.1369, "parts": {"medium.eta_h": 0.9935, "medium.eta_d": 0.01}}],
+    "goodness": {"ljung_box_probability": 2e-9, "columns": {"tip_y_m": {"noise": 1e-4, "durbin_watson": 0.4}}},
+    "runs": [{"name": "slow", "data": "slow.csv", "rows": 2, "columns": ["tip_y_m"], "unused_columns": []}],
+    "something_new": {"deep": {"list": [1, 2.5], "text": "of a later version"}},
+    "versions": {"python": "3.11", "granular-contact": "0.1.0"},
 }
 
 
@@ -56,7 +74,9 @@ def made(kind: str, folder: Path) -> Path:
         report.write(make(), folder.parent / "other")
         (folder.parent / "other" / "figures" / "forces.png").rename(folder / "figures" / "residuals.png")
         (folder / "fit.json").write_text(json.dumps(FIT))
-        (folder / "residuals.csv").write_text("time_s,tip_y_m\n0.0,3e-4\n0.002,-4e-4\n")
+        head = "run,column,time_s,data,model,residual_over_noise\n"
+        rows = "slow,tip_y_m,0.0,0.1003,0.1,3.0\nslow,tip_y_m,0.002,0.1,0.1004,-4.0\n"
+        (folder / "residuals.csv").write_text(head + rows)
         (folder / "medium.yaml").write_text("from: play_sand\neta_h: 8.1\n")
     return folder
 
@@ -124,7 +144,17 @@ WORDS = {
     "run": ["stopping time", "25.45 ms", "16.31 mm", "Energy audit", "exudyn", "impact_angle_deg: 31", "0.0033 %"],
     "compare": ["Cheapest within 1 %", "1 mode", "FE, 4 elements", "off by (%)", "exudyn", "impact_angle_deg: 31"],
     "sweep": ["4 cases: ", "case0", "still", "impact speed (rad/s)", "exudyn", "impact_angle_deg: 31"],
-    "fit": ["misfit", "can't be told apart", "medium.eta_v stands at", "8.1", "tip_y_m", "from: play_sand", "0.43"],
+    "fit": [
+        "misfit",
+        "2 coefficients from 2 instants of 1 measured run: eta_h 8.123 \N{PLUS-MINUS SIGN} 0.12, eta_d 65 (no error",
+        "the model misses something",
+        "medium.eta_d stands at",
+        "\N{MINUS SIGN}0.43",
+        "13.7 %",
+        "353.55 µm",  # root mean square of 300 and 400
+        "from: play_sand",
+        "of a later version",
+    ],
 }
 
 
@@ -164,6 +194,44 @@ def test_failed_cases_of_a_sweep_are_named(tmp_path: Path) -> None:
     assert '<span class="status bad">1 failed</span>' in page
     assert "no &lt;b&gt;" in page
     assert "1 came to rest, 1 crashed" in page
+
+
+def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> None:
+    one = make()
+    more = {
+        "stopping_time_s": None,
+        "stopping_time_measure": None,
+        "distance_m": 0.3432,
+        "forward_speed_m_s": 0.2288,
+        "cost_of_transport": 3.25,
+        "contacts": {"front": [[0.01, 0.02], [0.05, 0.09]], "rear": [[0.1 * i, 0.1 * i + 0.01] for i in range(20)]},
+        "energy": {"initial_J": 0.1, "drive_work_J": 3.9, "imbalance_relative": 1e-5},
+    }
+    report.write(dataclasses.replace(one, summary=one.summary | more), tmp_path / "r", figures=False)
+    text = "".join(Outline(html.html(tmp_path / "r")).text)
+    for words in (
+        "It travelled 343.2 mm, at 0.2288 m/s in the mean. Its cost of transport was 3.25.",
+        "10 ms to 20 ms; 50 ms to 90 ms",
+        "and 12 more",
+        "work of drives3.9 J",
+    ):
+        assert words in text
+    assert "No stop" not in text
+
+
+def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Path) -> None:
+    report.write(make(), tmp_path / "r")
+    for name, kind in (("compare-media.csv", "Compare media"), ("law.png", "Media")):
+        folder = tmp_path / kind
+        folder.mkdir()
+        if name.endswith(".csv"):
+            (folder / name).write_text("medium,stopping_time_s\nplay_sand,0.025\n")
+        else:
+            (tmp_path / "r" / "figures" / "motion.png").rename(folder / name)
+        page = html.html(folder)
+        assert f'<p class="kind">{kind}</p>' in page
+        assert ("stopping time (ms)" in page) == name.endswith(".csv")
+        assert ("<img " in page) == name.endswith(".png")
 
 
 def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:

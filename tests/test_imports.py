@@ -26,6 +26,8 @@ MAY = {
     "results": set(),
     "series": {"media", "results"},
     # Two ways through, which know nothing of each other.
+    # The engine's coordinates, bed and observer, without its solver.
+    "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
     "multibody": {
         "multibody",
         "frames",
@@ -41,7 +43,19 @@ MAY = {
     "frames": {"results"},
     "summary": {"results", "stopping"},
     "probe": {"media", "kernels"},
-    "run": {"config", "scene", "media", "limits", "multibody", "reduced", "results", "frames", "stopping", "summary"},
+    "run": {
+        "config",
+        "scene",
+        "media",
+        "limits",
+        "multibody",
+        "minimal",
+        "reduced",
+        "results",
+        "frames",
+        "stopping",
+        "summary",
+    },
     "reduced": {
         "reduced",
         "config",

@@ -106,13 +106,33 @@ def walker() -> Results:
     return dataclasses.replace(one, surface=surface, snapshots=tuple(shots), columns=columns, table=one.table[:, keep])
 
 
+def chain() -> Results:
+    """A pendulum of nine hinges in a medium of two layers on a floor, with six terms of its force."""
+    one = make()
+    extra, columns = [], list(one.columns)
+    for i in range(2, 10):
+        extra += [one["pivot_angle_deg"] / i, -one["pivot_rate_rad_s"] / i]
+        columns.append(
+            Column(f"hinge_{i}_angle_deg", f"angle of link_{i} at hinge_{i}, relative to link_{i - 1}, clockwise")
+        )
+        columns.append(Column(f"hinge_{i}_rate_rad_s", ""))
+    for term in one.terms:
+        for what in ("force_x_N", "force_y_N", "moment_Nm"):
+            extra.append(0.5 * one[f"{term}_{what}"])
+            columns.append(Column(f"second_{term}_{what}", ""))
+    table = np.column_stack([one.table, *extra])
+    terms = (*one.terms, *(f"second_{term}" for term in one.terms))
+    floor = float(one.surface) - 0.04
+    return dataclasses.replace(one, columns=tuple(columns), table=table, terms=terms, layers=(0.01,), floor=floor)
+
+
 def build(case: str) -> Results:
-    return {"two_hinges": two_hinges, "free_disc": free_disc, "plunger": plunger, "walker": walker}.get(
+    return {"two_hinges": two_hinges, "free_disc": free_disc, "plunger": plunger, "walker": walker, "chain": chain}.get(
         case, lambda: make(**CASES[case])
     )()
 
 
-ALL = [*CASES, "two_hinges", "free_disc", "plunger", "walker"]
+ALL = [*CASES, "two_hinges", "free_disc", "plunger", "walker", "chain"]
 
 
 @pytest.fixture(scope="module", params=ALL)
@@ -136,6 +156,7 @@ def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
         ("two_hinges", MEDIUM | {"deflection"}),
         ("free_disc", MEDIUM),
         ("walker", MEDIUM),
+        ("chain", MEDIUM),
     ],
 )
 def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expected: set[str], tmp_path: Path) -> None:
@@ -275,6 +296,14 @@ def test_hinges_that_are_all_on_the_ground_share_one_label() -> None:
     assert upper.get_ylabel() == "angle below horizontal (deg)"
     assert legend_words(upper) == ["pivot", "knee"]
     assert legend_words(lower)[:2] == ["at pivot", "at knee"]
+
+
+def test_of_many_hinges_the_first_and_the_last_are_named() -> None:
+    with plots.style():
+        upper, lower = plots.figures(chain())["motion"].axes
+    assert legend_words(upper) == ["pivot, below horizontal", "hinge_9, relative to link_8"]
+    assert legend_words(lower)[-1] == "at hinge_9, relative to link_8"
+    assert len({line.get_color() for line in upper.lines}) >= 9
 
 
 def test_captions_tell_the_angle_of_the_pivot_wherever_its_column_is() -> None:

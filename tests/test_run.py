@@ -348,3 +348,12 @@ def test_withdrawing_is_felt_only_on_the_way_up() -> None:
     first = int(np.argmin(down))
     np.testing.assert_array_equal(hard.table[:first], soft.table[:first])
     assert first > 100
+
+
+def test_an_interval_far_below_the_step_keeps_every_row() -> None:
+    every = simulate("pendulum_rigid", "solver.end_time_s=2e-3")
+    short = simulate("pendulum_rigid", "solver.end_time_s=2e-3", "output.interval_s=1e-300")
+    np.testing.assert_array_equal(short.table, every.table)
+    rows = simulate("pendulum_rigid", "solver.end_time_s=2e-3", "output.interval_s=5e-4")["time_s"]
+    # Steps of 2e-4 s: the first at or after each multiple, and the last.
+    np.testing.assert_allclose(rows, [0.0, 6e-4, 1e-3, 1.6e-3, 2e-3], atol=1e-12)

@@ -150,7 +150,7 @@ def rows_of(
 
 def test_the_order_is_that_of_the_file_not_of_the_finish(numbered, tmp_path):
     journal = sweep.Journal(tmp_path)
-    with sweep.Crew(2) as crew:
+    with sweep.Crew(2, threads) as crew:
         rows = list(sweep.run(numbered, crew, function=slow_first, journal=journal))
     assert rows[0].index != 0
     assert list(journal) == sorted(rows, key=lambda row: row.index)

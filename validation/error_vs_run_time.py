@@ -218,6 +218,15 @@ def beam(elements: int, step: float, more: Sequence[str] = (), note: str = "", *
     return replace(setting, default=name == FE_DEFAULT, **others)
 
 
+def chosen(accuracy: float) -> Setting:
+    """Four elements with steps chosen by their error."""
+    return Setting(
+        "4 elements, chosen steps",
+        f"4 elements, accuracy {accuracy:g}",
+        ("method=engine", f"solver.accuracy={accuracy}"),
+    )
+
+
 def modal(modes: int, static: str, rtol: float, integrator: str = "dormand_prince") -> Setting:
     """Reduced model."""
     model = "rigid" if modes == 0 else f"{modes} mode{'s' if modes > 1 else ''}"
@@ -251,6 +260,7 @@ def beams(quick: bool) -> list[Setting]:
         option = (f"solver.spectral_radius={radius}",)
         found += [beam(4, h, option, f", radius {radius:g}", model=f"radius {radius:g}") for h in coarse]
     found += [beam(4, h, (), ", trapezoidal", model="trapezoidal", change=trapezoidal) for h in coarse]
+    found += [chosen(accuracy) for accuracy in ((1e-3,) if quick else (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5))]
     changes = [("load.strips_per_element", n, f"{n} strips") for n in (2, 8)]
     changes += [("solver.tolerance", x, f"tolerance {x:g}") for x in (1e-3, 1e-4, 1e-6, 1e-7)]
     found += [beam(4, 2e-4, (f"{key}={x}",), f", {note}", model=ONE_CHANGE) for key, x, note in changes]

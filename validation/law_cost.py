@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from granular_contact import preset
-from granular_contact.kernels import kinematics, runs
-from granular_contact.kernels.law import RUN, TERMS
+from granular_contact.kernels import groups, kinematics
+from granular_contact.kernels.law import RUN
 from granular_contact.media.kinds import Medium
 from granular_contact.media.static_friction import Elastoplastic
 from validation.laws import every_medium
@@ -38,14 +38,12 @@ def calls(medium: Medium) -> tuple[Callable[[], None], Callable[[], None]]:
     if "ball" in medium.takes:
         run["drop"] = 0.5 * run["width"]
         geometry = kinematics.ball_stations(np.zeros(2))
-    q, v, where = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.arange(3)
+    q, v, places = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.column_stack([np.arange(3)] * 2)
     n = len(geometry)
-    anchors, scratch, out, matrix = np.zeros((n - 1, 2)), np.zeros((TERMS, 3)), np.zeros(3), np.zeros((3, 3))
-    body = (q, v, where, np.zeros(3), geometry, run, np.array([[0.0, 0.0]]), medium.record(Elastoplastic(), 9.81))
-    return (
-        lambda: runs.force(*body, anchors, scratch, out),
-        lambda: runs.tangent(*body, anchors, 1.0, 1.0, matrix),
-    )
+    ends, awake, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
+    sand = np.array([[0.0, 0.0]]), medium.record(Elastoplastic(), 9.81), np.zeros((n, 2))
+    group = (q, v, np.zeros(3), awake, ends, places, geometry, run, *sand)
+    return lambda: groups.force(*group, out), lambda: groups.tangent(*group, 1.0, 1.0, triplets, 0)
 
 
 def least(ways: dict[str, Callable[[], None]], rounds: int = ROUNDS) -> dict[str, float]:

@@ -38,10 +38,12 @@ SETTINGS = [
 class _PointBed:
     """Stands where the bed stands in a system, so that the same recorder serves the naive way."""
 
-    accepted = None
-
     def __init__(self, system: System, points: list[FloatPoint]) -> None:
         self.system, self.points, self.load_calls = system, points, 0
+        self.accepted = self
+
+    def since(self, _: float) -> None:
+        """No history is kept."""
 
     def accept(self) -> None:
         for point in self.points:

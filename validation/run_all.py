@@ -23,11 +23,13 @@ STUDIES = (
     "paper_cases",
     "single_mode_vs_fe",
     "error_vs_run_time",
+    "stability",
     "beam_against_theory",
     "laws",
     "sensitivity",
     "fit_recovery",
     "runner",
+    "scaling",
 )
 RECORD = HERE / "claims.json"
 

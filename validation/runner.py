@@ -131,7 +131,9 @@ def claims(close: list[Gait], loose: list[Gait]) -> tuple[Claim, ...]:
             sunk < LEG,
             f"at most {1e3 * sunk:.0f} mm deep (asked: the leg's {1e3 * LEG:.0f} mm)",
         ),
-        Claim("runner.energy is balanced", worst <= MOST_IMBALANCE, f"{worst:.1e} at worst (asked: {MOST_IMBALANCE:g})"),
+        Claim(
+            "runner.energy is balanced", worst <= MOST_IMBALANCE, f"{worst:.1e} at worst (asked: {MOST_IMBALANCE:g})"
+        ),
     )
 
 

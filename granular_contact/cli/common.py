@@ -16,7 +16,7 @@ from granular_contact.errors import SceneError
 if TYPE_CHECKING:
     from granular_contact.scene import Scene
 
-FINE, FAULTY_INPUT, FAILED, INTERRUPTED = 0, 2, 3, 130
+FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
 
 
 def complain(text: str) -> None:

@@ -16,6 +16,7 @@ from granular_contact.cli.common import (
     FAULTY_INPUT,
     FINE,
     INTERRUPTED,
+    OUT_OF_TIME,
     add_output,
     add_set,
     complain,
@@ -32,15 +33,15 @@ if TYPE_CHECKING:
 
 HELP = "simulate a config and save what came of it"
 MOST_FRAMES = 151  # six seconds
-_STATUS_CODES = {"failed": FAILED, "interrupted": INTERRUPTED}
+_STATUS_CODES = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
-    words = "the engine, or the reduced model of a pendulum with its defaults"
-    parser.add_argument("--method", choices=("engine", "reduced"), help=words)
+    words = "the engine, minimal coordinates for trees of rigid bodies, or the reduced model of a pendulum"
+    parser.add_argument("--method", choices=("engine", "minimal", "reduced"), help=words)
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
@@ -48,16 +49,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
     words = "save an animation.mp4, where there is an ffmpeg to make it"
     films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
+    parser.add_argument("--explain", action="store_true", help="say what of the scene was left out, and why")
     parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
     add_output(parser, "results/NAME_OF_CONFIG")
 
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
     """--method and --modes as what --set takes; modes alone keep the other options of the config's method."""
-    if chosen.method == "engine" and chosen.modes is not None:
-        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", "the engine has none: needs --method reduced")])
+    if chosen.method in ("engine", "minimal") and chosen.modes is not None:
+        what = "the engine has none" if chosen.method == "engine" else "rigid bodies have none"
+        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
     if chosen.method is not None:
-        yield "method=engine" if chosen.method == "engine" else "method={reduced: {}}"
+        yield "method=engine" if chosen.method == "engine" else f"method={{{chosen.method}: {{}}}}"
     if chosen.modes is not None:
         yield f"method.reduced.modes={chosen.modes}"
 
@@ -75,6 +78,7 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.run import run
 
     kept: list[tuple[System, Trajectory]] = []
+    explained: list[str] = []
     begin = time.perf_counter()
     shown = sys.stderr.isatty() and not chosen.quiet
     with _progress(shown, scenario.solver.end_time_s) as progress:
@@ -83,9 +87,11 @@ def act(chosen: argparse.Namespace) -> int:
             scenario,
             progress=progress,
             most_frames=MOST_FRAMES if chosen.film else 0,
-            inspect=(lambda *solved: kept.append(solved)) if chosen.view else None,
+            inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
         )
     elapsed = time.perf_counter() - begin
+    if chosen.explain:
+        explained += _left_out(kept)  # before what is drawn below is imported
     try:
         figures = scenario.output.figures and not chosen.no_plots
         report.write(results, folder, figures=figures, film=chosen.film)
@@ -96,11 +102,25 @@ def act(chosen: argparse.Namespace) -> int:
         print("\n".join(_summary(results, elapsed, folder)))
     elif results.status.code in _STATUS_CODES:
         complain(f"{results.status.message}; saved in {folder}")
-    for solved in kept:
+    if explained:
+        print("left out:\n" + "\n".join(f"  {line}" for line in explained))
+    for solved in kept if chosen.view else ():
         from granular_contact.multibody import view
 
         view.show(*solved)
     return _STATUS_CODES.get(results.status.code, FINE)
+
+
+def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
+    """What the run did without; other methods than the engine have no system in it."""
+    if not solved:
+        yield "the engine: the method does without its solver" + (
+            "" if "exudyn" in sys.modules else ", and it is not imported"
+        )
+    for system, trajectory in solved:
+        from granular_contact.multibody.explain import left_out
+
+        yield from left_out(system, trajectory)
 
 
 def _film_problem(film: str | None) -> str | None:

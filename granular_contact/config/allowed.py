@@ -69,6 +69,17 @@ def tags(schema: Schema) -> tuple[str, list[str]] | None:
     return schema["discriminator"]["propertyName"], list(schema["discriminator"]["mapping"])
 
 
+def default_tag(path: Sequence[str]) -> tuple[str, str] | None:
+    """Key and value of the tag of the union's member that stands at a path of the file by default; None without one."""
+    schema = root()
+    for step in path:
+        if "oneOf" in schema:
+            return None  # which of several it is, the path does not say
+        schema = _below(schema, step)
+    tag, default = tags(schema), schema.get("default")
+    return (tag[0], default[tag[0]]) if tag and isinstance(default, dict) else None
+
+
 def keys(schema: Schema) -> list[str]:
     """Names of the keys that a mapping may have; empty if it takes any."""
     return list(schema.get("properties", {}))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from granular_contact.config import allowed
 from granular_contact.config.compose import MAX_DEPTH
 from granular_contact.config.messages import got
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, index_of, set_key
@@ -83,7 +84,7 @@ def _placed(node: Node | None, override: Override, depth: int, faults: list[Faul
         return override.value
     key = override.path[depth]
     if isinstance(node, Mapping) or _is_nothing(node):
-        holder = node if isinstance(node, Mapping) else Mapping(override.position)
+        holder = node if isinstance(node, Mapping) else _begun(override, depth)
         value = _placed(holder.nodes.get(key), override, depth + 1, faults)
         at = override.position if depth + 1 == len(override.path) else holder.keys.get(key, override.position)
         return set_key(holder, key, value, at)
@@ -93,6 +94,14 @@ def _placed(node: Node | None, override: Override, depth: int, faults: list[Faul
         held = override.path[:depth]
         faults.append(override.position.fault(override.path, f"{'.'.join(held)} is {got(node)}, which has no keys"))
     return node if node is not None else Broken(override.position)
+
+
+def _begun(override: Override, depth: int) -> Mapping:
+    """A mapping where the config has none; in a union it is of the kind that stands there by default."""
+    empty, tag = Mapping(override.position), allowed.default_tag(override.path[:depth])
+    if tag is None:
+        return empty
+    return set_key(empty, tag[0], Scalar(override.position, tag[1], tag[1]), override.position)
 
 
 def _is_nothing(node: Node | None) -> bool:

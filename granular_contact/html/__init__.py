@@ -3,6 +3,7 @@
 folder                          what is on the disk
 markup, page, parts, numbers    escaping; the page and its style; tables and figures; numbers in words
 run, comparison, sweep, fit     what is said of each kind of results; other: of those without words of their own
+anything                        entries of which no more is known than their names
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 from granular_contact.html.markup import Markup, join, tag
 from granular_contact.html.numbers import column, is_number, label, plain, quantity
 
+WIDE = 2.4  # width to height of pictures that get a row of their own
 _QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
 _TYPES = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4", ".svg": "image/svg+xml"}
 
@@ -83,19 +85,21 @@ def embedded(path: Path) -> str:
     return f"data:{_TYPES[path.suffix]};base64,{b64encode(path.read_bytes()).decode()}"
 
 
-def figure(path: Path, words: str, *, wide: bool = False) -> Markup:
-    """A picture, with words that serve as its caption and for those who can't see it."""
+def figure(path: Path, words: str) -> Markup:
+    """A PNG, with words that serve as its caption and for those who can't see it."""
     image = tag("img", src=embedded(path), alt=words)
+    width, height = struct.unpack(">II", path.read_bytes()[16:24])
+    wide = width > WIDE * height
     if wide:  # too small to read on a phone, unless it can be moved
         image = tag("div", image, class_="scroll", tabindex="0", role="region", aria_label=path.stem)
     return tag("figure", image, tag("figcaption", words), class_="wide" if wide else None)
 
 
-def figures(paths: Sequence[Path], captions: Mapping[str, str], wide: str = "") -> Markup | None:
+def figures(paths: Sequence[Path], captions: Mapping[str, str]) -> Markup | None:
     """Pictures beside each other: those with captions by their names first, then the others, which tell their names."""
     found = {path.stem: path for path in paths}
     order = [*(name for name in captions if name in found), *(name for name in found if name not in captions)]
-    shown = [figure(found[n], captions.get(n, n.replace("_", " ")), wide=n == wide) for n in order]
+    shown = [figure(found[name], captions.get(name, name.replace("_", " "))) for name in order]
     return tag("div", *shown, class_="figures") if shown else None
 
 

@@ -12,7 +12,13 @@ from granular_contact.html.numbers import is_number, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import PROGRAM, SCENARIO, SERIES, SUMMARY
 
-_ENDS = {"rest": "came to rest", "end_time": "ran to its end time", "failed": "failed", "interrupted": "interrupted"}
+_ENDS = {
+    "rest": "came to rest",
+    "end_time": "ran to its end time",
+    "time_limit": "ran out of time",
+    "failed": "failed",
+    "interrupted": "interrupted",
+}
 # Told elsewhere on the page, or of no use as a single number.
 _ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions")
 FIGURES = {
@@ -23,11 +29,16 @@ FIGURES = {
     "energy": "Where the energy is and went over time, and by how much the balance does not close.",
 }
 ENERGIES = {
-    "initial_J": "at the start",
-    "final_J": "at the end",
-    "granular_work_J": "done by the medium",
-    "damping_work_J": "done by the links' internal damping",
+    "initial_J": "energy at the start",
+    "final_J": "energy at the end",
+    "granular_work_J": "work of the medium",
+    "damping_work_J": "work of the links' internal damping",
+    "joint_damping_work_J": "work of dampers in joints",
+    "friction_work_J": "work of dry friction in joints",
+    "drive_work_J": "work of drives",
+    "floor_work_J": "work of the floor",
 }
+MOST_CONTACTS = 8  # of a body, that are told one by one
 
 
 def page(folder: Folder) -> str:
@@ -37,8 +48,9 @@ def page(folder: Folder) -> str:
         parts.warnings(summary.get("warnings") or []),
         parts.section("Key numbers", parts.facts(_numbers(summary)), _measure(summary)),
         parts.section("Animation", *_film(folder)),
-        parts.section("Figures", parts.figures(folder.figures(), FIGURES, wide="mechanism")),
+        parts.section("Figures", parts.figures(folder.figures(), FIGURES)),
         parts.section("Energy audit", _energy(summary.get("energy") or {})),
+        parts.section("Contacts", _contacts(summary.get("contacts") or {})),
         parts.section("Scenario", _scenario(folder, "run")),
         parts.section("Time series", _columns(summary.get("columns") or {})),
         parts.section("Computation", *computation(summary)),
@@ -58,8 +70,13 @@ def _sentences(summary: dict[str, Any]) -> Iterator[str]:
     if stop is not None:
         at = f", at {quantity('angle_deg', angle)}" if angle is not None else ""
         yield f"The mechanism stopped {quantity('s_s', stop)} after it touched the medium{at}."
-    elif "stopping_time_s" in summary:
+    elif summary.get("stopping_time_measure"):
         yield "No stop was found."
+    speed, cost = summary.get("forward_speed_m_s"), summary.get("cost_of_transport")
+    if speed is not None:
+        yield f"It travelled {quantity('way_m', summary.get('distance_m'))}, at {quantity('v_m_s', speed)} in the mean."
+    if cost is not None:
+        yield f"Its cost of transport was {quantity('cost', cost)}."
     depth, deflection = summary.get("max_depth_m"), summary.get("max_deflection_m")
     if depth is not None and depth > 0:
         yield f"It went {quantity('depth_m', depth)} deep."
@@ -102,8 +119,8 @@ def _energy(energy: dict[str, Any]) -> Markup | None:
         return None
     rows = [[words, quantity(key, energy[key])] for key, words in ENERGIES.items() if key in known]
     table = parts.table(
-        "Mechanical energy (kinetic, gravity from the start, elastic), and the work that changed it.",
-        ["energy or work", "value"],
+        "Mechanical energy (kinetic, gravity from the start, strain, springs), and the work that changed it.",
+        ["", "value"],
         rows,
     )
     relative = energy.get("imbalance_relative")
@@ -114,6 +131,16 @@ def _energy(energy: dict[str, Any]) -> Markup | None:
         f"{quantity('imbalance_relative', relative)} of the largest single energy, at any time of the run."
     )
     return tag("div", table, tag("p", words))
+
+
+def _contacts(contacts: dict[str, list[list[float]]]) -> Markup | None:
+    rows = []
+    for body, spans in contacts.items():
+        told = [f"{quantity('t_s', on)} to {quantity('t_s', off)}" for on, off in spans[:MOST_CONTACTS]]
+        more = [f"and {len(spans) - MOST_CONTACTS} more"] if len(spans) > MOST_CONTACTS else []
+        rows.append([body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(told + more)])
+    head = ["body", "contacts", "in all", "when"]
+    return parts.table("When the medium acted on each body.", head, rows) if rows else None
 
 
 def _scenario(folder: Folder, command: str) -> Markup | None:

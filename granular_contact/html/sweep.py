@@ -19,10 +19,11 @@ from granular_contact.html.numbers import column, is_number, label, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import SWEEP, TABLE
 
-MOST_ROWS = 200  # shown; the rest is in the table
+MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE = "energy.imbalance_relative"
 _NOT_KEY = ("cost.", "versions.", "energy.")
-_FIRST = ("stopping_time_s", "max_depth_m", "max_deflection_m")  # are drawn, if there are more than can be
+_FIRST = ("stopping_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m")  # are drawn before all others
+_NOT_DRAWN = ("hub_stopping_time_s",)
 _GOOD = ("rest", "end_time")
 SENSITIVITY = "sensitivity.csv"
 Values = NDArray[np.float64]
@@ -82,7 +83,12 @@ def _read(folder: Folder) -> _Table:
 
 
 def _lead(table: _Table, counts: Counter[str]) -> str:
-    ends = {"rest": "came to rest", "end_time": "ran to the end time", "error": "crashed"}
+    ends = {
+        "rest": "came to rest",
+        "end_time": "ran to the end time",
+        "time_limit": "ran out of time",
+        "error": "crashed",
+    }
     words = ", ".join(f"{count} {ends.get(status, status)}" for status, count in counts.most_common())
     varied = ", ".join(label(name) for name in table.varied) or "nothing"
     return f"{len(table.rows)} cases: {words}. They differ in {varied}."
@@ -116,12 +122,18 @@ def _figures(folder: Folder, table: _Table) -> Markup | None:
         from granular_contact.plots.overview import MOST, draw
 
         with tempfile.TemporaryDirectory() as place:
-            for name in sorted(table.found, key=lambda one: one not in _FIRST)[:MOST]:
+            for name in _drawn(table)[:MOST]:
                 across = dict(_axis(*one) for one in varied)
                 draw(across, _axis(name, table.numbers(name)), Path(place, "overview.png"))
                 words = f"{label(name).capitalize()} of every case against what varies."
                 shown.append(parts.figure(Path(place, "overview.png"), words))
     return tag("div", *shown, class_="figures") if shown else None
+
+
+def _drawn(table: _Table) -> list[str]:
+    """Numbers that differ between cases, the most telling first."""
+    differ = [name for name in table.found if np.nanmin(table.numbers(name)) < np.nanmax(table.numbers(name))]
+    return sorted((name for name in differ if name not in _NOT_DRAWN), key=lambda one: one not in _FIRST)
 
 
 def _axis(key: str, values: Values) -> tuple[str, Values]:

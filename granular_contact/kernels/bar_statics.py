@@ -69,13 +69,16 @@ def vertical_tangent(z0, z1, cx, cy, sigma, sigma_p, sigma_v, k, lam, scale, kp,
     j0, j1 = depth_integrals(z0 / scale, z1 / scale, lam)
     g00, g01, g10, g11 = depth_integral_gradients(z0 / scale, z1 / scale, lam)
     length = math.hypot(cx, cy)
+    if length == 0.0:
+        return
+    tx, ty = cx / length, cy / length
     k *= lam + 1.0
     for row, j, gz0, gz1 in ((1, j0, g00, g01), (3, j1, g10, g11)):
-        stretch = k * sigma * j / length
-        kp[row, 0] += stretch * cx
-        kp[row, 2] -= stretch * cx
-        kp[row, 1] += stretch * cy - 0.5 * k * length * sigma_p * j
-        kp[row, 3] += -stretch * cy - 0.5 * k * length * sigma_p * j
+        stretch = k * sigma * j
+        kp[row, 0] += stretch * tx
+        kp[row, 2] -= stretch * tx
+        kp[row, 1] += stretch * ty - 0.5 * k * length * sigma_p * j
+        kp[row, 3] += -stretch * ty - 0.5 * k * length * sigma_p * j
         kz[row, 0] -= k * length * sigma * gz0 / scale
         kz[row, 1] -= k * length * sigma * gz1 / scale
         kv[row, 1] -= 0.5 * k * length * sigma_v * j

@@ -41,15 +41,18 @@ def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv
     if share <= 0.0:
         return
     length = math.hypot(cx, cy)
+    if length == 0.0:
+        return
+    tx, ty = cx / length, cy / length
     k = m.floor_stiffness
     j0, j1 = pressure_integrals(z0, z1)
     g00, g01, g10, g11 = pressure_integral_gradients(z0, z1)
     for row, j, gz0, gz1 in ((1, j0, g00, g01), (3, j1, g10, g11)):
-        stretch = k * share * j / length
-        kp[row, 0] -= stretch * cx
-        kp[row, 1] -= stretch * cy
-        kp[row, 2] += stretch * cx
-        kp[row, 3] += stretch * cy
+        stretch = k * share * j
+        kp[row, 0] -= stretch * tx
+        kp[row, 1] -= stretch * ty
+        kp[row, 2] += stretch * tx
+        kp[row, 3] += stretch * ty
         kz[row, 0] += k * share * length * gz0
         kz[row, 1] += k * share * length * gz1
         kv[row, 1] -= 0.5 * k * length * j * m.floor_damping

@@ -6,7 +6,7 @@ z(xi) = (1 - xi) z0 + xi z1, positive below. With N_0 = 1 - xi and N_1 = xi, the
     J_e = int z^lam N_e dxi        over the part of the strip with z > 0
 
 are what turns a force density proportional to z^lam into forces at the two ends. They are closed forms, so the point
-where the strip crosses the surface costs no accuracy.
+where the strip crosses the surface costs no accuracy. lam = 1, which most laws have, needs no power.
 """
 
 from __future__ import annotations
@@ -49,10 +49,12 @@ def depth_integrals_rising(z0: float, z1: float, lam: float) -> tuple[float, flo
         return 0.0, 0.0
     if z0 <= 0.0:
         beta = z1 / (z1 - z0)  # immersed fraction
-        p = z1**lam
+        p = z1 if lam == 1.0 else z1**lam
         total = beta * p / (lam + 1.0)
         j1 = beta * p * ((1.0 - beta) / (lam + 1.0) + beta / (lam + 2.0))
         return total - j1, j1
+    if lam == 1.0:
+        return z0 / 3.0 + z1 / 6.0, z0 / 6.0 + z1 / 3.0
     dz = z1 - z0
     if dz <= LEVEL * (z0 + z1):
         middle = 0.5 * (z0 + z1)
@@ -83,9 +85,9 @@ def depth_integral_gradients_rising(z0: float, z1: float, lam: float) -> tuple[f
     dz = z1 - z0
     if z0 <= 0.0:
         beta = z1 / dz
-        p = z1**lam
-        beta_z0 = z1 / (dz * dz)
-        beta_z1 = -z0 / (dz * dz)
+        p = z1 if lam == 1.0 else z1**lam
+        beta_z0 = beta / dz
+        beta_z1 = -z0 / dz / dz
         p_z1 = lam * p / z1
         total_beta = p / (lam + 1.0)
         total_p = beta / (lam + 1.0)
@@ -94,6 +96,8 @@ def depth_integral_gradients_rising(z0: float, z1: float, lam: float) -> tuple[f
         g10 = j1_beta * beta_z0
         g11 = j1_beta * beta_z1 + j1_p * p_z1
         return total_beta * beta_z0 - g10, total_beta * beta_z1 + total_p * p_z1 - g11, g10, g11
+    if lam == 1.0:
+        return 1.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 3.0
     if dz <= LEVEL * (z0 + z1):
         middle = 0.5 * (z0 + z1)
         k = 5.0 / 18.0 * lam

@@ -139,8 +139,8 @@ def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
     vx = (1.0 - xi) * v0x + xi * v1x
     vy = (1.0 - xi) * v0y + xi * v1y
     edge = k * abs(cx * vy - cy * vx) * (1.0 if z1 < 0.0 else -1.0)
-    xi_z0 = -z1 / (dz * dz)
-    xi_z1 = z0 / (dz * dz)
+    xi_z0 = -z1 / dz / dz  # the square of a small number may be none
+    xi_z1 = z0 / dz / dz
     for row, n_e in ((0, 1.0 - xi), (2, xi)):
         for i, v_i in ((0, vx), (1, vy)):
             kz[row + i, 0] -= edge * n_e * v_i * xi_z0
@@ -151,8 +151,10 @@ def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
 @njit(cache=True)
 def cap_force(cx, cy, vx, vy, run, m, f):
     """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
-    d = run.width
-    k = m.eta_d * m.rho * 0.25 * math.pi * d * d * abs(cx * vx + cy * vy) / math.hypot(cx, cy)
+    d, length = run.width, math.hypot(cx, cy)
+    if length == 0.0:  # looks nowhere
+        return
+    k = m.eta_d * m.rho * 0.25 * math.pi * d * d * abs(cx / length * vx + cy / length * vy)
     f[DRAG, 1, 0] -= k * vx
     f[DRAG, 1, 1] -= k * vy
 
@@ -162,6 +164,8 @@ def cap_force(cx, cy, vx, vy, run, m, f):
 def cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
     """Add the derivatives of `cap_force` to kp, kv (4, 4)."""
     d, length = run.width, math.hypot(cx, cy)
+    if length == 0.0:
+        return
     tx, ty = cx / length, cy / length
     w = tx * vx + ty * vy
     k = m.eta_d * m.rho * 0.25 * math.pi * d * d

@@ -49,6 +49,8 @@ def static_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
     if share == 0.0:
         return
     length = math.hypot(cx, cy)
+    if length == 0.0:  # has no surface
+        return
     tx, ty = cx / length, cy / length
     k = share * leading(tx, ty, ux, uy, run.side) * run.width * length
     if k == 0.0:
@@ -69,6 +71,8 @@ def static_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, k
     if share == 0.0:
         return
     length = math.hypot(cx, cy)
+    if length == 0.0:  # has no surface
+        return
     tx, ty = cx / length, cy / length
     g = leading(tx, ty, ux, uy, run.side)
     if g == 0.0:

@@ -1,15 +1,16 @@
-"""The three calls that the engine makes for a run on a body, for each medium that acts on it: force, tangent, accept.
+"""What a medium does on one run, seen in the coordinates of its body: force, tangent, end of a step.
 
 Arguments that they share:
-    system_q, system_v   coordinates (without reference values) and rates of the whole system, views of the engine's
-                         memory
-    where, reference     (m,) places of the body's coordinates in them, and their reference values
-    geometry             (n,) station records of `kinematics`
-    run                  (1,) record of `law`
-    profile              (k, 2) corners of the surface, see `surface`
-    medium               (1,) record of the law
-    anchors              (n - 1, 2) anchors of the static law (m), see `friction`
-    totals               (TERMS, 3), see `law`
+    q, v        (m,) coordinates (reference values included) and rates of the body
+    geometry    (n,) station records of `kinematics`
+    run         record of `law`
+    profile     (k, 2) corners of the surface, see `surface`
+    medium      record of the law
+    anchors     (n - 1, 2) anchors of the static law (m), see `friction`
+    P, V, F     (n, 2) room for positions, velocities and forces of the stations
+    totals      (TERMS, 3), see `law`
+
+`groups` calls them for many runs at once.
 """
 
 from __future__ import annotations
@@ -30,15 +31,6 @@ TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, FIRST = 0, 1, 2, 3, 4, 5, 6
 
 
 @njit(cache=True)
-def gather(system, where):
-    """Entries `where` of a system vector."""
-    out = np.empty(where.shape[0])
-    for i in range(where.shape[0]):
-        out[i] = system[where[i]]
-    return out
-
-
-@njit(cache=True)
 def drag_anchors(P, anchors, run, profile, m):
     """Move the anchors after an accepted step: dragged along below the surface, free above it."""
     immersed = height(profile, P[0, 0])[0] - P[0, 1] + run.drop > 0.0
@@ -53,54 +45,67 @@ def drag_anchors(P, anchors, run, profile, m):
 
 
 @njit(cache=True)
-def release(system_q, where, reference, geometry, anchors):
+def rest_anchors(P, anchors):
     """Rest the bristles: every anchor in the middle of its strip."""
-    n = geometry.shape[0]
-    P, V = np.empty((n, 2)), np.empty((n, 2))
-    q = gather(system_q, where) + reference
-    stations(q, np.zeros_like(q), geometry, P, V)
-    for i in range(n - 1):
+    for i in range(P.shape[0] - 1):
         anchors[i, 0] = 0.5 * (P[i, 0] + P[i + 1, 0])
         anchors[i, 1] = 0.5 * (P[i, 1] + P[i + 1, 1])
 
 
 @njit(cache=True)
-def force(system_q, system_v, where, reference, geometry, run, profile, medium, anchors, totals, out):
-    """Add the generalised forces at the current state to out (m,)."""
-    n = geometry.shape[0]
-    P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
-    q = gather(system_q, where) + reference
-    stations(q, gather(system_v, where), geometry, P, V)
-    forces(P, V, anchors, run[0], profile, medium[0], F, totals)
+def release(q, geometry, P, V, anchors):
+    """Rest the bristles of a body that stands still at q."""
+    stations(q, np.zeros_like(q), geometry, P, V)
+    rest_anchors(P, anchors)
+
+
+@njit(cache=True)
+def immersed(P, run, profile):
+    """Whether any station is below the surface."""
+    some = False
+    for i in range(P.shape[0]):
+        some = some or height(profile, P[i, 0])[0] - P[i, 1] + run.drop > 0.0
+    return some
+
+
+@njit(cache=True)
+def force(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, out):
+    """Add the generalised forces to out (m,) and to the totals."""
+    stations(q, v, geometry, P, V)
+    if not immersed(P, run, profile):
+        return
+    forces(P, V, anchors, run, profile, medium, F, totals)
     scatter(q, geometry, P, F, out)
 
 
 @njit(cache=True)
-def accept(system_q, system_v, where, reference, geometry, run, profile, medium, anchors, totals, row, columns):
+def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, row, columns):
     """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
 
     Returns the run's depth (m, negative above the surface) and the greatest speed at which a station nears the surface
     (m/s).
     """
-    n = geometry.shape[0]
-    P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
-    stations(gather(system_q, where) + reference, gather(system_v, where), geometry, P, V)
-    totals[:] = 0.0
-    forces(P, V, anchors, run[0], profile, medium[0], F, totals)
-    drag_anchors(P, anchors, run[0], profile, medium[0])
-    power, terms, body = columns
+    stations(q, v, geometry, P, V)
     deepest, speed = -np.inf, 0.0
-    for i in range(n):
-        row[power] += F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
+    for i in range(P.shape[0]):
         surface, slope = height(profile, P[i, 0])
-        z = surface - P[i, 1] + run[0].drop
+        z = surface - P[i, 1] + run.drop
         deepest = max(deepest, z)
         speed = max(speed, abs(V[i, 1]) + abs(slope * V[i, 0]))
         if z > 0.0:
             row[SPEED] = max(row[SPEED], np.hypot(V[i, 0], V[i, 1]))
-            row[LOWEST] = min(row[LOWEST], P[i, 1] - run[0].drop)
+            row[LOWEST] = min(row[LOWEST], P[i, 1] - run.drop)
             row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0]), max(row[RIGHT], P[i, 0])
     row[DEPTH] = max(row[DEPTH], deepest)
+    if deepest <= 0.0:
+        rest_anchors(P, anchors)
+        return deepest, speed
+    totals[:] = 0.0
+    forces(P, V, anchors, run, profile, medium, F, totals)
+    drag_anchors(P, anchors, run, profile, medium)
+    power, terms, body = columns
+    for i in range(P.shape[0]):
+        row[power] += F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
     for term in range(TERMS):
         for part in range(3):
             row[terms + 3 * term + part] += totals[term, part]
@@ -109,23 +114,19 @@ def accept(system_q, system_v, where, reference, geometry, run, profile, medium,
 
 
 @njit(cache=True)
-def difference_tangent(system_q, system_v, where, reference, geometry, run, profile, medium, anchors, fq, fv, out):
+def difference_tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, fq, fv, out):
     """`tangent` by forward differences, for the form in which every coordinate moves the one point of the force."""
-    n, size = geometry.shape[0], where.shape[0]
-    P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
+    size = q.shape[0]
     state = np.empty((2, size))
-    state[0] = gather(system_q, where) + reference
-    state[1] = gather(system_v, where)
+    state[0], state[1] = q, v
     at_state, moved, totals = np.zeros(size), np.empty(size), np.zeros((TERMS, 3))
     for column in range(-1, 2 * size):
         level, j = divmod(max(column, 0), size)
         kept = state[level, j]
         step = 1e-8 * max(1.0, abs(kept)) if column >= 0 else 0.0
         state[level, j] = kept + step
-        stations(state[0], state[1], geometry, P, V)
-        forces(P, V, anchors, run[0], profile, medium[0], F, totals)
         moved[:] = 0.0
-        scatter(state[0], geometry, P, F, moved)
+        force(state[0], state[1], geometry, run, profile, medium, anchors, P, V, F, totals, moved)
         state[level, j] = kept
         if column < 0:
             at_state[:] = moved
@@ -136,16 +137,14 @@ def difference_tangent(system_q, system_v, where, reference, geometry, run, prof
 
 
 @njit(cache=True)
-def tangent(system_q, system_v, where, reference, geometry, run, profile, medium, anchors, fq, fv, out):
-    """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m)."""
-    if run[0].resultant:
-        difference_tangent(system_q, system_v, where, reference, geometry, run, profile, medium, anchors, fq, fv, out)
+def tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, KP, KV, fq, fv, out):
+    """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m); KP, KV (n - 1, 4, 4) are room to work in."""
+    if run.resultant:
+        difference_tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, fq, fv, out)
         return
-    n = geometry.shape[0]
-    P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
-    KP, KV = np.empty((n - 1, 4, 4)), np.empty((n - 1, 4, 4))
-    q, v = gather(system_q, where) + reference, gather(system_v, where)
     stations(q, v, geometry, P, V)
-    forces(P, V, anchors, run[0], profile, medium[0], F, np.zeros((TERMS, 3)))
-    tangents(P, V, anchors, run[0], profile, medium[0], KP, KV)
+    if not immersed(P, run, profile):
+        return
+    forces(P, V, anchors, run, profile, medium, F, np.zeros((TERMS, 3)))
+    tangents(P, V, anchors, run, profile, medium, KP, KV)
     scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out)

@@ -19,7 +19,7 @@ from numba import njit
 from granular_contact.kernels.kinematics import scatter, stations
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate
-from granular_contact.kernels.strips import at, immersed_segment
+from granular_contact.kernels.strips import at, halfway, immersed_segment
 from granular_contact.kernels.surface import depth
 
 NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
@@ -42,7 +42,7 @@ def middle(q, w):
             Z[i] = depth(w.profile, P[i, 0], P[i, 1])
         first, last = immersed_segment(Z)
         if last > first:
-            return r, 0.5 * (first + last), True
+            return r, halfway(P, first, last), True
         for i in range(n):
             if Z[i] > deepest:
                 run, place, deepest = r, float(i), Z[i]

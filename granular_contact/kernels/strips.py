@@ -7,6 +7,8 @@ middle, and the whole force acts there. Arguments are those of `law.forces` and 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -116,6 +118,23 @@ def immersed_segment(Z):
 
 
 @njit(cache=True)
+def halfway(P, first, last):
+    """Middle, by length along the stations P (n, 2) m, of what lies between two positions i + xi; a position."""
+    lengths = np.zeros(P.shape[0] - 1)
+    for i in range(P.shape[0] - 1):
+        share = min(last, i + 1.0) - max(first, float(i))
+        if share > 0.0:
+            lengths[i] = share * math.hypot(P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1])
+    left = 0.5 * np.sum(lengths)
+    for i in range(P.shape[0] - 1):
+        if left < lengths[i]:
+            start, end = max(first, float(i)), min(last, i + 1.0)
+            return start + left / lengths[i] * (end - start)
+        left -= lengths[i]
+    return last
+
+
+@njit(cache=True)
 def at(A, position):
     """Linear interpolation of the rows of A (n, 2) at position i + xi along the stations."""
     i = min(int(position), A.shape[0] - 2)
@@ -133,7 +152,7 @@ def resultant_forces(P, V, anchors, run, profile, m, F, totals):
     first, last = immersed_segment(Z)
     if last == first:
         return
-    middle = 0.5 * (first + last)
+    middle = halfway(P, first, last)
     i = min(int(middle), P.shape[0] - 2)
     x0, y0 = at(P, first)
     x1, y1 = at(P, last)

@@ -7,20 +7,20 @@
     mbs.SolveDynamic(settings)
     print(bed.work, bed.force)
 
-Each run of strips is laid over its body as a massless `ObjectGenericODE2` on the body's own nodes; nothing else of the
-model is touched, no user function of the model is taken. State that belongs to a step (the anchors of the static law,
-the work done) is advanced when the engine first asks for a force in the step after it, from the engine's own record of
-where that step started; so a step that the engine rejects and repeats leaves no trace.
+The forces on all bodies are computed in one call and reach them through one massless `ObjectGenericODE2` over their own
+nodes (see `overlay`); nothing else of the model is touched, no user function of the model is taken. State that belongs
+to a step (the anchors of the static law, the work done) is advanced when the engine first asks for a force in the step
+after it, from the engine's own record of where that step started; so a step that the engine rejects and repeats leaves
+no trace.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import exudyn as exu
 import numpy as np
-from exudyn import itemInterface as items
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
@@ -32,7 +32,8 @@ from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody import shapes
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger
-from granular_contact.multibody.runs import Acting, Run, named
+from granular_contact.multibody.overlay import Overlay
+from granular_contact.multibody.runs import Group, Run, named
 
 Vector = NDArray[np.float64]
 
@@ -93,7 +94,9 @@ class GranularBed:
         self.resultant = form == "resultant"
         self.end_cap = end_cap
         self.runs: list[Run] = []
+        self.groups: list[Group] = []
         self.load_calls = 0
+        self._awake = self._acts = False  # whether a run may touch the surface; whether forces were sent last
         self._ledger: Ledger | None = None
         self._time: float | None = None  # time of the step for which forces were last asked
         self._accepted: float | None = None  # time of the last accepted state
@@ -227,8 +230,10 @@ class GranularBed:
         if self._ledger is not None:
             raise scene_error("bed", "it is attached already; name every body before attach()")
 
-    def attach(self) -> None:
+    def attach(self, constant: Mapping[int, ArrayLike] | None = None) -> None:
         """Put the load into the system; once, after all bodies are named and before `mbs.Assemble()`.
+
+        constant: generalised forces (by node number) that act all the time and may share the way, such as weights.
 
         Raises
         ------
@@ -238,25 +243,38 @@ class GranularBed:
         self._open()
         if not self.runs:
             raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
-        bodies = named(self.runs)
+        self.group()
+        nodes = {node: run.size // len(run.nodes) for run in self.runs for node in run.nodes}
+        self._overlay = Overlay(self.mbs, nodes, constant or {})
+        for group in self.groups:
+            group.lay(self._overlay)
+        self._triplets = np.zeros((sum(group.entries for group in self.groups), 3))
+        self._overlay.attach(self._force, self._jacobian)
+
+    def group(self) -> None:
+        """Close the list of bodies: form groups for the kernels, and a history to be filled."""
         self._ledger = self._new_ledger()
-        for run in self.runs:
-            columns = [self._ledger.columns(i, bodies.index(run.body)) for i in range(self._ledger.media)]
-            run.media = [
-                Acting(_layered(run, layer), self.profile, record, columns[i])
-                for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True))
-                if run.kind in layer.medium.takes
-            ]
-            if self.floor is not None:
-                run.media.append(Acting(run.run, self.floor.profile, self.floor.record(run.kind), columns[-1]))
-            self.mbs.AddObject(
-                items.ObjectGenericODE2(
-                    nodeNumbers=[exu.NodeIndex(node) for node in run.nodes],
-                    forceUserFunction=self._force_function(run),
-                    jacobianUserFunction=self._jacobian_function(run),
-                    visualization=items.VObjectGenericODE2(show=False),
-                )
-            )
+        self.groups = list(self._grouped())
+
+    def _grouped(self) -> Iterator[Group]:
+        """Runs that one medium, or the floor, meets on one kind of body, with their columns in the history."""
+        bodies = named(self.runs)
+
+        def groups(acting: list[Run], index: int, profile: Vector, record: Any, flags: list[Any]) -> Iterator[Group]:
+            for dtype in dict.fromkeys(run.geometry.dtype for run in acting):
+                chosen = [i for i, run in enumerate(acting) if run.geometry.dtype == dtype]
+                runs = [acting[i] for i in chosen]
+                columns = [self.ledger.columns(index, bodies.index(run.body)) for run in runs]
+                yield Group(runs, [flags[i] for i in chosen], profile, record, columns)
+
+        if self.floor is not None:
+            for kind in dict.fromkeys(run.kind for run in self.runs):
+                acting = [run for run in self.runs if run.kind == kind]
+                flags = [run.run for run in acting]
+                yield from groups(acting, self.ledger.media - 1, self.floor.profile, self.floor.record(kind), flags)
+        for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
+            acting = [run for run in self.runs if run.kind in layer.medium.takes]
+            yield from groups(acting, i, self.profile, record, [_layered(run, layer) for run in acting])
 
     def _new_ledger(self) -> Ledger:
         terms = [len(medium.terms) for medium in self.media] + [1] * (self.floor is not None)
@@ -269,33 +287,32 @@ class GranularBed:
 
     # ---- what the engine calls ----
 
-    def _force_function(self, run: Run) -> Callable[..., list[float]]:
-        def force(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> list[float]:  # noqa: ARG001
-            self.load_calls += 1
-            if t != self._time:
-                self._begin(t)
-            if not run.awake:
-                return run.zeros
-            return run.force(self._q, self._v)
+    def _force(self, t: float) -> None:
+        """Set the forces at the system's present state."""
+        self.load_calls += 1
+        if t != self._time:
+            self._begin(t)
+        if not self._awake and not self._acts:
+            return
+        forces = self._overlay.forces
+        forces[:] = self._overlay.constant
+        if self._awake:
+            for group in self.groups:
+                group.force(self._q, self._v, forces)
+        self._overlay.send()
+        self._acts = self._awake
 
-        return force
-
-    def _jacobian_function(self, run: Run) -> Callable[..., Any]:
-        def jacobian(
-            mbs: Any,  # noqa: ARG001
-            t: float,
-            item: int,  # noqa: ARG001
-            q: list[float],  # noqa: ARG001
-            v: list[float],  # noqa: ARG001
-            factor_q: float,
-            factor_v: float,
-        ) -> Any:
-            if t != self._time:
-                self._begin(t)
+    def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
+        """Tangent at the system's present state, as the engine's sparse matrix."""
+        if t != self._time:
+            self._begin(t)
+        if not self._awake:
+            return self._overlay.empty
+        count = 0
+        for group in self.groups:
             # The engine keeps these on the left-hand side, opposite in sign to the force.
-            return run.jacobian(self._q, self._v, -factor_q, -factor_v)
-
-        return jacobian
+            count = group.tangent(self._q, self._v, -factor_q, -factor_v, self._triplets, count)
+        return self._overlay.matrix(self._triplets[:count])
 
     def _begin(self, t: float) -> None:
         """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""
@@ -306,15 +323,14 @@ class GranularBed:
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             self._accept(t, self._q, self._v)
-        elif start_time != self._accepted or self._rows.length == 1:
+        elif start_time != self._accepted or self.ledger.length == 1:
             if start_time == self._accepted:  # the first step: bodies may have been moved since forces were first asked
                 self._accepted = None
             start = exu.ConfigurationType.StartOfStep
             self._accept(
                 start_time, data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)
             )
-        for run in self.runs:
-            run.wake(t - start_time)
+        self._awake = any([group.wake(t - start_time) for group in self.groups])
 
     def accept(self) -> None:
         """Take the current state of the system as accepted; for callers that know it is (a post-step function)."""
@@ -322,7 +338,8 @@ class GranularBed:
         self._accept(data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False))
 
     @property
-    def _rows(self) -> Ledger:
+    def ledger(self) -> Ledger:
+        """Rows of the history, once the list of bodies is closed."""
         assert self._ledger is not None  # the engine asks for forces only once the bed is attached
         return self._ledger
 
@@ -331,17 +348,17 @@ class GranularBed:
             return
         if self._accepted is None or t < self._accepted:
             self._restart(q, v)
-        row = self._rows.new_row()
-        for run in self.runs:
-            run.accept(q, v, row)
-        self._rows.close_row(t)
+        row = self.ledger.new_row()
+        for group in self.groups:
+            group.accept(q, v, row)
+        self.ledger.close_row(t)
         self._accepted = t
 
     def _restart(self, q: Vector, v: Vector) -> None:
         """A new solve begins: forget the history, rest the bristles."""
-        self._rows.length = 0
-        for run in self.runs:
-            run.start(self.mbs, q, v)
+        self.ledger.length = 0
+        for group in self.groups:
+            group.start(self.mbs, q, v)
 
     # ---- what is read afterwards ----
 
@@ -350,13 +367,13 @@ class GranularBed:
         """All steps up to the system's current state, which counts as accepted; reading it changes nothing."""
         if self._accepted is None or not self.mbs.systemData.GetTime() > self._accepted:
             return self.accepted
-        length, accepted = self._rows.length, self._accepted
-        kept = [run.remember() for run in self.runs]
+        length, accepted = self.ledger.length, self._accepted
+        kept = [group.remember() for group in self.groups]
         self.accept()
         history = self.accepted
-        self._rows.length, self._accepted = length, accepted
-        for run, memory in zip(self.runs, kept, strict=True):
-            run.recall(memory)
+        self.ledger.length, self._accepted = length, accepted
+        for group, memory in zip(self.groups, kept, strict=True):
+            group.recall(memory)
         return history
 
     @property

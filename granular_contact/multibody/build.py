@@ -11,8 +11,10 @@ import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.multibody.joints import add_joint
+from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.settle import add_dampers
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
+from granular_contact.multibody.weights import weights
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Shape, rotation
 
@@ -26,22 +28,26 @@ def build(scene: Scene) -> System:
         scene=scene,
         container=container,
         mbs=mbs,
-        rigid={body.name: _add_rigid(mbs, body, scene.gravity) for body in scene.rigid},
-        links={link.name: _add_link(mbs, link, scene.gravity) for link in scene.links},
+        rigid={body.name: _add_rigid(mbs, body) for body in scene.rigid},
+        links={link.name: _add_link(mbs, link) for link in scene.links},
         bed=None,
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
     if scene.settle:
         add_dampers(system)
-    system = replace(system, bed=_add_bed(system))
+    system = replace(system, bed=lay_bed(system))
+    if system.bed is not None:
+        system.bed.attach(weights(system))
+    elif scene.gravity != 0.0:
+        Overlay(mbs, {}, weights(system)).attach()
     mbs.Assemble()
     for load in system.loads.values():
         load.start(mbs)
     return system
 
 
-def _add_rigid(mbs: Any, body: RigidBody, gravity: float) -> RigidHandle:
+def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
     motion = body.motion
     node = mbs.AddNode(
         items.NodeRigidBody2D(
@@ -50,11 +56,10 @@ def _add_rigid(mbs: Any, body: RigidBody, gravity: float) -> RigidHandle:
         )
     )
     obj = mbs.AddObject(items.ObjectRigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node, name=body.name))
-    _add_weight(mbs, obj, gravity)
     return RigidHandle(body, node, obj)
 
 
-def _add_link(mbs: Any, link: FlexibleLink, gravity: float) -> LinkHandle:
+def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
     """Straight run of ANCF cable elements that starts out as if rigid."""
     motion = link.motion
     axis = rotation(motion.angle)[:, 0]
@@ -85,18 +90,11 @@ def _add_link(mbs: Any, link: FlexibleLink, gravity: float) -> LinkHandle:
                 )
             )
         )
-        _add_weight(mbs, elements[-1], gravity)
     return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
 
 
-def _add_weight(mbs: Any, obj: Any, gravity: float) -> None:
-    if gravity != 0.0:
-        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=obj))
-        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
-
-
-def _add_bed(system: System) -> Any:
-    """Lay the medium over the parts that can reach its surface; None when there are none."""
+def lay_bed(system: System) -> Any:
+    """Bed with all parts that can reach its surface, to be attached; None when there are none."""
     scene = system.scene
     if scene.bed is None or scene.surface is None or not scene.media:
         return None
@@ -130,7 +128,6 @@ def _add_bed(system: System) -> Any:
                 free_end=link.free,
                 name=link.name,
             )
-    bed.attach()
     return bed
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +38,13 @@ class LoadHistory:
     body_names: tuple[str, ...]
 
     def since(self, start: float) -> LoadHistory:
-        """The entries from a time (s) on, with the work counted from there."""
+        """The entries from a time (s) on, with both works counted from there."""
         first = int(np.searchsorted(self.time, start))
         if first == 0:
             return self
-        arrays = ("time", "power", "depth", "speed", "terms", "bodies")
-        later = {name: getattr(self, name)[first:] for name in arrays}
-        return replace(self, work=self.work[first:] - self.work[first : first + 1], **later)
+        later: dict[str, Any] = {
+            name: values[first:] for name, values in vars(self).items() if isinstance(values, np.ndarray)
+        }
+        for name in ("work", "floor_work"):
+            later[name] = later[name] - later[name][:1]
+        return replace(self, **later)

@@ -43,8 +43,14 @@ class Ledger:
         row[TIME] = time
         if self.length > 1:
             last = self._rows[self.length - 2]
-            work, power = slice(FIRST, self.first_power), slice(self.first_power, self.first_term)
-            row[work] = last[work] + 0.5 * (row[power] + last[power]) * (time - last[TIME])
+            half = 0.5 * (time - last[TIME])
+            for work in range(FIRST, self.first_power):
+                power = work + self.media
+                row[work] = last[work] + half * (row[power] + last[power])
+
+    def adopt(self, rows: Vector) -> None:
+        """Take on rows that were filled elsewhere."""
+        self._rows, self.length = rows, len(rows)
 
     def history(self, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
         """All rows so far."""

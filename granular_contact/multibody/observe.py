@@ -110,15 +110,13 @@ class Observer:
         as a whole, without the trembling of any one part.
         """
         turn = self._turning()
-        momentum = np.einsum("ti,ij,tj->t", turn, self.trajectory.mass, self.trajectory.v, optimize=True)
-        inertia = np.einsum("ti,ij,tj->t", turn, self.trajectory.mass, turn, optimize=True)
+        momenta = turn @ self.trajectory.mass
+        momentum, inertia = np.sum(momenta * self.trajectory.v, axis=1), np.sum(momenta * turn, axis=1)
         return -momentum / inertia, inertia
 
     def weight_moment(self) -> Vector:
         """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
-        moment: Vector = -self.scene.gravity * np.einsum(
-            "ti,ij,j->t", self._turning(), self.trajectory.mass, self._up()
-        )
+        moment: Vector = -self.scene.gravity * (self._turning() @ (self.trajectory.mass @ self._up()))
         return moment
 
     def _up(self) -> Vector:
@@ -153,9 +151,17 @@ class Observer:
         joints = self.scene.connections
         return any(c.closes or (c.parent is None and c.kind in ("slider", "free")) for c in joints)
 
+    def nodes(self, name: str) -> list[Vector]:
+        """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""
+        return self._links[name]
+
     def deflection(self) -> Vector:
-        """Deflection (n,) m of the last flexible link's tip from the tangent at its root, clockwise positive."""
-        nodes = list(self._links.values())[-1]
+        """Deflection (n,) m of the last flexible link, see `bend`."""
+        return self.bend(list(self._links)[-1])
+
+    def bend(self, name: str) -> Vector:
+        """Deflection (n,) m of a flexible link's tip from the tangent at its root, clockwise positive."""
+        nodes = self._links[name]
         q = self.trajectory.q
         axis = q[:, nodes[0][2:]] / np.linalg.norm(q[:, nodes[0][2:]], axis=1, keepdims=True)
         chord = q[:, nodes[-1][:2]] - q[:, nodes[0][:2]]
@@ -186,7 +192,7 @@ class Observer:
             lowest=float(load.lowest.min()),
             left=float(load.left.min()),
             right=float(load.right.max()),
-            sizes=tuple(sorted({float(run.run["width"][0]) for run in bed.runs if run.deepest > 0.0})),
+            sizes=tuple(sorted({width for group in bed.groups for width in group.widths()})),
         )
 
     # ---- forces and energies ----
@@ -209,7 +215,7 @@ class Observer:
 
     def _energies(self) -> series.Series:
         t = self.trajectory
-        kinetic = 0.5 * np.einsum("ti,ij,tj->t", t.v, t.mass, t.v, optimize=True)
+        kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
         gravity = self.scene.gravity * (t.q @ (t.mass @ self._up()))
         elastic, damping = np.zeros_like(kinetic), np.zeros_like(kinetic)
         for name, nodes in self._links.items():

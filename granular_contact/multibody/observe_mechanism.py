@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
 
 
-
 def label(body: str) -> str:
     """Name of a body in columns: that of its first part; one that is called as the tip's columns are gets a tail."""
     first = body.split("+")[0]

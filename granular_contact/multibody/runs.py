@@ -1,128 +1,118 @@
-"""A run: stations on one body, with the arrays that its kernels read; `kernels.runs` says what they are."""
+"""Runs on bodies, and groups of them with the arrays that the kernels read; `kernels.groups` says what they are."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.kernels import runs as kernels
-from granular_contact.kernels.law import TERMS
+from granular_contact.kernels import groups as kernels
+from granular_contact.kernels.law import RUN
 from granular_contact.media.kinds import Kind
+from granular_contact.multibody.overlay import Overlay
 
 Vector = NDArray[np.float64]
-Memory = tuple[list[tuple[Vector, Vector]], float, float, float]
-
-
-class Acting:
-    """One medium at work on a run: its record, where it lies, anchors of its bristles, totals (TERMS, 3) of its terms.
-
-    run: (1,) record of the run, with the layer that the medium lies in; profile: its surface (k, 2) m; columns: where
-    its numbers stand in a history row, see `ledger.Ledger`.
-    """
-
-    def __init__(self, run: NDArray[np.void], profile: Vector, medium: NDArray[np.void], columns: Vector) -> None:
-        self.run, self.profile, self.medium = run, profile, medium
-        self.anchors = np.zeros((0, 2))
-        self.totals = np.zeros((TERMS, 3))
-        self.columns = columns
-
-    def rest(self, strips: int) -> None:
-        """Make room for the anchors of so many strips."""
-        self.anchors = np.zeros((strips, 2))
-        self.sand = (self.run, self.profile, self.medium, self.anchors)
+Memory = tuple[Vector, Vector]
 
 
 class Run:
-    """One overlay: stations on the nodes of one body.
-
-    kind: what the media meet there. After `accept`: depth of the deepest station (m, negative above the surface), the
-    greatest speed (m/s) at which one nears the surface, and the greatest depth so far (m).
-    """
+    """Stations on the nodes of one body, `size` coordinates in all; kind: what the media meet there."""
 
     def __init__(
         self, nodes: list[int], size: int, geometry: NDArray[np.void], kind: Kind, flags: dict[str, Any]
     ) -> None:
         self.nodes = nodes
+        self.size = size
         self.geometry = geometry
         self.kind = kind
-        self.run = np.zeros(1, kernels.RUN)
+        self.run = np.zeros(1, RUN)
         for name, value in flags.items():
             self.run[name] = value
         self.body = ""
-        self.media: list[Acting] = []
-        self.zeros = [0.0] * size
-        self.awake = True
-        self.depth, self.speed, self.deepest = -np.inf, 0.0, -np.inf
-        self._out = np.zeros(size)
-        self._scratch = np.zeros((TERMS, 3))
-        self._matrix = np.zeros((size, size))
-        self._no_matrix = _sparse(np.zeros((0, 3)), size)
-        rows, columns = np.indices((size, size)).reshape(2, -1)
-        self._triplets = np.column_stack([rows, columns, np.zeros(size * size)]).astype(float)
+
+
+class Group:
+    """Runs on one kind of body (all stations of one type) in one medium, computed in one call.
+
+    flags: record of each run, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns:
+    for each run, where its numbers stand in a history row, see `ledger.Ledger`.
+    """
+
+    def __init__(
+        self,
+        runs: Sequence[Run],
+        flags: Sequence[NDArray[np.void]],
+        profile: Vector,
+        medium: NDArray[np.void],
+        columns: Sequence[Vector],
+    ) -> None:
+        self.nodes = [run.nodes for run in runs]
+        self.profile, self.medium = profile, medium
+        self.columns = np.array(columns)
+        self.geometry = np.concatenate([run.geometry for run in runs])
+        self.runs = np.concatenate(list(flags))
+        sizes = [(len(run.geometry), run.size) for run in runs]
+        self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
+        self.anchors = np.zeros((len(self.geometry), 2))
+        self.reach = np.zeros((len(runs), 3))
+        self.awake = np.ones(len(runs), dtype=bool)
+        self.entries = sum(run.size**2 for run in runs)
+        self._places = np.zeros((self.ends[-1, 1], 2), np.int64)
+
+    def lay(self, overlay: Overlay) -> None:
+        """Find the coordinates in the overlay."""
+        self._places[:, 1] = np.concatenate([overlay.places(nodes) for nodes in self.nodes])
 
     def start(self, mbs: Any, q: Vector, v: Vector) -> None:
-        """Find the run's coordinates in the assembled system; rest the bristles where the strips are."""
+        """Find the coordinates in the assembled system; rest the bristles where the strips are."""
         data = mbs.systemData
-        where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=np.int64)
-        reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)[where]
-        self._body = (where, reference, self.geometry)
-        self.deepest = -np.inf
-        for acting in self.media:
-            acting.rest(len(self.geometry) - 1)
-            kernels.release(q, *self._body, acting.anchors)
+        self._places[:, 0] = [i for nodes in self.nodes for node in nodes for i in data.GetNodeLTGODE2(node)]
+        self._where = (self.ends, self._places, self.geometry)
+        self._sand = (*self._where, self.runs, self.profile, self.medium, self.anchors)
+        self._reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        self.awake[:] = True
+        self.reach[:, kernels.EVER] = -np.inf
+        kernels.release(q, self._reference, *self._where, self.anchors)
         # Compiling, the first time on a machine, belongs to the start and not to the first step.
-        self.force(q, v)
-        self.jacobian(q, v, 1.0, 1.0)
+        size = int(self._places[:, 1].max()) + 1
+        self.force(q, v, np.zeros(size))
+        self.tangent(q, v, 1.0, 1.0, np.zeros((self.entries, 3)), 0)
 
-    def force(self, q: Vector, v: Vector) -> list[float]:
-        """Generalised forces on the run's coordinates."""
-        self._out[:] = 0.0
-        for acting in self.media:
-            kernels.force(q, v, *self._body, *acting.sand, self._scratch, self._out)
-        forces: list[float] = self._out.tolist()
-        return forces
+    def force(self, q: Vector, v: Vector, out: Vector) -> None:
+        """Add the generalised forces to those of the overlay."""
+        kernels.force(q, v, self._reference, self.awake, *self._sand, out)
 
-    def jacobian(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Any:
-        """factor_q df/dq + factor_v df/dv as the engine's sparse matrix."""
-        if not self.awake:
-            return self._no_matrix
-        self._matrix[:] = 0.0
-        for acting in self.media:
-            kernels.tangent(q, v, *self._body, *acting.sand, factor_q, factor_v, self._matrix)
-        self._triplets[:, 2] = self._matrix.ravel()
-        return _sparse(self._triplets, len(self.zeros))
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, count: int) -> int:
+        """Append the entries of factor_q df/dq + factor_v df/dv to the first `count`; how many there are then."""
+        return int(kernels.tangent(q, v, self._reference, self.awake, *self._sand, factor_q, factor_v, triplets, count))
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        # In reverse, so that depth and speed are those under the free surface: a floor comes last.
-        for acting in reversed(self.media):
-            self.depth, self.speed = kernels.accept(q, v, *self._body, *acting.sand, acting.totals, row, acting.columns)
-        self.deepest = max(self.deepest, self.depth)
+        kernels.accept(q, v, self._reference, *self._sand, row, self.columns, self.reach)
+
+    def widths(self) -> list[float]:
+        """Widths (m) of the runs that were ever immersed."""
+        touched: list[float] = self.runs["width"][self.reach[:, kernels.EVER] > 0.0].tolist()
+        return touched
+
+    def nearing(self) -> list[tuple[float, float]]:
+        """Of each run after `accept`: depth of its deepest station (m), greatest speed at which one goes down (m/s)."""
+        return [(float(depth), float(speed)) for depth, speed in self.reach[:, [kernels.DEEPEST, kernels.NEARING]]]
 
     def remember(self) -> Memory:
         """Copy of all that `accept` changes, for `recall`."""
-        kept = [(acting.anchors.copy(), acting.totals.copy()) for acting in self.media]
-        return kept, self.depth, self.speed, self.deepest
+        return self.anchors.copy(), self.reach.copy()
 
     def recall(self, memory: Memory) -> None:
         """Undo what `accept` did since `remember`."""
-        kept, self.depth, self.speed, self.deepest = memory
-        for acting, (anchors, totals) in zip(self.media, kept, strict=True):
-            acting.anchors[:], acting.totals[:] = anchors, totals
+        self.anchors[:], self.reach[:] = memory
 
-    def wake(self, step: float) -> None:
-        """Sleep through the next step (s) if at four times its speed the run could not touch the surface in it."""
-        self.awake = self.depth + 4.0 * step * (self.speed + 10.0 * step) > -1e-3
-
-
-def _sparse(triplets: Vector, size: int) -> Any:
-    container = exu.MatrixContainer()
-    container.SetWithSparseMatrix(triplets, size, size)
-    return container
+    def wake(self, step: float) -> bool:
+        """Choose who sleeps through the next step (s); whether anybody wakes."""
+        return bool(kernels.wake(self.reach, step, self.awake))
 
 
 def named(runs: Iterable[Run]) -> tuple[str, ...]:

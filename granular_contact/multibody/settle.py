@@ -8,6 +8,7 @@ then are. Drives keep the value that they start with, and want no speed.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -58,6 +59,8 @@ class _Watch:
         self.slow = SLOW * system.scene.solver.rest_speed
         self.since: float | None = None
         self.rests = False
+        wall = system.scene.solver.max_wall
+        self.deadline = math.inf if wall is None else time.perf_counter() + wall
 
     def __call__(self, mbs: Any, t: float) -> bool:
         data = mbs.systemData
@@ -69,7 +72,7 @@ class _Watch:
         elif self.since is None:
             self.since = t
         self.rests = self.since is not None and t - self.since >= self.hold
-        return not self.rests
+        return not self.rests and time.perf_counter() < self.deadline
 
 
 def settle(system: System, simulation: Any, lever: Vector) -> None:
@@ -97,6 +100,8 @@ def settle(system: System, simulation: Any, lever: Vector) -> None:
         exu.MainSolverImplicitSecondOrder().SolveSystem(mbs, simulation)
     except (exu.ExudynError, RuntimeError) as error:
         problem = str(error).strip().splitlines()[0]
+    if not watch.rests and time.perf_counter() >= watch.deadline:
+        problem = f"solver.max_wall_s ({system.scene.solver.max_wall:g}) was over before it rested"
     if not watch.rests:
         raise SolveError(f"initial.settle: the mechanism finds no rest: {problem}; give the initial state without it")
     t.startTime, t.endTime, t.numberOfSteps, t.generalizedAlpha.spectralRadius = kept

@@ -15,8 +15,7 @@ from granular_contact.multibody.runs import Run
 
 Vector = NDArray[np.float64]
 
-# Most elements under one overlay. The engine copies all coordinates of an overlay into lists at every call, so a long
-# beam is cheaper in pieces of which only those near the surface are evaluated; each piece costs a call of its own.
+# Most elements in one run: a long beam is cheaper in pieces, of which only those near the surface are evaluated.
 ELEMENTS_PER_RUN = 12
 
 

@@ -44,20 +44,13 @@ def strip(results: Results, count: int, width: int) -> Picture:
 
     Between each and the next the mechanism moves as far, which is seldom as long.
     """
-    stage = stage_of(results, width // count, 0.6)
-    ratio = (stage.width - 2 * SIDE) / max(1.0, _tall(results, stage))
-    in_row = count if ratio < 1.5 else 2 if ratio < 5.0 else 1
-    if in_row < count:
-        stage = stage_of(results, width // in_row, 0.2)
+    low, high = bounds(results.frames)
+    ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
+    in_row = count if ratio < 2.0 else 2 if ratio < 5.0 else 1
+    stage = stage_of(results, width // in_row, 0.6 if in_row == count else 0.2)
     shown = list(_Film(results, stage, words=False).pictures(_evenly_moved(results.frames, count)))
     rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
     return _joined(rows, axis=0)
-
-
-def _tall(results: Results, stage: Stage) -> float:
-    """Height (px) of what the mechanism passes over."""
-    low, high = bounds(results.frames)
-    return float(high[1] - low[1]) * stage.scale
 
 
 def _joined(shown: list[Picture], axis: int) -> Picture:

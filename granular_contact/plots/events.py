@@ -57,7 +57,11 @@ def _above(axes: Axes, share: float, words: str) -> None:
 def _ending(results: Results) -> str:
     """How a run without a stop ended, in two words."""
     last = instant(results, results["time_s"][-1])
-    words = {"failed": f"run failed at {last}", "interrupted": f"interrupted at {last}"}
+    words = {
+        "failed": f"run failed at {last}",
+        "interrupted": f"interrupted at {last}",
+        "time_limit": f"out of time at {last}",
+    }
     # What is driven has no stop to look for.
     measured = results.summary.get("stopping_time_measure", "") is not None
     return words.get(results.status.code, "no stop" if measured else "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -9,12 +10,12 @@ from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.results import Cost, Progress, Status, out_of_time
 from granular_contact.scene.types import Vector
 
 OWN = "dormand_prince"
 CROWD = 50  # ends of regimes within a tenth of the scene's step that are taken for chattering
-CHATTERING = kernels.FAILED + 1
+CHATTERING, OVERTIME = kernels.FAILED + 1, kernels.FAILED + 2
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,7 @@ def solve(model: Model, progress: Progress | None = None) -> Trajectory:
 def _integrate(march: March, turns: list[float], progress: Progress | None) -> int:
     """March on until it is over; the times at which regimes ended are appended to turns."""
     solver, crowd = march.model.scene.solver, list[float]()
+    deadline = math.inf if solver.max_wall is None else time.perf_counter() + solver.max_wall
     while True:
         code = march.go_on()
         if code == kernels.REGIME_END:
@@ -84,6 +86,8 @@ def _integrate(march: March, turns: list[float], progress: Progress | None) -> i
             march.decide()
         elif code != kernels.PAUSE:
             return code
+        if time.perf_counter() > deadline:
+            return OVERTIME
         if progress is not None:
             progress(march.time, solver.end_time)
 
@@ -96,6 +100,8 @@ def _status(model: Model, march: March, code: int) -> Status:
             f"the static force turned round {CROWD} times within {0.1 * solver.step:g} s at {t:.6g} s; take "
             "method.reduced.static: elastoplastic, whose bristle gives way",
         )
+    if code == OVERTIME:
+        return out_of_time(t, solver.end_time, solver.max_wall)
     if code == kernels.FAILED:
         return Status(
             "failed",

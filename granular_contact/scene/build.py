@@ -22,10 +22,12 @@ from granular_contact.scene.loops import closed, redundant
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.reducible import check_reducible
 from granular_contact.scene.start import start
+from granular_contact.scene.treelike import check_treelike
 from granular_contact.scene.types import (
     Drive,
     FlexibleLink,
     Load,
+    Minimal,
     Reduced,
     RigidBody,
     Scene,
@@ -75,6 +77,8 @@ def build(scenario: schema.Scenario) -> Scene:
             rest_speed=solver.rest_speed_m_s,
             spectral_radius=solver.spectral_radius,
             tolerance=solver.tolerance,
+            accuracy=solver.accuracy,
+            max_wall=solver.max_wall_s,
         ),
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,
@@ -85,8 +89,10 @@ def build(scenario: schema.Scenario) -> Scene:
     )
     if faults := list(_unsuited(scene)):
         raise SceneError(faults)
-    if scene.method is not None:
+    if isinstance(scene.method, Reduced):
         check_reducible(scene, scene.method.modes)
+    elif scene.method is not None:
+        check_treelike(scene)
     return scene
 
 
@@ -249,10 +255,10 @@ def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[
         yield _fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
 
 
-def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | None:
-    reduced = scenario.method.reduced
+def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | Minimal | None:
+    reduced, minimal = scenario.method.reduced, scenario.method.minimal
     if reduced is None:
-        return None
+        return None if minimal is None else Minimal(minimal.rtol)
     static = reduced.static
     if static == "auto":
         has_sign = placed is None or all(medium.by_component for medium in placed.media)

@@ -31,14 +31,17 @@ class Loops:
 
     def states(self, x: Vector, rates: Vector) -> dict[str, JointState]:
         """Joint states of coordinates (n,) and their rates (n,)."""
+        if not self.joints:
+            return {}
         ends = np.cumsum(self.sizes)[:-1]
         split = zip(self.joints, np.split(x, ends), np.split(rates, ends), strict=True)
         return {name: JointState(value, rate) for name, value, rate in split}
 
     def vector(self, states: Mapping[str, JointState]) -> tuple[Vector, Vector]:
         """Coordinates (n,) and their rates (n,) of joint states."""
-        values = np.concatenate([states[name].value for name in self.joints])
-        return values, np.concatenate([states[name].rate for name in self.joints])
+        values = [states[name].value for name in self.joints]
+        rates = [states[name].rate for name in self.joints]
+        return np.concatenate([np.zeros(0), *values]), np.concatenate([np.zeros(0), *rates])
 
     def mask(self, names: frozenset[str]) -> Mask:
         """Which coordinates (n,) belong to these joints."""
@@ -81,15 +84,18 @@ class Loops:
 
     def jacobian(self, x: Vector) -> dict[str, Vector]:
         """Derivatives of the gaps of every closure by the coordinates, (rows, n) each, in a closed pose."""
-        columns: dict[str, list[Vector]] = {name: [] for name in self.model.closures}
-        for unit in np.eye(len(x)):
-            placed = self.at(x, unit)
-            for name, column in columns.items():
-                column.append(self.gap_rates(name, placed))
-        return {name: np.array(column).T for name, column in columns.items()}
+        still = self.at(x, np.zeros_like(x))
+        slopes = {name: np.zeros((len(self.gaps(name, still)), len(x))) for name in self.model.closures}
+        for i, unit in enumerate(np.eye(len(x))):
+            moving = self.at(x, unit)
+            for name, slope in slopes.items():
+                slope[:, i] = self.gap_rates(name, moving)
+        return slopes
 
     def close(self, x: Vector, movable: Mask) -> Vector:
         """Coordinates near x that close all loops, or as far as Newton's method gets; only the movable (n,) change."""
+        if not movable.any():
+            return x
         for _ in range(20):
             gap = self.all_gaps(x)
             if np.abs(gap).max() < 1e-14:
@@ -128,8 +134,8 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     rates = np.where(moved, rates, 0.0)
     follow = ~moved
     rates[follow] = np.linalg.lstsq(slopes[:, follow], -slopes @ rates, rcond=1e-10)[0] if follow.any() else 0.0
-    opening = float(np.abs(slopes @ rates).max())
-    if opening > 1e-6 * max(1.0, float(np.abs(rates).max())):
+    opening = float(np.abs(slopes @ rates).max(initial=0.0))
+    if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
         words = f"the rates of the joints open a loop at {opening:.3g} m/s or rad/s: name fewer of them"
         faults.append(Fault("", None, "initial.joints", words))
     return loops.states(x, rates)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from granular_contact.errors import scene_error
-from granular_contact.scene.types import Connection, FlexibleLink, RigidBody, Scene
+from granular_contact.scene.types import Connection, FlexibleLink, Reduced, RigidBody, Scene
 
 CAN = (
     "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
@@ -35,7 +35,7 @@ def _media(scene: Scene) -> Iterator[str]:
         return
     if not scene.bed.plain:
         yield "its bed is not level, or has several media or a floor that carries"
-    true_sign = scene.method is not None and scene.method.static == "true_sign"
+    true_sign = isinstance(scene.method, Reduced) and scene.method.static == "true_sign"
     for medium in scene.media:
         if true_sign and not medium.by_component:
             yield f"the law of {medium.name} has no sign of each component of the velocity for static: true_sign"

@@ -201,14 +201,20 @@ class Load:
 
 @dataclass(frozen=True)
 class Solver:
-    """Times in s, speeds in m/s; tolerance relative to the forces of the scene."""
+    """Times in s, speeds in m/s; tolerance relative to the forces of the scene.
+
+    accuracy: of steps that are chosen, None for fixed ones; max_wall: wall time (s), None for no limit;
+    spectral_radius: None for the engine's choice.
+    """
 
     end_time: float
     step: float
     rest_time: float | None
     rest_speed: float
-    spectral_radius: float
+    spectral_radius: float | None
     tolerance: float
+    accuracy: float | None = None
+    max_wall: float | None = None
 
 
 @dataclass(frozen=True)
@@ -224,6 +230,13 @@ class Reduced:
     static: Literal["true_sign", "elastoplastic", "smooth"]
     rtol: float
     integrator: str
+
+
+@dataclass(frozen=True)
+class Minimal:
+    """Minimal coordinates in place of the engine; see `granular_contact.minimal`. rtol: as of `Reduced`."""
+
+    rtol: float
 
 
 @dataclass(frozen=True)
@@ -244,7 +257,7 @@ class Scene:
     solver: Solver
     tip: tuple[str, Vector]
     output_interval: float | None
-    method: Reduced | None = None
+    method: Reduced | Minimal | None = None
     drives: tuple[Drive, ...] = ()
     settle: bool = False
     body_columns: bool = False

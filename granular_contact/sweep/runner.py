@@ -15,8 +15,8 @@ from granular_contact.sweep.crew import Crew, CrewError
 from granular_contact.sweep.journal import Journal, Row
 from granular_contact.sweep.worker import Job, Simulate, Task, check, error_row, simulate, work
 
-CHUNK_SECONDS = 0.2  # long against the 1 ms that it takes to hand over a chunk, short against a sweep
-LARGEST_CHUNK = 64
+CHUNK_SECONDS = 0.5  # long against the 2 ms that it takes to hand over a chunk, short against a sweep
+LARGEST_CHUNK = 256
 FEW = 400  # cases that are checked sooner here than workers are started
 _DIED = "the process died; run this case alone to see why, it may need more memory than there is"
 
@@ -27,7 +27,7 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
     """Faults of cases as `case_faults` gives them, found by the crew where there are many."""
     if len(cases) <= FEW:
         return case_faults(sweep, cases, probe)
-    job, size = Job(sweep, simulate).packed(), max(LARGEST_CHUNK, len(cases) // (8 * crew.count))
+    job, size = Job(sweep, simulate).packed(), max(64, len(cases) // (8 * crew.count))
     found: list[Fault] = []
     shared: list[tuple[Future[list[Fault]], range]] = []
     for start in range(0, len(cases), size):

@@ -121,6 +121,13 @@ FAULTS = {
         "drives.rail.torque_Nm",
         "rail is a slider; a drive of a slider has one of the keys force_N, position_m, speed_m_s",
     ),
+    "motion of a closure": (
+        "closures: {}",
+        "closures: {loop: {type: hinge, parent: ground, child: foot}}\ndrives: {loop: {type: motion, angle_deg: 1}}",
+        12,
+        "drives.loop",
+        "loop closes a loop; a motion drives a joint of the tree",
+    ),
     "two targets": (
         "",
         "  knee: {type: motion, angle_deg: 1, position_m: 2}\n",

@@ -157,6 +157,16 @@ def test_overrides_reach_into_named_files_and_defaults(folder):
     assert sources.locate("solver.step_s") == ("--set solver.step_s=1e-3", None)
 
 
+def test_an_override_below_a_default_is_of_the_kind_that_stands_there(folder):
+    text = START + "model: compound_pendulum\n"
+    friction = run(folder, text, "load.friction.damping_time_s=2e-3").scenario.load.friction
+    assert (friction.type, friction.damping_time_s, friction.yield_displacement_m) == ("elastoplastic", 2e-3, 1e-5)
+    for pair in ("load.friction.type=smooth", "load.friction.reference_speed_m_s=2e-3"), (
+        "load.friction.reference_speed_m_s=2e-3", "load.friction.type=smooth"
+    ):  # fmt: skip
+        assert run(folder, text, *pair).scenario.load.friction.reference_speed_m_s == 2e-3
+
+
 def test_the_last_override_wins(folder):
     assert run(folder, GOOD, "medium.eta_h=9", "medium=null").scenario.medium is None
     assert run(folder, GOOD, "medium=null", "medium=play_sand", "medium.eta_h=9").scenario.medium.eta_h == 9

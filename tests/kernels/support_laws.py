@@ -83,18 +83,8 @@ def _strip(z0, z1, c, V, e, run, m, f):
 
 
 @njit
-def _strip_tangent(z0, z1, c, V, e, run, m, kp, kz, kv):
-    law.strip_tangent(z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0], e[1], run[0], m[0], kp, kz, kv)
-
-
-@njit
 def _ball(z, v, e, run, m, f):
     law.ball_force(z, v[0], v[1], e[0], e[1], run[0], m[0], f)
-
-
-@njit
-def _ball_tangent(z, v, e, run, m, kp, kz, kv):
-    law.ball_tangent(z, v[0], v[1], e[0], e[1], run[0], m[0], kp, kz, kv)
 
 
 @njit
@@ -110,24 +100,11 @@ def strip_force(s: Strip, record: NDArray[np.void], depths: Array | None = None)
     return f
 
 
-def strip_tangent(s: Strip, record: NDArray[np.void]) -> tuple[Array, Array, Array]:
-    kp, kz, kv = np.zeros((4, 4)), np.zeros((4, 2)), np.zeros((4, 4))
-    z0, z1 = -s.P[:, 1]
-    _strip_tangent(z0, z1, s.P[1] - s.P[0], s.V, s.e, run_record(s.width, s.side), record, kp, kz, kv)
-    return kp, kz, kv
-
-
 def ball_force(z: float, v: Array, e: Array, record: NDArray[np.void]) -> Array:
     """Forces f[term, xy] on a ball."""
     f = np.zeros((law.TERMS, 2))
     _ball(z, v, e, run_record(DIAMETER, mass=MASS), record, f)
     return f
-
-
-def ball_tangent(z: float, v: Array, e: Array, record: NDArray[np.void]) -> tuple[Array, Array, Array]:
-    kp, kz, kv = np.zeros((2, 2)), np.zeros(2), np.zeros((2, 2))
-    _ball_tangent(z, v, e, run_record(DIAMETER, mass=MASS), record, kp, kz, kv)
-    return kp, kz, kv
 
 
 def dragged(p: Array, anchor: Array, record: NDArray[np.void]) -> Array:
@@ -151,16 +128,4 @@ def published_rft(c: Coefficients, beta: float, gamma: float) -> tuple[float, fl
     return alpha_x, alpha_z
 
 
-def central(function: object, x: Array, h: Array | float) -> Array:
-    """Jacobian by central differences of fourth order; steps h, one for all or one each."""
-    columns = []
-    for j, step in enumerate(np.broadcast_to(h, x.shape)):
-        d = np.zeros(x.size)
-        d[j] = step
-        near, far = function(x + d) - function(x - d), function(x + 2 * d) - function(x - 2 * d)
-        columns.append((8 * near - far) / (12 * step))
-    return np.stack(columns, axis=-1)
-
-
 SOFT = Elastoplastic(0.02, 0.01)
-CREEPING = Smooth(0.5)

@@ -92,18 +92,6 @@ def test_katsuragi_durian_takes_the_mass_of_the_ball(medium: object, d1: float) 
     np.testing.assert_allclose(f[1], -MASS / d1 * 2.0 * V, rtol=1e-12)
 
 
-@pytest.mark.parametrize("medium", SCALAR_LAWS, ids=label)
-def test_a_ball_loses_energy_and_is_touched_gently(medium: object) -> None:
-    record = medium.record(TRUE_SIGN, G)
-    rng = np.random.default_rng(5)
-    for _ in range(100):
-        v = rng.uniform(-2, 2, 2)
-        assert ball_force(rng.uniform(1e-6, 0.1), v, np.zeros(2), record).sum(axis=0) @ v < 0.0
-    full, touch = (np.abs(ball_force(z, V, np.zeros(2), record)).max() for z in (0.5 * DIAMETER, 1e-9))
-    # A thousandth of a diameter takes the full force: 1e-9 m has 4e-5 of it.
-    assert touch < 1e-4 * full
-
-
 def test_anchor_of_a_ball_and_of_a_bar() -> None:
     p, u_y = np.array([0.03, -0.06]), SOFT.yield_displacement
     ball = dragged(p, np.zeros(2), SCALAR_LAWS[0].record(SOFT, G))

@@ -109,9 +109,9 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, surface), medium(TWO_WAYS, TRUE_SIGN))
     out, row = np.zeros(size), np.zeros(runs.FIRST + 13)
     level, sand = np.array([[0.0, surface]]), medium(TWO_WAYS, TRUE_SIGN)
-    args = (np.arange(size), np.zeros(size), geometry, run, level, sand, anchors)
-    runs.force(q, v, *args, np.zeros((3, 3)), out)
-    depth, speed = runs.accept(q, v, *args, np.zeros((3, 3)), row, runs.FIRST + np.array([0, 1, 10]))
+    args = (geometry, run[0], level, sand[0], anchors, *np.zeros((3, n, 2)), np.zeros((3, 3)))
+    runs.force(q, v, *args, out)
+    depth, speed = runs.accept(q, v, *args, row, runs.FIRST + np.array([0, 1, 10]))
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
     assert row[runs.FIRST] == pytest.approx(out @ v, rel=1e-12)

@@ -190,7 +190,7 @@ def test_nothing_else_of_the_script_changes() -> None:
     mbs.variables["mine"] = 7
     bed_on(mbs, made.first).attach()
     for count, get in parts:
-        added = 1 if get == "GetObject" else 0  # the overlay
+        added = 2 if get == "GetObject" else 0  # the overlay: bell and carrier
         assert getattr(mbs.systemData, count)() == counts[get] + added
         assert [repr(getattr(mbs, get)(i)) for i in range(counts[get])] == before[get]
     assert mbs.GetObject(counts["GetObject"])["objectType"] == "GenericODE2"
@@ -322,8 +322,7 @@ def solved_with(wrap: Any = None, reader: Any = None) -> tuple[np.ndarray, Granu
     made = script(1)
     bed = bed_on(made.mbs, made.first)
     if wrap is not None:
-        original = bed._force_function
-        bed._force_function = lambda run: wrap(original(run))  # type: ignore[method-assign]
+        bed._force = wrap(bed, bed._force)  # type: ignore[method-assign]
     middle = made.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=made.first))
 
     def load(mbs: Any, t: float, vector: list[float]) -> list[float]:  # noqa: ARG001
@@ -339,12 +338,12 @@ def solved_with(wrap: Any = None, reader: Any = None) -> tuple[np.ndarray, Granu
 
 
 def test_repeated_tries_of_a_step_advance_nothing() -> None:
-    def thrice(force: Any) -> Any:
-        def again(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> list[float]:
-            start = mbs.systemData.GetTime(exu.ConfigurationType.StartOfStep)
+    def thrice(bed: GranularBed, force: Any) -> Any:
+        def again(t: float) -> None:
+            start = bed.mbs.systemData.GetTime(exu.ConfigurationType.StartOfStep)
             for part in (0.5, 0.25) if t > start else ():
-                force(mbs, start + part * (t - start), item, q, v)
-            return force(mbs, t, item, q, v)
+                force(start + part * (t - start))
+            force(t)
 
         return again
 

@@ -7,6 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from support_runs import DENSITY, LENGTH, LINE_MASS, STIFFNESS, order, scene_of, simulate
 
+from granular_contact.multibody.build import build
+from granular_contact.multibody.solve import settings
+from granular_contact.multibody.weights import mass_matrix, weights
+
 VACUUM = ("medium=null", "solver.rest_time_s=null", "solver.tolerance=1e-9")
 ROOTS = np.array([1.87510406871, 4.69409113297])  # of cos a cosh a = -1
 FREQUENCIES = ROOTS**2 * np.sqrt(STIFFNESS / (LINE_MASS * LENGTH**4)) / (2 * np.pi)
@@ -180,3 +184,25 @@ def test_internal_damping_closes_the_balance(kind: str) -> None:
     # start, out of some ten that matter: (1 / 10)^2 / 12 of the work.
     assert errors[-1] < (1e-4 if bending else 2e-3) * abs(done[-1])
     assert order(steps, errors) == pytest.approx(2.0, abs=0.1)
+
+
+# ---- mass and weight, which we lay over the engine's bodies ourselves ----
+
+
+def test_mass_and_weight_are_the_engine_s() -> None:
+    """The engine's own mass matrix and its own mass-proportional loads, for a rigid body with a link of 3 elements."""
+    system = build(scene_of("pendulum", "medium=null", "model.bodies.link.flexible.elements=3"))
+    mbs, mass = system.mbs, mass_matrix(system)
+    engine = mbs.ComputeLinearizedSystem(settings(system.scene))[0]
+    # Polynomials of degree 6, which the engine's rule integrates exactly: round-off.
+    np.testing.assert_allclose(mass.toarray(), engine, rtol=1e-12, atol=1e-13 * engine.max())
+    up = np.zeros(len(engine))
+    wanted = np.zeros(len(engine))
+    for node, part in weights(system).items():
+        wanted[mbs.systemData.GetNodeLTGODE2(node)] = part
+    for node in (h.node for h in system.rigid.values()):
+        up[mbs.systemData.GetNodeLTGODE2(node)[1]] = 1.0
+    for node in (n for h in system.links.values() for n in h.nodes):
+        up[mbs.systemData.GetNodeLTGODE2(node)[1]] = 1.0
+    # A uniform field does the same on every piece of mass: M times the rates of rising as one.
+    np.testing.assert_allclose(wanted, -9.81 * engine @ up, rtol=1e-12, atol=1e-12 * np.abs(wanted).max())

@@ -214,3 +214,32 @@ def test_four_bar_loop_keeps_its_geometry_and_its_energy() -> None:
     assert np.ptp(run["d_angle_deg"]) > 20.0
     assert order(steps, drifts) == pytest.approx(2.0, abs=0.2)
     assert drifts[-1] < 1e-3 * np.ptp(run["kinetic_J"])
+
+
+def test_a_loop_of_beams_sags_as_its_stiffness_says() -> None:
+    """Two level beams from a wall, their tips welded to a bar that they keep upright."""
+    beam = "type: link, length_m: 0.2, diameter_m: 0.004, density_kg_m3: 7700, flexible: {youngs_modulus_Pa: 2.0e+11}"
+    text = f"""
+model:
+  name: parallel
+  bodies:
+    upper: {{{beam}}}
+    lower: {{{beam}}}
+    bar: {{type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700}}
+  joints:
+    a: {{type: weld, parent: ground, child: upper}}
+    b: {{type: weld, parent: ground, child: lower, parent_point_m: [0, -0.1]}}
+    c: {{type: weld, parent: upper, child: bar, parent_point_m: [0.2, 0], angle_deg: -90}}
+  closures:
+    d: {{type: weld, parent: bar, child: lower, parent_point_m: [0.1, 0], child_point_m: [0.2, 0], angle_deg: 90}}
+initial: {{settle: true}}
+solver: {{end_time_s: 0.01, tolerance: 1e-8}}
+"""
+    run = simulate(text)
+    bending = 2e11 * np.pi / 64 * 0.004**4
+    bar, line = DENSITY * np.pi / 4 * 0.01**2 * 0.1 * 9.81, DENSITY * np.pi / 4 * 0.004**2 * 9.81
+    # Beams that are held level at both ends: P l^3 / 12 E I under an end force, w l^4 / 24 E I under their own weight.
+    sag = 0.5 * bar * 0.2**3 / (12 * bending) + line * 0.2**4 / (24 * bending)
+    # The bar turns a little, for the beams stretch: (d / 4)^2 / 0.05^2 = 4e-4 of a cantilever's slope; cubic elements
+    # are exact at their nodes.
+    assert -run["tip_y_m"][0] - 0.1 == pytest.approx(sag, rel=2e-3)

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pydantic
 import pytest
 from matplotlib.path import Path
 
@@ -118,3 +119,12 @@ def test_shapes_that_the_law_does_not_take_are_refused(scene_of: Callable[..., A
     with pytest.raises(SceneError, match=r"model\.bodies\.body: can get into the sand, but play_sand takes round bars"):
         scene_of(body.format(shape=f"{{{text}}}"))
     scene_of(body.format(shape=f"{{{text}, in_sand: false}}, {{type: cylinder, diameter_m: 0.01, end_m: [0.2, 0]}}"))
+
+
+def test_a_polygon_that_crosses_itself_is_refused() -> None:
+    """Its halves would count against each other: a bow tie of two triangles once had a negative inertia."""
+    tie = [[0, 0], [0.1, 0], [0, 0.1], [0.08, 0.1]]
+    with pytest.raises(pydantic.ValidationError, match="sides after corners 2 and 4 cross"):
+        shape(type="polygon", width_m=0.5, points_m=tie)
+    pinched = [[0, 0], [0.1, 0], [0.05, 0.05], [0.1, 0.1], [0, 0.1], [0.05, 0.05]]
+    assert shape(type="polygon", width_m=0.5, points_m=pinched)

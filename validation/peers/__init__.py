@@ -16,9 +16,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.friction import ELASTOPLASTIC
 from granular_contact.kernels.law import RUN
-from granular_contact.kernels.lee_marghitu import RECORD, drag_anchor, strip_force
+from granular_contact.kernels.lee_marghitu import RECORD, strip_force
 
 GRAVITY = 9.81  # m/s^2
 DENSITY = 7700.0  # kg/m^3
@@ -87,7 +88,7 @@ def sand_on_strip(p0, p1, v0, v1, anchor, follow, surface, run, m, f):
             anchor[0], anchor[1] = x, y
         return False
     if follow:
-        anchor[0], anchor[1] = drag_anchor(x, y, anchor[0], anchor[1], m)
+        anchor[0], anchor[1] = component_return(x, y, anchor[0], anchor[1], m)
     cx, cy = p1[0] - p0[0], p1[1] - p0[1]
     strip_force(z0, z1, cx, cy, v0[0], v0[1], v1[0], v1[1], x - anchor[0], y - anchor[1], run, m, f)
     return True

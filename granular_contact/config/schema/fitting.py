@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from difflib import get_close_matches
 
 from granular_contact.config.schema.base import LocalFault
-from granular_contact.config.schema.drives import TARGETS, AnyDrive, target
+from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
 from granular_contact.config.schema.initial import KEYS, Initial
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
@@ -55,7 +55,12 @@ def drive_faults(
             yield path, _unknown("joint", name, joints)
             continue
         kind = joints[name].type
-        if kind not in TARGETS.values():
+        if isinstance(drive, Motion) and name in model.closures:
+            yield (
+                path,
+                f"{name} closes a loop; a motion drives a joint of the tree: make one of them the closure instead",
+            )
+        elif kind not in TARGETS.values():
             yield path, f"{name} is a {kind}, which can't be driven; allowed are hinges and sliders"
         elif kind != TARGETS[key]:
             allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)

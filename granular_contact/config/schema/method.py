@@ -1,4 +1,4 @@
-"""Schema of how a run is computed: by the engine, or by a reduced model of the pendulum."""
+"""Schema of how a run is computed: by the engine, in minimal coordinates, or by a reduced model of the pendulum."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pydantic import Field, model_serializer, model_validator
 
 from granular_contact.config.schema.base import Strict, refusal
 
-ENGINE, REDUCED = "engine", "reduced"
-WORDS: dict[Any, dict[str, Any]] = {ENGINE: {}, REDUCED: {REDUCED: {}}}
+ENGINE, MINIMAL, REDUCED = "engine", "minimal", "reduced"
+WORDS: dict[Any, dict[str, Any]] = {ENGINE: {}, MINIMAL: {MINIMAL: {}}, REDUCED: {REDUCED: {}}}
 
 
 class Reduced(Strict):
@@ -26,11 +26,19 @@ class Reduced(Strict):
     """The project's own, or one of scipy's."""
 
 
+class Minimal(Strict):
+    """Trees of rigid bodies on hinges, one coordinate a hinge."""
+
+    rtol: Annotated[float, Field(ge=1e-12, le=1e-1)] = 1e-5
+    """Error of a step, relative to the size and the speed of the mechanism."""
+
+
 class Method(Strict):
-    """How a run is computed: `engine`, `reduced`, or a mapping whose key reduced holds options."""
+    """How a run is computed: `engine`, `minimal`, `reduced`, or a mapping whose key names one and holds its options."""
 
     reduced: Reduced | None = None
-    """null: the engine."""
+    minimal: Minimal | None = None
+    """Both null: the engine."""
 
     @model_validator(mode="before")
     @classmethod
@@ -39,10 +47,19 @@ class Method(Strict):
         if not isinstance(value, str):
             return value
         if value not in WORDS:
-            allowed = f"{', '.join(WORDS)}, and a mapping with the key {REDUCED}"
+            allowed = f"{', '.join(WORDS)}, and a mapping with the key {MINIMAL} or {REDUCED}"
             raise refusal([((), f"got the text {value!r}; allowed are {allowed}")])
         return WORDS[value]
 
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Method:
+        if self.reduced is not None and self.minimal is not None:
+            raise refusal([((), f"got {MINIMAL} and {REDUCED}; one of them is allowed")])
+        return self
+
     @model_serializer
     def _spelled(self) -> Any:
-        return ENGINE if self.reduced is None else {REDUCED: self.reduced.model_dump(mode="json")}
+        for word, options in ((MINIMAL, self.minimal), (REDUCED, self.reduced)):
+            if options is not None:
+                return {word: options.model_dump(mode="json")}
+        return ENGINE

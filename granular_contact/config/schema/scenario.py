@@ -56,8 +56,14 @@ class Solver(Strict):
     rest_time_s: Positive | None = 0.02
     """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives does not."""
     rest_speed_m_s: Positive = 1e-3
-    spectral_radius: Annotated[float, Field(ge=0, le=1)] = 0.9
-    """Of the integrator at high frequency: 1 keeps all, 0 damps most."""
+    accuracy: Annotated[float, Field(ge=1e-7, le=0.1)] | None = None
+    """Choose the steps of the engine: the estimated error of a step in any position, relative to how far the greatest
+    speed of the mechanism takes it in that step; step_s is then the first one. null: fixed steps."""
+    max_wall_s: Positive | None = None
+    """Stop after so much time of the clock, with the status time_limit; null: never."""
+    spectral_radius: Annotated[float, Field(ge=0, le=1)] | None = None
+    """Of the integrator at high frequency: 1 keeps all, 0 damps most. null: 0.9, and 0 where a link is so stiff that
+    round-off in its elastic forces is felt."""
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
     """Largest residual of a step, relative to the forces of the scene."""
 
@@ -124,6 +130,14 @@ class Scenario(Strict):
         faults = [*initial_faults(self.initial, self.model), *drive_faults(self.drives, self.signals, self.model)]
         if faults:
             raise refusal(faults)
+        return self
+
+    @model_validator(mode="after")
+    def _steps_of_its_method(self) -> Scenario:
+        if self.solver.accuracy is not None and (self.method.reduced is not None or self.method.minimal is not None):
+            name = "reduced" if self.method.reduced is not None else "minimal"
+            words = f"chooses the steps of the engine; with method.{name} its rtol does, and allowed is null"
+            raise refusal([(("solver", "accuracy"), words)])
         return self
 
     @model_validator(mode="after")

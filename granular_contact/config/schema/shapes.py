@@ -137,6 +137,9 @@ class PolygonShape(_Shape):
         faults = _repeated((*self.points_m, self.points_m[0]))
         if not faults and abs(doubled_area(self.points_m)) < 1e-12 * _extent(self.points_m) ** 2:
             faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
+        if not faults and (pair := _crossing(self.points_m)):
+            words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
+            faults = [(("points_m",), words)]
         if faults:
             raise refusal(faults)
         return self
@@ -167,6 +170,26 @@ def doubled_area(points: tuple[tuple[float, float], ...]) -> float:
     """Twice the area (m2) of a polygon, negative for a clockwise one."""
     following = (*points[1:], points[0])
     return math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(points, following, strict=True))
+
+
+def _crossing(points: tuple[tuple[float, float], ...]) -> tuple[int, int] | None:
+    """Two sides of a polygon that cross, by their first corners."""
+    sides = list(enumerate(pairwise((*points, points[0]))))
+    sides.sort(key=lambda side: min(side[1][0][0], side[1][1][0]))
+    for i, (first, (a, b)) in enumerate(sides):
+        right = max(a[0], b[0])
+        for second, (c, d) in sides[i + 1 :]:
+            if min(c[0], d[0]) > right:
+                break  # it and all that follow lie further to the right
+            if _turn(a, b, c) * _turn(a, b, d) < 0.0 and _turn(c, d, a) * _turn(c, d, b) < 0.0:
+                return min(first, second), max(first, second)
+    return None
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Which way c lies of the line from a to b: positive on its left, zero on it; only the sign is of use."""
+    turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    return math.copysign(1.0, turn) if turn else 0.0
 
 
 def _extent(points: tuple[tuple[float, float], ...]) -> float:

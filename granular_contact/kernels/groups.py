@@ -1,0 +1,155 @@
+"""The calls that the engine makes for all runs of a kind at once: release, force, tangent, accept, wake.
+
+A group holds runs on one kind of body (one type of station) in one medium, so a call from Python, which costs more than
+the law on a few strips, is paid once for hundreds of bodies. Arguments that they share:
+
+    system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
+                        memory
+    reference           reference values of the system's coordinates
+    awake               (runs,) whether a run may touch the surface in this step; those asleep are passed over
+    ends                (runs + 1, 2) first station and first coordinate of each run, and the ends of the last
+    places              (coordinates, 2) place of each run coordinate in the system and in the overlay
+    geometry            stations of all runs, one after another
+    runs                (runs,) records of `law`
+    profile, medium     see `runs`; medium (1,)
+    anchors             (stations, 2), of which those of the last station of a run stand empty
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import runs as one
+from granular_contact.kernels.law import TERMS
+
+# Of reach (runs, 3): depth of the deepest station (m), speed at which one nears the surface (m/s), greatest depth so
+# far (m).
+DEEPEST, NEARING, EVER = 0, 1, 2
+
+
+@njit(cache=True)
+def rooms(ends):
+    """Room for the longest run: (stations, 2) three times, (coordinates,) three times."""
+    n, m = 0, 0
+    for r in range(ends.shape[0] - 1):
+        n = max(n, ends[r + 1, 0] - ends[r, 0])
+        m = max(m, ends[r + 1, 1] - ends[r, 1])
+    return np.empty((3, n, 2)), np.empty((3, m))
+
+
+@njit(cache=True)
+def gather(system_q, system_v, reference, places, q, v):
+    """Fill q and v with the coordinates at these places of the system."""
+    for i in range(places.shape[0]):
+        at = places[i, 0]
+        q[i] = system_q[at] + reference[at]
+        v[i] = system_v[at]
+
+
+@njit(cache=True)
+def release(system_q, reference, ends, places, geometry, anchors):
+    """Rest the bristles of all runs where the bodies are."""
+    room, body = rooms(ends)
+    for r in range(ends.shape[0] - 1):
+        s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+        c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
+        gather(system_q, system_q, reference, places[c : c + m], body[0, :m], body[1, :m])
+        one.release(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n - 1])
+
+
+@njit(cache=True)
+def force(system_q, system_v, reference, awake, ends, places, geometry, runs, profile, medium, anchors, out):
+    """Add the generalised forces of the runs that are awake to out, the coordinates of the overlay."""
+    room, body = rooms(ends)
+    totals = np.zeros((TERMS, 3))
+    for r in range(runs.shape[0]):
+        if not awake[r]:
+            continue
+        s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+        c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
+        q, v, f = body[0, :m], body[1, :m], body[2, :m]
+        gather(system_q, system_v, reference, places[c : c + m], q, v)
+        f[:] = 0.0
+        one.force(
+            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
+            room[0, :n], room[1, :n], room[2, :n], totals, f,
+        )  # fmt: skip
+        for i in range(m):
+            out[places[c + i, 1]] += f[i]
+
+
+@njit(cache=True)
+def tangent(
+    system_q,
+    system_v,
+    reference,
+    awake,
+    ends,
+    places,
+    geometry,
+    runs,
+    profile,
+    medium,
+    anchors,
+    fq,
+    fv,
+    triplets,
+    count,
+):
+    """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
+
+    Rows and columns are those of the overlay; entries of zero are left out. Returns the new count.
+    """
+    room, body = rooms(ends)
+    KP, KV = np.empty((room.shape[1], 4, 4)), np.empty((room.shape[1], 4, 4))
+    matrix = np.empty((body.shape[1], body.shape[1]))
+    for r in range(runs.shape[0]):
+        if not awake[r]:
+            continue
+        s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+        c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
+        q, v, block = body[0, :m], body[1, :m], matrix[:m, :m]
+        gather(system_q, system_v, reference, places[c : c + m], q, v)
+        block[:] = 0.0
+        one.tangent(
+            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
+            room[0, :n], room[1, :n], room[2, :n], KP[: n - 1], KV[: n - 1], fq, fv, block,
+        )  # fmt: skip
+        for i in range(m):
+            for j in range(m):
+                if block[i, j] != 0.0:
+                    triplets[count, 0], triplets[count, 1] = places[c + i, 1], places[c + j, 1]
+                    triplets[count, 2] = block[i, j]
+                    count += 1
+    return count
+
+
+@njit(cache=True)
+def accept(system_q, system_v, reference, ends, places, geometry, runs, profile, medium, anchors, row, columns, reach):
+    """End of a step for all runs, see `runs.accept`; columns (runs, 3), reach (runs, 3) is filled."""
+    room, body = rooms(ends)
+    totals = np.zeros((TERMS, 3))
+    for r in range(runs.shape[0]):
+        s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+        c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
+        q, v = body[0, :m], body[1, :m]
+        gather(system_q, system_v, reference, places[c : c + m], q, v)
+        reach[r, DEEPEST], reach[r, NEARING] = one.accept(
+            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
+            room[0, :n], room[1, :n], room[2, :n], totals, row, columns[r],
+        )  # fmt: skip
+        reach[r, EVER] = max(reach[r, EVER], reach[r, DEEPEST])
+
+
+@njit(cache=True)
+def wake(reach, step, awake):
+    """Let sleep through a step (s) what could not touch the surface in it at four times its speed; whether any wakes.
+
+    awake (runs,) is filled.
+    """
+    some = False
+    for r in range(awake.shape[0]):
+        awake[r] = reach[r, DEEPEST] + 4.0 * step * (reach[r, NEARING] + 10.0 * step) > -1e-3
+        some = some or awake[r]
+    return some

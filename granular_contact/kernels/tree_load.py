@@ -1,0 +1,91 @@
+"""Right-hand side of a tree of rigid bodies in the medium.
+
+State y: angles (n,), rates (n,), work of the medium so far (J).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import groups
+from granular_contact.kernels.tree import Motion, accelerate, place
+
+
+class Forest(NamedTuple):
+    """What the kernels of a tree read, and their room to work in.
+
+    bodies (n,) records of `tree`, gravity (1,) m/s2, motion; the rest is a group of `groups` with all runs on the
+    bodies: its system coordinates are those of `Motion.pose`; columns (runs, 3) as in `groups.accept`.
+    """
+
+    bodies: Any
+    gravity: Any
+    motion: Motion
+    nowhere: Any
+    awake: Any
+    ends: Any
+    places: Any
+    geometry: Any
+    runs: Any
+    profile: Any
+    medium: Any
+    anchors: Any
+    columns: Any
+    reach: Any
+
+
+@njit(cache=True)
+def rates(y, w, dy):
+    """Fill dy with y'."""
+    n = w.bodies.shape[0]
+    motion = w.motion
+    place(y[:n], y[n : 2 * n], w.bodies, motion)
+    motion.force[:] = 0.0
+    power = 0.0
+    if w.runs.shape[0] > 0:
+        groups.force(
+            motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.awake, w.ends, w.places, w.geometry, w.runs,
+            w.profile, w.medium, w.anchors, motion.force.ravel(),
+        )  # fmt: skip
+        for i in range(n):
+            for k in range(3):
+                power += motion.force[i, k] * motion.twist[i, k]
+    for i in range(n):
+        motion.force[i, 1] -= w.gravity[0] * w.bodies[i].mass
+        dy[i] = y[n + i]
+    accelerate(y[n : 2 * n], w.bodies, motion, dy[n : 2 * n])
+    dy[2 * n] = power
+
+
+@njit(cache=True)
+def accept(y, w, row):
+    """End of a step at y: the anchors follow, forces of the medium and depth go into a history row."""
+    n = w.bodies.shape[0]
+    motion = w.motion
+    place(y[:n], y[n : 2 * n], w.bodies, motion)
+    if w.runs.shape[0] > 0:
+        groups.accept(
+            motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.runs, w.profile,
+            w.medium, w.anchors, row, w.columns, w.reach,
+        )  # fmt: skip
+
+
+@njit(cache=True)
+def release(y, w):
+    """Rest the bristles where the bodies are."""
+    n = w.bodies.shape[0]
+    place(y[:n], np.zeros(n), w.bodies, w.motion)
+    groups.release(w.motion.pose.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.anchors)
+
+
+@njit(cache=True)
+def fastest(w):
+    """Greatest speed (m/s) of any body as it was placed last: of its centre of mass, or of its rim about that."""
+    speed = 0.0
+    for i in range(w.bodies.shape[0]):
+        twist = w.motion.twist[i]
+        speed = max(speed, abs(twist[0]), abs(twist[1]), w.bodies[i].radius * abs(twist[2]))
+    return speed

@@ -1,0 +1,122 @@
+"""March of a tree through time: steps as long as their error allows, one row for each."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import groups
+from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
+from granular_contact.kernels.runs import TIME
+from granular_contact.kernels.tree_load import accept, fastest, rates, release
+
+# Why `march` came back: the table is full, everything rests, the end, no step is small enough.
+PAUSE, REST, END, FAILED = 0, 1, 2, 3
+
+# Times and speeds in SI units; allowed: error of a step, in position (m) and in velocity (m/s).
+CONTROL = np.dtype(
+    [
+        ("end", "f8"),
+        ("longest", "f8"),
+        ("rest_speed", "f8"),
+        ("rest_time", "f8"),
+        ("allowed", "f8", (2,)),
+    ]
+)
+NOW, STEP, RESTING_SINCE, RADIUS, AGE = 0, 1, 2, 3, 4  # of clock (5,): s, s, s, 1/s and steps since that was found
+STEPS, REJECTED, RATES = 0, 1, 2  # of counts (3,)
+OLD = 20  # steps after which the spectral radius is looked at anew
+
+
+@njit(cache=True)
+def start(y, w, blank, states, rows):
+    """Rest the bristles and write the first row."""
+    if w.runs.shape[0] > 0:
+        release(y, w)
+    write(0.0, y, w, blank, states[0], rows[0])
+
+
+@njit(cache=True)
+def write(t, y, w, blank, state, row):
+    """Accept y at time t (s) and keep it: pose, twist and work in `state`, the medium's doing in `row`, which is first
+    made `blank`.
+    """
+    row[:] = blank
+    accept(y, w, row)
+    row[TIME] = t
+    n = w.bodies.shape[0]
+    for i in range(n):
+        for k in range(3):
+            state[3 * i + k] = w.motion.pose[i, k]
+            state[3 * (n + i) + k] = w.motion.twist[i, k]
+    state[6 * n] = y[2 * n]
+
+
+@njit(cache=True)
+def error(y, h, slope, end, end_slope, bodies, allowed):
+    """Estimated error of a step over what is allowed for it.
+
+    An angle counts with the reach of its body; errors of bodies along a chain add like those of a random walk.
+    """
+    n, position, velocity = bodies.shape[0], 0.0, 0.0
+    for i in range(n):
+        lever = bodies[i].radius
+        one = lever * (0.8 * (y[i] - end[i]) + 0.4 * h * (slope[i] + end_slope[i]))
+        two = lever * (0.8 * (y[n + i] - end[n + i]) + 0.4 * h * (slope[n + i] + end_slope[n + i]))
+        position += one * one
+        velocity += two * two
+    return max(math.sqrt(position) / allowed[0], math.sqrt(velocity) / allowed[1])
+
+
+@njit(cache=True)
+def march(y, w, control, clock, counts, direction, blank, states, rows):
+    """Step on from y until one of the reasons above; everything passed in is kept up to date.
+
+    direction: of the power method, see `chebyshev.radius`; states, rows: tables with a row for each accepted step, of
+    which the first counts[STEPS] + 1 are filled.
+    """
+    c = control[0]
+    slope, end, end_slope = np.empty_like(y), np.empty_like(y), np.empty_like(y)
+    before, last = np.empty_like(y), np.empty_like(y)
+    while True:
+        if counts[STEPS] + 1 >= rows.shape[0]:
+            return PAUSE
+        h = min(clock[STEP], c.longest)
+        left = c.end - clock[NOW]
+        h = left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
+        groups.wake(w.reach, h, w.awake)
+        rates(y, w, slope)
+        counts[RATES] += 1
+        while True:
+            if clock[AGE] >= OLD:
+                clock[RADIUS], evaluations = radius(y, slope, w, direction, last, before)
+                clock[AGE] = 0
+                counts[RATES] += evaluations
+            stages = stages_for(h, clock[RADIUS])
+            if stages == MOST_STAGES:
+                h = (MOST_STAGES**2 - 2) / (1.54 * clock[RADIUS])
+            step(y, h, stages, w, slope, before, last, end)
+            rates(end, w, end_slope)
+            counts[RATES] += stages
+            ratio = error(y, h, slope, end, end_slope, w.bodies, c.allowed)
+            if ratio <= 1.0:
+                break
+            counts[REJECTED] += 1
+            clock[AGE] = OLD
+            h *= max(0.1, 0.8 * ratio ** (-1.0 / 3.0)) if ratio < np.inf else 0.1
+            if h <= 1e-13 * c.end:
+                return FAILED
+        clock[STEP] = h * min(5.0, 0.8 * max(ratio, 1e-10) ** (-1.0 / 3.0))
+        clock[NOW] = c.end if h == left else clock[NOW] + h
+        clock[AGE] += 1
+        counts[STEPS] += 1
+        y[:] = end
+        write(clock[NOW], y, w, blank, states[counts[STEPS]], rows[counts[STEPS]])
+        if fastest(w) > c.rest_speed:
+            clock[RESTING_SINCE] = clock[NOW]
+        if clock[NOW] - clock[RESTING_SINCE] >= c.rest_time:
+            return REST
+        if clock[NOW] >= c.end:
+            return END

@@ -1,0 +1,119 @@
+"""Tree -> Trajectory: march to rest, to the end, to a failure or to Ctrl-C; what was reached by then is kept."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from granular_contact.kernels import tree_march as kernels
+from granular_contact.kernels.runs import FIRST
+from granular_contact.minimal.tree import Tree
+from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.ledger import Ledger
+from granular_contact.multibody.solve import Trajectory
+from granular_contact.multibody.weights import mass_matrix
+from granular_contact.results import Cost, Progress, Status, out_of_time
+from granular_contact.scene.types import Minimal, Scene, Vector
+
+SHARE = 1024  # steps between two looks at the progress bar
+FIRST_STEP = 0.1  # of the scene's
+
+
+class March:
+    """State of a solve, as `kernels.tree_march` keeps it up to date; the arrays are explained there."""
+
+    def __init__(self, tree: Tree, method: Minimal) -> None:
+        scene, self.tree, bodies = tree.scene, tree, len(tree.forest.bodies)
+        solver = scene.solver
+        reach, speed = _size(scene)
+        self.y = tree.start.copy()
+        self.control = np.zeros(1, kernels.CONTROL)
+        self.control["end"], self.control["longest"] = solver.end_time, solver.step
+        self.control["rest_speed"] = solver.rest_speed
+        self.control["rest_time"] = np.inf if solver.rest_time is None else solver.rest_time
+        self.control["allowed"] = [[method.rtol * reach, method.rtol * speed]]
+        self.clock = np.array([0.0, FIRST_STEP * solver.step, 0.0, 0.0, kernels.OLD])
+        self.counts = np.zeros(3, dtype=np.int64)
+        self.direction = np.zeros_like(self.y)
+        self.ledger = Ledger([], 0) if tree.bed is None else tree.bed.ledger
+        self.blank = self.ledger.new_row().copy()
+        self.states = np.zeros((SHARE, 6 * bodies + 1))
+        self.rows = np.zeros((SHARE, len(self.blank)))
+        kernels.start(self.y, tree.forest, self.blank, self.states, self.rows)
+
+    def go_on(self) -> int:
+        """March until the tables are full, then make room; why is one of the kernels' codes."""
+        tables = self.blank, self.states, self.rows
+        code = int(
+            kernels.march(self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction, *tables)
+        )
+        if code == kernels.PAUSE:
+            self.states = np.concatenate([self.states, np.zeros((SHARE, self.states.shape[1]))])
+            self.rows = np.concatenate([self.rows, np.zeros((SHARE, self.rows.shape[1]))])
+        return code
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return float(self.clock[kernels.NOW])
+
+
+def _size(scene: Scene) -> tuple[float, float]:
+    """Reach (m) of the mechanism and scale of its speeds (m/s)."""
+    reach = max(body.tether.reach(p) for body in scene.rigid for shape in body.shapes for p in shape.points)
+    rate = max(abs(body.motion.rate) for body in scene.rigid)
+    return reach, max(reach * rate + float(np.sqrt(abs(scene.gravity) * reach)), 1e-6)
+
+
+def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
+    """Run a tree; its trajectory is in the engine's coordinates."""
+    scene = tree.scene
+    assert isinstance(scene.method, Minimal)
+    march = March(tree, scene.method)
+    code, began = kernels.PAUSE, time.perf_counter()
+    wall = scene.solver.max_wall
+    try:
+        while code == kernels.PAUSE and (wall is None or time.perf_counter() - began < wall):
+            code = march.go_on()
+            if progress is not None:
+                progress(march.time, scene.solver.end_time)
+        status = _status(scene, scene.method, code, march.time)
+    except KeyboardInterrupt:
+        status = Status("interrupted", f"interrupted at {march.time:.6g} s; the results up to there were kept")
+    seconds = time.perf_counter() - began
+    steps, _, evaluations = (int(count) for count in march.counts)
+    count = 3 * len(tree.forest.bodies)
+    states = march.states[: steps + 1]
+    return Trajectory(
+        status=status,
+        cost=Cost(solve_s=seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
+        time=march.rows[: steps + 1, 0].copy(),
+        q=states[:, :count],
+        v=states[:, count : 2 * count],
+        load=None if tree.bed is None else _load(tree, march.rows[: steps + 1], states[:, 2 * count]),
+        mass=mass_matrix(tree.system),
+        reactions={},
+    )
+
+
+def _load(tree: Tree, rows: Vector, work: Vector) -> LoadHistory:
+    """What the medium did, with the work as it was integrated along with the motion."""
+    rows[:, FIRST] = work
+    tree.bed.ledger.adopt(rows)
+    history: LoadHistory = tree.bed.accepted
+    return history
+
+
+def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
+    solver = scene.solver
+    if code == kernels.FAILED:
+        return Status(
+            "failed",
+            f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; take a larger one",
+        )
+    if code == kernels.PAUSE:
+        return out_of_time(t, solver.end_time, solver.max_wall)
+    if code == kernels.REST:
+        return Status("rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s")
+    return Status("end_time", f"end time {solver.end_time:g} s reached")

@@ -1,0 +1,115 @@
+"""Scene -> Tree: bodies from the ground outward, and all that the medium meets on them, as the kernels read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.kernels.kinematics import RIGID_STATION
+from granular_contact.kernels.law import RUN
+from granular_contact.kernels.lee_marghitu import RECORD
+from granular_contact.kernels.tree import BODY, motion
+from granular_contact.kernels.tree_load import Forest
+from granular_contact.multibody.build import lay_bed
+from granular_contact.multibody.system import RigidHandle, System
+from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
+
+
+class Numbers:
+    """Stands where beds and observers ask an Exudyn system how it numbers things.
+
+    Body i has the coordinates 3 i to 3 i + 2: x and y of its centre of mass and its angle, without reference values.
+    """
+
+    def __init__(self, bodies: list[RigidBody]) -> None:
+        self.bodies = bodies
+        self.systemData = self
+
+    def GetObject(self, number: int) -> dict[str, Any]:
+        """A body as Exudyn describes it."""
+        return {"objectType": "RigidBody2D", "nodeNumber": number, "name": self.bodies[number].name}
+
+    def GetNodeLTGODE2(self, node: int) -> list[int]:
+        """Coordinates of a body."""
+        return [3 * node, 3 * node + 1, 3 * node + 2]
+
+    def ODE2Size(self) -> int:
+        """Number of coordinates."""
+        return 3 * len(self.bodies)
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A scene in minimal coordinates.
+
+    system: for observers, with its bodies in the kernels' order; bed: None where the medium meets nothing; start: state
+    of `kernels.tree_load`.
+    """
+
+    system: System
+    bed: Any
+    forest: Forest
+    start: Vector
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.system.scene
+
+
+def tree(scene: Scene) -> Tree:
+    """Set up a scene that `scene.treelike` allows."""
+    joints = outward(scene.connections)
+    bodies = [body for joint in joints for body in scene.rigid if body.name == joint.child]
+    handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
+    system = System(scene, None, Numbers(bodies), handles, {}, None)
+    bed = lay_bed(system)
+    if bed is not None:
+        bed.group()
+    system = replace(system, bed=bed)
+    start = np.concatenate([[b.motion.angle for b in bodies], [b.motion.rate for b in bodies], [0.0]])
+    return Tree(system, bed, _forest(system, joints, bodies), start)
+
+
+def outward(joints: tuple[Connection, ...]) -> list[Connection]:
+    """Joints in an order in which every parent comes before its children."""
+    of_parent: dict[str | None, list[Connection]] = {}
+    for joint in joints:
+        of_parent.setdefault(joint.parent, []).append(joint)
+    ordered, waiting = [], of_parent.pop(None, [])[::-1]
+    while waiting:
+        ordered.append(waiting.pop())
+        waiting += of_parent.pop(ordered[-1].child, [])[::-1]
+    return ordered
+
+
+def _forest(system: System, joints: list[Connection], bodies: list[RigidBody]) -> Forest:
+    records = np.zeros(len(bodies), BODY)
+    for record, joint, body in zip(records, joints, bodies, strict=True):
+        record["parent"] = -1 if joint.parent is None else system.rigid[joint.parent].node
+        record["on_parent"], record["hinge"] = joint.parent_point, joint.child_point
+        record["mass"], record["inertia"] = body.mass, body.inertia
+        points = [joint.child_point, *(p for shape in body.shapes for p in shape.points)]
+        record["radius"] = max(float(np.linalg.norm(p)) for p in points)
+    gravity, nowhere = np.array([system.scene.gravity]), np.zeros(3 * len(bodies))
+    return Forest(records, gravity, motion(len(bodies)), nowhere, *_sand(system))
+
+
+def _sand(system: System) -> tuple[NDArray[Any], ...]:
+    """The fields of `Forest` from awake to reach."""
+    bed = system.bed
+    if bed is None:
+        flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
+        nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, RIGID_STATION), np.zeros(0, RUN)
+        medium, numbers = np.zeros(1, RECORD), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
+        return np.zeros(0, dtype=bool), *nothing, flat, medium, *numbers
+    (group,) = bed.groups  # of one medium on bodies of one kind, or the scene was refused
+    where = [i for nodes in group.nodes for node in nodes for i in system.mbs.GetNodeLTGODE2(node)]
+    places = np.column_stack([where, where])
+    return (
+        group.awake, group.ends, places, group.geometry, group.runs, group.profile, group.medium, group.anchors,
+        group.columns, group.reach,
+    )  # fmt: skip

@@ -1,0 +1,38 @@
+"""How a solve ended, in a sentence that says what to change."""
+
+from __future__ import annotations
+
+from granular_contact.multibody.recorder import Recorder
+from granular_contact.results import Status, out_of_time
+
+
+def status(recorder: Recorder, success: bool, problem: str, step: float) -> Status:
+    """Status of a solve; problem: what the engine said, if anything; step (s): the last one tried."""
+    solver, t = recorder.solver, float(recorder.states[recorder.rows - 1, 0])
+    match recorder.reason:
+        case "interrupted":
+            return Status("interrupted", f"interrupted at {t:.6g} s; the results up to there were kept")
+        case "rest":
+            return Status(
+                "rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s"
+            )
+        case "time_limit":
+            return out_of_time(t, solver.end_time, solver.max_wall)
+        case "away":
+            return Status("failed", f"the motion ran away at {t:.6g} s; {_remedy(recorder)}")
+        case "crowd":
+            return Status(
+                "failed",
+                f"{recorder.rows - 1} steps were needed to {t:.6g} s, the last of {step:.2g} s; {_remedy(recorder)}",
+            )
+    if not success:
+        reason = problem or "Newton's method did not converge"
+        return Status("failed", f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; {_remedy(recorder)}")
+    return Status("end_time", f"end time {solver.end_time:g} s reached")
+
+
+def _remedy(recorder: Recorder) -> str:
+    solver = recorder.solver
+    links = " or, for a very soft or very stiff link, more elements" if recorder.system.links else ""
+    what = "solver.step_s" if solver.accuracy is None else "solver.accuracy"
+    return f"take a smaller {what} (now {solver.step if solver.accuracy is None else solver.accuracy:g}){links}"

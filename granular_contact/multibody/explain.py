@@ -1,0 +1,79 @@
+"""What a built system leaves out, and why: read off the system itself, not off the scene that it was built from."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+
+from granular_contact.multibody.solve import Trajectory
+from granular_contact.multibody.system import System
+
+# What is imported only where it is used, and for what.
+PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "nothing is drawn"), ("scipy", "no use"))
+
+
+def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
+    """Sentences, for people."""
+    if not system.links:
+        yield "beams: no body is flexible, so there are no cable elements and no elastic energies"
+    if system.scene.gravity == 0.0:
+        yield "weight: gravity is 0, so no body has a load for it"
+    yield from _joints(system)
+    yield from _bed(system)
+    yield from _rest(system, trajectory)
+    yield from (f"{name}: not imported; {why}" for name, why in PACKAGES if name not in sys.modules)
+
+
+def _joints(system: System) -> Iterator[str]:
+    acting = {*system.loads, *system.motions}
+    free = [c.name for c in system.scene.connections if c.law.is_idle and c.name not in acting]
+    if free:
+        yield f"loads in joints: {', '.join(free)}: no spring, damping, friction, stop or drive"
+    if not system.dampers:
+        yield "settling: not asked for, so there are no dampers"
+
+
+def _bed(system: System) -> Iterator[str]:
+    bed, scene = system.bed, system.scene
+    if bed is None:
+        if not scene.media:
+            yield "the bed: there is no medium"
+        else:
+            yield "the bed: no shape of any body reaches the surface, however the joints turn"
+        return
+    laid = {int(node) for run in bed.runs for node in run.nodes}
+    for handle in system.rigid.values():
+        count = sum(int(handle.node) in map(int, run.nodes) for run in bed.runs)
+        spared = len(handle.body.shapes) - count
+        if spared > 0:
+            what = "cannot reach the surface, or meet no medium (in_sand: false)"
+            yield f"load on {handle.body.name}: {spared} of its {len(handle.body.shapes)} shapes {what}"
+    for link in system.links.values():
+        bare = sum(not {a, b} <= laid for a, b in zip(link.nodes, link.nodes[1:], strict=False))
+        if bare:
+            yield f"load on {link.link.name}: {bare} of its {len(link.elements)} elements cannot reach the surface"
+    for medium, record in zip(bed.media, bed.records, strict=True):
+        names = [name for name in record.dtype.names if name.startswith("eta_") and record[name][0] == 0.0]
+        if names:
+            yield f"terms of {medium.name}: {', '.join(names)} = 0, so they are not evaluated"
+    if bed.floor is None:
+        yield "contact with a floor: there is none that carries"
+
+
+def _rest(system: System, trajectory: Trajectory) -> Iterator[str]:
+    load = trajectory.load
+    if load is None:
+        return
+    dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
+    if dry:
+        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load returns at once"
+    from granular_contact.kernels.groups import EVER  # compiled kernels: only where there is a load
+
+    ever = {run.nodes[0]: False for run in system.bed.runs}
+    for group in system.bed.groups:
+        for nodes, deepest in zip(group.nodes, group.reach[:, EVER], strict=True):
+            ever[nodes[0]] |= bool(deepest > 0.0)
+    touched = {run.body for run in system.bed.runs if ever[run.nodes[0]]}
+    never = {run.body for run in system.bed.runs} - touched
+    if never:
+        yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

@@ -1,0 +1,114 @@
+"""What is called after every accepted step: keeps the states, and tells when to stop."""
+
+from __future__ import annotations
+
+import math
+import time
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+from granular_contact.multibody.stepping import StepControl
+from granular_contact.multibody.system import System
+from granular_contact.results import Progress
+from granular_contact.scene.types import Vector
+
+FASTEST = 1e8  # m/s, in any coordinate: beyond it a run has run away
+CROWD = 20  # times the steps of the run, and some: with so many it does not get on
+MOST_CHOSEN = 200_000  # steps, where they are chosen
+
+
+class Recorder:
+    """Post-step function. `reason`: why it stopped the run, "" while it has not."""
+
+    def __init__(self, system: System, progress: Progress | None) -> None:
+        self.system = system
+        self.solver = system.scene.solver
+        self.progress = progress
+        data = system.mbs.systemData
+        self.size = data.ODE2Size()
+        self.rows = 0
+        self.states = np.empty((512, 1 + 2 * self.size))
+        self.lever = levers(system)
+        self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
+        self.reactions: list[Vector] = []
+        self.resting_since: float | None = None
+        self.reason = ""
+        self.control: StepControl | None = None
+        self.shortened = 0
+        fixed = self.solver.accuracy is None
+        self.most = CROWD * math.ceil(self.solver.end_time / self.solver.step) + 1000 if fixed else MOST_CHOSEN
+        self.deadline = math.inf
+
+    def __call__(self, mbs: Any, t: float) -> bool:
+        """After a step accepted at t (s): whether to go on."""
+        data = mbs.systemData
+        v = data.GetODE2Coordinates_t(copy=False)
+        if not np.abs(v).max(initial=0.0) < FASTEST:  # not a number, too
+            self.reason = "away"
+            return False
+        if self.rows == len(self.states):
+            self.states = np.concatenate([self.states, np.empty_like(self.states)])
+        row = self.states[self.rows]
+        row[0] = t
+        row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
+        row[1 + self.size :] = v
+        self._count(t)
+        if self.rows == 0 and self.solver.max_wall is not None:
+            self.deadline = time.perf_counter() + self.solver.max_wall  # from here: kernels are compiled by now
+        self.rows += 1
+        if self.multipliers:
+            self.reactions.append(data.GetAECoordinates()[self.multipliers])
+        for load in self.system.loads.values():
+            load.accept(row[1 : 1 + self.size], v)
+        if self.system.bed is not None:
+            self.system.bed.accept()
+        if self.control is not None:
+            self.control.accept(mbs, v)
+        if self.progress is not None and self.rows % 64 == 0:
+            self.progress(t, self.solver.end_time)
+        return not self._is_over(t, v)
+
+    def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
+        """Signal handler: stop after the step under way; asked again, at once."""
+        if self.reason == "interrupted":
+            raise KeyboardInterrupt
+        self.reason = "interrupted"
+
+    def _count(self, t: float) -> None:
+        """Count the steps that the engine made shorter than asked for; the last one only fills up the time."""
+        if self.control is None and self.rows > 0 and t < self.solver.end_time * (1.0 - 1e-9):
+            self.shortened += bool(t - self.states[self.rows - 1, 0] < 0.99 * self.solver.step)
+
+    def _is_over(self, t: float, v: Vector) -> bool:
+        if self.reason == "" and self._rests(t, v):
+            self.reason = "rest"
+        if self.reason == "" and time.perf_counter() > self.deadline:
+            self.reason = "time_limit"
+        if self.reason == "" and self.rows > self.most:
+            self.reason = "crowd"
+        return self.reason != ""
+
+    def _rests(self, t: float, v: Vector) -> bool:
+        if self.solver.rest_time is None or self.system.scene.drives:
+            return False
+        if np.abs(self.lever * v).max() > self.solver.rest_speed:
+            self.resting_since = None
+            return False
+        if self.resting_since is None:
+            self.resting_since = t
+        return t - self.resting_since >= self.solver.rest_time
+
+
+def levers(system: System) -> Vector:
+    """Factors (m,) from coordinate rates to speeds of points (m/s): 1 for positions, a body's radius for its angle."""
+    data = system.mbs.systemData
+    lever = np.zeros(data.ODE2Size())
+    for rigid in system.rigid.values():
+        radius = max((float(np.linalg.norm(p)) for shape in rigid.body.shapes for p in shape.points), default=0.0)
+        lever[data.GetNodeLTGODE2(rigid.node)] = 1.0, 1.0, radius
+    for link in system.links.values():
+        for node in link.nodes:
+            lever[data.GetNodeLTGODE2(node)] = 1.0, 1.0, 0.0, 0.0
+    return lever

@@ -1,0 +1,102 @@
+"""Exudyn's settings for a scene: steps, integrator, and tolerances that round-off leaves room for."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+
+from granular_contact.multibody.stepping import StepControl
+from granular_contact.scene.types import FlexibleLink, Scene
+
+EPSILON = float(np.finfo(float).eps)
+SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
+# The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
+SHORTEST = 1e-4
+NEVER = 2**30
+
+
+def force_scale(scene: Scene) -> float:
+    """Force (N) against which residuals are measured: weight, at least at 1 g, and the momentum of the impact.
+
+    A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
+    """
+    return scene.mass * (max(abs(scene.gravity), 9.81) + scene.speed**2 / max(scene.length, 1e-3))
+
+
+def force_noise(scene: Scene, link: FlexibleLink) -> float:
+    """Round-off (N) of the elastic forces of a link: what no Newton iteration can get its residual below.
+
+    Positions of size L are known to eps L; over an element of length l that is a strain of eps L / l and a curvature of
+    4 eps L / l^2 (the slopes of cubics), whose moment acts on the nodes with the arm l. n elements add up as sqrt(n).
+    Residuals of 4 to 128 elements, EI from 1e-6 to 1e6 times the source's, stop within a factor of two of this.
+    """
+    piece = link.length / link.elements
+    stiffness = link.axial_stiffness + 4.0 * link.bending_stiffness / piece**2
+    return EPSILON * scene.length * stiffness / piece * math.sqrt(link.elements)
+
+
+def unresolved(scene: Scene) -> bool:
+    """Whether the elastic forces of a link are noise beside what is asked of a step: it is rigid but in name."""
+    return _noise(scene) > scene.solver.tolerance * force_scale(scene)
+
+
+def _noise(scene: Scene) -> float:
+    return 4.0 * max((force_noise(scene, link) for link in scene.links), default=0.0)
+
+
+def settings(scene: Scene) -> Any:
+    """Exudyn's settings for a scene.
+
+    Exudyn measures a residual against the first one of its step or against an absolute force. Where that force is below
+    the noise of the elastic forces, the iteration is over when the coordinates move no more: by what the same residual
+    would move a free mass in a step, or by their own round-off.
+    """
+    s, solver = exu.SimulationSettings(), scene.solver
+    t = s.timeIntegration
+    t.endTime = solver.end_time
+    t.numberOfSteps = max(1, math.ceil(solver.end_time / solver.step - 1e-9))
+    t.minimumStepSize = SHORTEST * solver.step
+    t.verboseMode = 0
+    newton = t.newton
+    newton.absoluteTolerance = solver.tolerance * force_scale(scene)
+    newton.relativeTolerance = 1e-8
+    newton.useModifiedNewton = True
+    radius = SPECTRAL_RADIUS
+    if unresolved(scene):
+        newton.residualMode = 1
+        newton.absoluteTolerance *= solver.step**2 / scene.mass
+        newton.absoluteTolerance = max(newton.absoluteTolerance, _coordinate_noise(scene))
+        newton.relativeTolerance = 1e-12
+        newton.modifiedNewtonJacUpdatePerStep = True
+        if _rigid_but_in_name(scene):
+            newton.useModifiedNewton = False
+            radius = OF_UNRESOLVED
+    t.generalizedAlpha.spectralRadius = radius if solver.spectral_radius is None else solver.spectral_radius
+    s.solution.file.write = False
+    s.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    return s
+
+
+def control_steps(simulation: Any, control: StepControl) -> None:
+    """Leave the choice of steps to a control; the engine still halves them where its iteration fails."""
+    t = simulation.timeIntegration
+    t.numberOfSteps = max(1, math.ceil(t.endTime / control.longest - 1e-9))
+    t.adaptiveStepRecoverySteps = NEVER
+    t.discontinuous.ignoreMaxIterations = False
+
+
+def _coordinate_noise(scene: Scene) -> float:
+    """Round-off of a step's coordinates: positions (m) and slopes, which are differences over an element."""
+    lengths = [(link, link.length / link.elements) for link in scene.links]
+    return max(
+        4.0 * EPSILON * (scene.length + scene.length / piece) * math.sqrt(2.0 * link.elements)
+        for link, piece in lengths
+    )
+
+
+def _rigid_but_in_name(scene: Scene) -> bool:
+    """Whether the noise exceeds the forces of the scene themselves, so that its accelerations are noise, too."""
+    return _noise(scene) > 1e-3 * force_scale(scene)

@@ -1,0 +1,79 @@
+"""Mass and weight of the scene's bodies in the engine's coordinates; both are constant for the bodies used here.
+
+A load of Exudyn for each body would give the same weights and cost a sixth of a Newton iteration of a long chain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from granular_contact.multibody.system import System
+from granular_contact.scene.types import FlexibleLink, RigidBody
+
+Vector = NDArray[np.float64]
+
+# Integrals of N_i N_j and of N_i over an element of length 1 whose slopes are measured in its length.
+_MASS = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420.0
+_FIRST = np.array([1.0 / 2.0, 1.0 / 12.0, 1.0 / 2.0, -1.0 / 12.0])
+
+
+def _scales(length: float) -> Vector:
+    return np.array([1.0, length, 1.0, length])
+
+
+def body_mass(body: RigidBody | FlexibleLink) -> Vector:
+    """Mass matrix: of a rigid body (x, y, phi), of one element of a link its 8 coordinates (r_x, r_y, r'_x, r'_y)."""
+    if isinstance(body, RigidBody):
+        return np.diag([body.mass, body.mass, body.inertia])
+    length = body.length / body.elements
+    scales = _scales(length)
+    return np.asarray(np.kron(body.mass_per_length * length * _MASS * np.outer(scales, scales), np.eye(2)), float)
+
+
+def body_weight(body: RigidBody | FlexibleLink, gravity: float) -> Vector:
+    """Generalised forces of the weight, for the coordinates of `body_mass`."""
+    if isinstance(body, RigidBody):
+        return np.array([0.0, -gravity * body.mass, 0.0])
+    length = body.length / body.elements
+    return np.asarray(np.kron(body.mass_per_length * length * _FIRST * _scales(length), [0.0, -gravity]), float)
+
+
+def pieces(system: System) -> Iterator[tuple[RigidBody | FlexibleLink, list[int]]]:
+    """Rigid bodies, and links once for each element, with the node numbers of the coordinates of `body_mass`."""
+    for rigid in system.rigid.values():
+        yield rigid.body, [rigid.node]
+    for link in system.links.values():
+        for pair in pairwise(link.nodes):
+            yield link.link, list(pair)
+
+
+def weights(system: System) -> dict[int, Vector]:
+    """Generalised forces of the weight on every node; none without gravity."""
+    on: dict[int, Vector] = {}
+    if system.scene.gravity == 0.0:
+        return on
+    for body, nodes in pieces(system):
+        for node, part in zip(nodes, np.split(body_weight(body, system.scene.gravity), len(nodes)), strict=True):
+            on[node] = on.get(node, 0.0) + part
+    return on
+
+
+def mass_matrix(system: System) -> Any:
+    """Mass matrix of the assembled system, sparse."""
+    data = system.mbs.systemData
+    rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
+    for body, nodes in pieces(system):
+        mass = body_mass(body)
+        at = np.array([place for node in nodes for place in data.GetNodeLTGODE2(node)])
+        i, j = np.nonzero(mass)
+        rows.append(at[i])
+        columns.append(at[j])
+        values.append(mass[i, j])
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return sparse.csr_matrix(entries, shape=(data.ODE2Size(), data.ODE2Size()))

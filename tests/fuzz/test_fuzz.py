@@ -1,0 +1,83 @@
+"""Whatever comes in, a fault in a sentence or an honest run comes out: the first cases of `validation/fuzz.py`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from random import Random
+
+import pytest
+import yaml
+
+from granular_contact.config.schema import LAWS
+from validation import fuzz
+from validation.fuzzing import cases, judgement, media
+from validation.fuzzing.judgement import judge
+from validation.fuzzing.mutations import damaged
+from validation.fuzzing.scenarios import scenario
+
+COUNT = 300
+
+
+def test_no_case_offends() -> None:
+    found = [(seed, outcome) for seed, outcome in fuzz.outcomes(range(COUNT), 1)]
+    assert [(seed, outcome) for seed, outcome in found if outcome.offends] == []
+    count = Counter(outcome.kind.split(":")[0].split(",")[0] for _, outcome in found)
+    # A generator that is refused, or that never leaves the beaten track, tests nothing.
+    assert count["engine"] > 0.25 * COUNT
+    assert count["reduced"] > 0.01 * COUNT
+    assert 0.2 * COUNT < count["refused"] < 0.7 * COUNT
+
+
+def test_every_law_can_be_drawn() -> None:
+    assert set(media.LAWS) == set(LAWS) == {name for family in media.FAMILIES.values() for name in family}
+
+
+def test_a_seed_is_a_case(tmp_path: Path) -> None:
+    for seed in range(40):
+        texts = set()
+        for again in "ab":
+            folder = tmp_path / f"{seed}{again}"
+            folder.mkdir()
+            texts.add(cases.write(seed, folder).read_text(encoding="utf-8"))
+        assert len(texts) == 1
+
+
+def test_damage_is_damage() -> None:
+    text = yaml.safe_dump(scenario(Random(1)))
+    assert sum(damaged(Random(seed), text) != text for seed in range(100)) > 95
+
+
+@pytest.mark.parametrize(
+    ("broken", "kind"),
+    [
+        (lambda *_: 1 / 0, "traceback"),
+        (lambda *_: [].append, "traceback"),
+        (lambda *_: (_ for _ in ()).throw(judgement.SolveError("two\nlines")), "bad sentence"),
+    ],
+)
+def test_an_offence_would_be_seen(monkeypatch: pytest.MonkeyPatch, broken: object, kind: str) -> None:
+    monkeypatch.setattr(judgement, "run", broken)
+    assert judge(cases.ROOT / "configs" / "pendulum.yaml").kind == kind
+
+
+def test_a_hang_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    def hang(*_: object) -> None:
+        while True:
+            pass
+
+    monkeypatch.setattr(judgement, "run", hang)
+    monkeypatch.setattr(judgement, "LIMIT", 0.2)
+    assert judge(cases.ROOT / "configs" / "pendulum.yaml").kind == "late"
+
+
+def test_nan_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = judgement.run
+
+    def spoilt(*arguments: object) -> object:
+        results = honest(*arguments)
+        results.table[-1, 3] = float("nan")
+        return results
+
+    monkeypatch.setattr(judgement, "run", spoilt)
+    assert judge(cases.ROOT / "configs" / "pendulum_rigid.yaml").kind == "not finite"

@@ -1,0 +1,150 @@
+"""The same scenes in minimal coordinates and through the engine: one limit, one set of columns, honest refusals."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support_runs import CONFIGS, order, scene_of, simulate, tip_error
+
+from granular_contact import cli
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.results import Results
+
+FORK = """
+model:
+  name: fork
+  bodies:
+    side: {type: link, length_m: 0.08, diameter_m: 0.006, density_kg_m3: 7700}
+    lower: {type: link, length_m: 0.1, diameter_m: 0.006, density_kg_m3: 7700}
+    upper: {type: link, length_m: 0.1, diameter_m: 0.008, density_kg_m3: 7700}
+  joints:
+    branch: {type: hinge, parent: upper, child: side, parent_point_m: [0.05, 0], child_point_m: [0.01, 0]}
+    elbow: {type: hinge, parent: upper, child: lower, parent_point_m: [0.1, 0]}
+    shoulder: {type: hinge, parent: ground, child: upper, parent_point_m: [0.02, 0.01]}
+medium: play_sand
+initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}
+load: {strips_per_rigid_part: 4}
+solver: {end_time_s: 0.03, rest_time_s: null}
+"""
+TIMES = np.linspace(0.0, 0.03, 61)
+
+
+def by_engine(step: float, *more: str) -> Results:
+    return simulate(FORK, f"solver.step_s={step}", "solver.tolerance=1e-8", *more)
+
+
+def minimal(rtol: float, longest: float = 1e-3, *more: str) -> Results:
+    return simulate(FORK, f"method={{minimal: {{rtol: {rtol}}}}}", f"solver.step_s={longest}", *more)
+
+
+def test_both_go_to_one_limit() -> None:
+    """The same law and bristles: what is left between them falls with the engine's step."""
+    fine, steps = minimal(1e-9, 5e-6), [8e-5, 4e-5, 2e-5]
+    errors = [tip_error(by_engine(step), fine, TIMES) for step in steps]
+    # Order two, less for touch and yield, as in the study of convergence; the tip goes 40 mm.
+    assert order(steps, errors) > 1.6
+    assert errors[-1] < 2e-8
+
+
+def test_error_follows_the_tolerance() -> None:
+    fine, runs = minimal(1e-9, 5e-6), [minimal(rtol) for rtol in (1e-4, 1e-5, 1e-6, 1e-7)]
+    errors = [tip_error(run, fine, run["time_s"]) for run in runs]
+    # An error of a step in a tenth of its size wants a step of half the length: at order two, a quarter of the error.
+    # But touch and yield fall inside steps, whose length their errors follow, down to the first order.
+    assert all(b < 0.6 * a for a, b in pairwise(errors))
+    assert errors[-1] < 1e-6
+
+
+def test_energy_is_accounted_for() -> None:
+    results = minimal(1e-6)
+    assert results.summary["energy"]["granular_work_J"] < -1e-3
+    assert results.summary["energy"]["imbalance_relative"] < 1e-3
+
+
+def test_vacuum_keeps_its_energy() -> None:
+    drifts = []
+    for rtol in (1e-4, 1e-6):
+        results = minimal(rtol, 1e-2, "medium=null", "solver.end_time_s=0.3")
+        energy = results["kinetic_J"] + results["gravity_J"]
+        drifts.append(np.abs(energy - energy[0]).max() / results["kinetic_J"].max())
+    assert drifts[1] < 1e-4
+    assert drifts[1] < 0.2 * drifts[0]
+
+
+def test_columns_are_the_engine_s() -> None:
+    ours, theirs = minimal(1e-7, 1e-4), by_engine(2e-5)
+    assert [c.name for c in ours.columns] == [c.name for c in theirs.columns]
+    for name in (
+        "elbow_angle_deg",
+        "branch_angle_deg",
+        "shoulder_rate_rad_s",
+        "mean_rate_rad_s",
+        "depth_m",
+        "gravity_J",
+    ):
+        a, b = (np.interp(TIMES, r["time_s"], r[name]) for r in (ours, theirs))
+        # Both are read off chords of at most 0.1 ms, over which rates change by a hundredth of their range.
+        np.testing.assert_allclose(a, b, atol=2e-3 * np.ptp(theirs[name]))
+    work = ours["granular_work_J"][-1]
+    assert work == pytest.approx(theirs["granular_work_J"][-1], rel=1e-3)
+
+
+def test_rest_and_stop_are_found() -> None:
+    ours = simulate("pendulum_rigid", "method=minimal")
+    theirs = simulate("pendulum_rigid")
+    assert ours.status.code == theirs.status.code == "rest"
+    # Defaults of both: 0.2 ms steps of order two over a stop of 25 ms.
+    assert ours.summary["stopping_time_s"] == pytest.approx(theirs.summary["stopping_time_s"], rel=1e-3)
+    assert ours.summary["angle_at_stop_deg"] == pytest.approx(theirs.summary["angle_at_stop_deg"], abs=0.005)
+
+
+def test_long_runs_outgrow_the_first_table() -> None:
+    results = minimal(1e-5, 1e-5, "solver.end_time_s=0.02")
+    assert len(results.table) > 2000
+    assert np.all(np.diff(results["time_s"]) > 0.0)
+    assert results["time_s"][-1] == 0.02
+
+
+def test_slope_of_the_surface() -> None:
+    bed = "bed={slope_deg: 8}"
+    ours, theirs = minimal(1e-7, 1e-4, bed), by_engine(4e-5, bed)
+    assert tip_error(ours, theirs, TIMES) < 1e-6
+    assert tip_error(ours, minimal(1e-7, 1e-4), TIMES) > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("overrides", "reason"),
+    [
+        (["model.bodies.lower.flexible={youngs_modulus_Pa: 1e9}"], "lower is flexible"),
+        (["model.joints.elbow.type=weld", "model.bodies.lower.flexible={youngs_modulus_Pa: 1e9}"], "elbow is a weld"),
+        (["model.joints.elbow.spring={stiffness_Nm_per_rad: 1}"], "elbow has a spring"),
+        (["drives={elbow: {type: torque, torque_Nm: 0.1}}"], "elbow is driven"),
+        (["initial.settle=true", "initial.impact_speed_rad_s=0"], "initial.settle"),
+    ],
+)
+def test_what_minimal_coordinates_are_not_for(overrides: list[str], reason: str) -> None:
+    try:
+        scene_of(FORK, "method=minimal", *overrides)
+    except SceneError as error:
+        (fault,) = error.faults
+        assert fault.key == "method"
+        assert reason in fault.message
+        assert "hang on the ground by hinges alone" in fault.message
+    else:
+        raise AssertionError(f"{overrides} was taken")
+
+
+def test_one_method_at_a_time() -> None:
+    with pytest.raises(ConfigError, match="one of them is allowed"):
+        scene_of(FORK, "method={minimal: {}, reduced: {}}")
+
+
+def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = ["run", str(CONFIGS / "pendulum_rigid.yaml"), "--method", "minimal"]
+    assert cli.main([*run, "--no-plots", "--out", str(tmp_path / "a")]) == 0
+    assert "stopping time   25.4" in capsys.readouterr().out
+    assert cli.main([*run, "--modes", "1"]) == 2
+    assert "rigid bodies have none" in capsys.readouterr().err

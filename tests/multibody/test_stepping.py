@@ -1,0 +1,134 @@
+"""Steps that are chosen, tolerances on stiff beams, limits of time, doubts and what was left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support_runs import scenario_of, scene_of, simulate, tip_error
+
+from granular_contact.errors import ConfigError
+from granular_contact.multibody.build import build
+from granular_contact.multibody.doubts import step_error
+from granular_contact.multibody.explain import left_out
+from granular_contact.multibody.settings import force_noise, unresolved
+from granular_contact.multibody.solve import solve
+from granular_contact.run import run
+from granular_contact.scene import build as scene_from
+
+TO_40_MS = ("solver.end_time_s=0.04", "solver.rest_time_s=null")
+TIMES = np.linspace(0.0, 0.04, 201)
+FLEXIBLE = "model.bodies.link.flexible"
+WAY = 0.024  # m, of the tip
+
+
+def stiff(factor: float, elements: int) -> tuple[str, ...]:
+    return (f"{FLEXIBLE}.bending_stiffness_N_m2={15.1642 * factor:.9g}", f"{FLEXIBLE}.elements={elements}")
+
+
+def test_accuracy_bounds_the_error_and_costs_fewer_steps() -> None:
+    """Half of the accuracy times the way: 9 um of 24, 2.2 of 7.2 and 0.46 of 2.4 um when written."""
+    reference = simulate("pendulum", *TO_40_MS, "solver.step_s=2e-5")
+    errors = []
+    for accuracy in (1e-3, 3e-4):
+        chosen = simulate("pendulum", *TO_40_MS, f"solver.accuracy={accuracy}")
+        errors.append(tip_error(chosen, reference, chosen["time_s"]))
+        assert errors[-1] < accuracy * WAY
+    assert errors[1] < 0.5 * errors[0]
+    fixed = simulate("pendulum", *TO_40_MS, "solver.step_s=5e-4")
+    # Of 80 fixed steps' error (9 um), with fewer.
+    assert simulate("pendulum", *TO_40_MS, "solver.accuracy=1e-3").summary["cost"]["steps"] < 85
+    assert errors[0] < 1.2 * tip_error(fixed, reference, fixed["time_s"])
+
+
+def test_a_chosen_step_ends_at_the_touch() -> None:
+    """From 0.18 m above, at 2.8 m/s: a step of the free fall would take it some 10 mm into the sand."""
+    more = ("surface_height_m=-0.2", "initial.impact_angle_deg=5", "solver.accuracy=1e-3", "solver.end_time_s=0.1")
+    results = simulate("pendulum", *more)
+    depth = results["depth_m"]
+    first = depth[depth > 0.0][0]
+    assert first < 2e-3 * 0.2635  # twice what the accuracy lets it overlook
+    assert results.summary["cost"]["refused_steps"] < 0.5 * results.summary["cost"]["steps"]
+
+
+def test_accuracy_is_the_engines_alone() -> None:
+    for method in ("reduced", "minimal"):
+        with pytest.raises(ConfigError, match=r"solver\.accuracy: chooses the steps of the engine"):
+            scenario_of("pendulum_rigid", f"method={method}", "solver.accuracy=1e-3")
+
+
+@pytest.mark.parametrize("more", [stiff(1e6, 4), stiff(1e6, 32), stiff(1e3, 64)])
+def test_the_stiffest_beams_are_solved_as_rigid_ones(more: tuple[str, ...]) -> None:
+    """Residuals below their round-off were never reached: such runs crept with steps of 1e-8 s, or failed."""
+    rigid = simulate("pendulum_rigid", *TO_40_MS)
+    results = simulate("pendulum", *TO_40_MS, *more)
+    assert results.status.code == "end_time"
+    # The beam of 1e3 bends by 0.2 um; the rest is that of the step, with other damping: 3 um.
+    assert tip_error(results, rigid, TIMES) < 6e-6
+    assert results.summary["cost"]["shortened_steps"] == 0
+
+
+def test_a_tolerance_below_round_off_ends_all_the_same() -> None:
+    more = ("solver.tolerance=1e-8", f"{FLEXIBLE}.elements=32", "solver.step_s=4e-5", "solver.end_time_s=0.002")
+    results = simulate("pendulum", *more)
+    assert results.summary["cost"]["steps"] == 50
+    assert results.summary["cost"]["newton_iterations"] < 500
+
+
+def test_noise_grows_with_stiffness_and_refinement() -> None:
+    (paper,), (fine,) = (scene_of("pendulum", *stiff(1.0, n)).links for n in (4, 64))
+    scene = scene_of("pendulum")
+    assert force_noise(scene, fine) > 16.0 * force_noise(scene, paper)
+    assert not unresolved(scene)
+    assert unresolved(scene_of("pendulum", *stiff(1e6, 64)))
+
+
+@pytest.mark.parametrize(("config", "more"), [("pendulum", ()), ("pendulum_rigid", ("method={reduced: {modes: 0}}",))])
+def test_wall_time_ends_a_run_with_its_results(config: str, more: tuple[str, ...]) -> None:
+    scenario = scenario_of(config, "solver.step_s=1e-6", "solver.rest_time_s=null", "solver.max_wall_s=0.05", *more)
+    if more:
+        scenario = scenario_of(config, "medium=null", "solver.end_time_s=1e5", "solver.max_wall_s=0.05", *more)
+    results = run(scene_from(scenario), scenario)
+    assert results.status.code == "time_limit"
+    assert "solver.max_wall_s (0.05) is over" in results.status.message
+    assert len(results.table) > 1
+    assert np.isfinite(results.table).all()
+
+
+def test_step_error_of_a_known_motion() -> None:
+    """x = t^3: a changes by 6 h a step, and the way is 1 m."""
+    time = np.linspace(0.0, 1.0, 1001)
+    speeds = 3.0 * time[:, None] ** 2
+    assert step_error(time, speeds) == pytest.approx(6e-6 / 9.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (("solver.step_s=2e-3",), "the steps are too long"),
+        (("solver.step_s=1e-2",), "from the touch to the deepest point"),
+        (stiff(1e-3, 4), "link bends too much within its elements"),
+        (("initial.impact_speed_rad_s=20", "solver.step_s=1e-3"), "vibrates faster than the steps can show"),
+    ],
+)
+def test_doubtful_runs_say_so(more: tuple[str, ...], words: str) -> None:
+    assert any(words in warning for warning in simulate("pendulum", *TO_40_MS, *more).warnings)
+
+
+def test_the_default_run_is_in_no_doubt() -> None:
+    assert simulate("pendulum", *TO_40_MS).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("config", "more", "there", "not_there"),
+    [
+        ("pendulum", (), "load on link: 1 of its 4 elements", "beams:"),
+        ("pendulum_rigid", ("medium.eta_d=0",), "terms of play_sand: eta_d = 0", "the bed:"),
+        ("pendulum_rigid", ("medium=null", "gravity_m_s2=0"), "weight: gravity is 0", "terms"),
+        ("pendulum", ("surface_height_m=-1",), "the bed: no shape of any body reaches the surface", "load on link"),
+    ],
+)
+def test_what_is_left_out_is_said(config: str, more: tuple[str, ...], there: str, not_there: str) -> None:
+    system = build(scene_of(config, "solver.end_time_s=0.01", *more))
+    said = list(left_out(system, solve(system)))
+    assert any(line.startswith(there) for line in said), said
+    assert not any(line.startswith(not_there) for line in said), said

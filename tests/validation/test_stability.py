@@ -1,0 +1,52 @@
+"""A few cells of the matrix of stability.py, and its judgement by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from validation import stability as study
+from validation.stability_cases import Case, cases, heat
+
+CELLS = (
+    ("EI and EA", "1e6"),
+    ("EI and EA", "1e-6"),
+    ("step", "0.01 s"),
+    ("yield displacement", "1e-8 m"),
+    ("eta_d", "1000 times"),
+    ("impact angle", "0 deg"),
+    ("impact angle", "90 deg"),
+    ("impact speed", "100 rad/s"),
+    ("gravity", "-9.81"),
+    ("grazes and leaves at the lowest point", "1e-06 m"),
+)
+
+
+def test_there_are_enough_cases() -> None:
+    """As many as the matrix promises, each once."""
+    every = [*cases(), *(place[3] for place in heat())]
+    assert len(set(every)) == len(every) >= 300
+    assert sum(case.quick for case in every) >= 60
+
+
+@pytest.fixture(scope="module")
+def found() -> list[study.Found]:
+    chosen = [case for case in cases() if (case.factor, case.value) in CELLS]
+    assert len(chosen) == len(CELLS)
+    return [study.look(case, True) for case in chosen]
+
+
+def test_cells_keep_the_claims(found: list[study.Found]) -> None:
+    names = ("no NaN", "no hang, no unexplained failure", "energy balance", "difference")
+    held = {claim.name: claim.held for claim in study.claims(found, 0.0, True)}
+    for name in names:
+        assert all(value for key, value in held.items() if key.startswith(f"stability.{name}"))
+    assert {one.case.value for one in found if one.warnings} >= {"1e-6", "0.01 s", "100 rad/s"}
+
+
+def test_a_wrong_answer_without_a_word_is_seen() -> None:
+    wrong = study.Found(Case("a", "b", ()), "end_time", "", imbalance=0.02, difference=0.1)
+    held = {claim.name.split(".")[1]: claim.held for claim in study.claims([wrong], 0.0, True)}
+    assert not held["energy balance of runs without a warning"]
+    assert not held["difference of runs without a warning"]
+    hung = study.Found(Case("a", "b", ()), "time_limit", "over")
+    assert study.unexplained([wrong, hung]) == [hung]

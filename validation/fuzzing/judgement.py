@@ -1,0 +1,133 @@
+"""What came of one case: refused in sentences, run to an honest end, or an offence."""
+
+from __future__ import annotations
+
+import signal
+import time
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granular_contact import config
+from granular_contact.errors import ConfigError, SceneError, SolveError
+from granular_contact.results import Results
+from granular_contact.run import run
+from granular_contact.scene import Scene, build
+from granular_contact.summary import IMBALANCE_LIMIT
+
+LIMIT = 60.0  # s of processor time, some of which may go into compiling the kernels that a scene needs
+MOST_STEPS, MOST_PARTS = 40, 64
+OFFENCES = ("traceback", "not finite", "unsaid", "late", "died", "bad sentence")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """kind: what the table counts, of OFFENCES where it is one; detail: a line, or a traceback."""
+
+    kind: str
+    detail: str = ""
+    seconds: float = 0.0
+
+    @property
+    def offends(self) -> bool:
+        """Whether this may not happen."""
+        return self.kind in OFFENCES
+
+
+class _Late(BaseException):
+    """No handler of a library takes it."""
+
+
+def judge(path: Path) -> Outcome:
+    """Load, build and run a config, and look at what came of it."""
+    began = time.process_time()
+    try:
+        with _limited(LIMIT):
+            outcome = _outcome(path)
+    except (Exception, _Late):
+        # The engine wraps what is raised in a call of it, also that time is up.
+        kind = "late" if time.process_time() - began >= LIMIT else "traceback"
+        outcome = Outcome(kind, traceback.format_exc()[-4000:])
+    return replace(outcome, seconds=time.process_time() - began)
+
+
+@contextmanager
+def _limited(seconds: float) -> Iterator[None]:
+    """Raise `_Late` in the main thread once so much processor time was used."""
+
+    def late(*_: Any) -> None:
+        raise _Late
+
+    before = signal.signal(signal.SIGVTALRM, late)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def _outcome(path: Path) -> Outcome:
+    try:
+        if config.is_sweep(path):
+            config.load_sweep(path)
+            return Outcome("fine sweep")
+        scenario, sources = config.load(path)
+        try:
+            scene = build(scenario)
+        except SceneError as error:
+            raise SceneError(sources.place(error.faults)) from None
+    except (ConfigError, SceneError) as error:
+        return _refusal(error)
+    if len(scene.rigid) + sum(link.elements for link in scene.links) > MOST_PARTS:
+        return Outcome("fine, too large to run here")
+    end = min(scene.solver.end_time, MOST_STEPS * scene.solver.step)
+    scene = replace(scene, solver=replace(scene.solver, end_time=end))
+    try:
+        return _honesty(scene, run(scene, scenario))
+    except SolveError as error:
+        return Outcome("could not begin" if _is_a_line(str(error)) else "bad sentence", str(error))
+
+
+def _refusal(error: ConfigError | SceneError) -> Outcome:
+    lines = [str(fault) for fault in error.faults]
+    if not lines or not all(fault.message and _is_a_line(str(fault)) for fault in error.faults):
+        return Outcome("bad sentence", repr(lines))
+    return Outcome("refused", lines[0])
+
+
+def _is_a_line(text: str) -> bool:
+    return bool(text) and text.isprintable() and len(text) < 2000
+
+
+def _numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
+    """All numbers of a summary by their dotted keys."""
+    if isinstance(value, dict | list | tuple):
+        for key, entry in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _numbers(f"{name}.{key}", entry)
+    elif isinstance(value, int | float | np.number):
+        yield name, float(value)
+
+
+def _honesty(scene: Scene, results: Results) -> Outcome:
+    """Whether a run says what it is: finite numbers, a sentence, a warning where the energy is off."""
+    status = results.status
+    if not _is_a_line(status.message):
+        return Outcome("bad sentence", status.message)
+    method = "reduced" if scene.method else "engine"
+    kind = f"{method}: {status.code}"
+    drawn = [outline.points for shot in results.snapshots for outline in shot.outlines]
+    infinite = [c.name for i, c in enumerate(results.columns) if not np.isfinite(results.table[:, i]).all()]
+    if infinite or not all(np.isfinite(points).all() for points in drawn):
+        return Outcome("not finite", f"{kind}: {', '.join(infinite) or 'a snapshot'}; {status.message}")
+    if infinite := [key for key, value in _numbers("", results.summary) if not np.isfinite(value)]:
+        return Outcome("not finite", f"{kind}: summary: {', '.join(infinite)}; {status.message}")
+    imbalance = results.summary["energy"]["imbalance_relative"]
+    if status.code in ("rest", "end_time") and imbalance > IMBALANCE_LIMIT and not results.warnings:
+        return Outcome("unsaid", f"{kind}: imbalance {imbalance:.3g}")
+    return Outcome(f"{kind}, with a warning" if results.warnings else kind, status.message)

@@ -1,0 +1,85 @@
+"""Media at random: every law of the schema with admissible coefficients, and the presets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+from typing import Any
+
+Tree = dict[str, Any]
+
+FAMILIES = {
+    "bar": ("lee_marghitu", "albert", "hill"),
+    "plate": ("rft", "drft", "rft3d"),
+    "ball": ("bingham", "poncelet", "allen", "linear_depth", "tsimring_volfson", "katsuragi_durian"),
+}
+PRESETS = {
+    "bar": ("play_sand", "hill_cylinders"),
+    "plate": ("rft_generic", "rft3d_sand", "poppy_seeds_loose", "poppy_seeds_close", "glass_beads_3mm"),
+    "ball": ("glass_beads_katsuragi_durian",),
+}
+
+
+def media_for(rng: Random, family: str) -> Any:
+    """A preset, a law, or a list of several."""
+    if rng.random() < 0.15:
+        return rng.choice(PRESETS[family])
+    if rng.random() < 0.1:
+        return [law(rng, family) for _ in range(rng.randint(1, 3))]
+    return law(rng, family)
+
+
+def law(rng: Random, family: str) -> Tree:
+    """One law for a family of shapes."""
+    name = rng.choice(FAMILIES[family])
+    return {"law": name} | LAWS[name](rng)
+
+
+def _some(rng: Random, high: float) -> float:
+    """A coefficient from 0, which is drawn at times, over five decades to `high`."""
+    return 0.0 if rng.random() < 0.1 else high * 10.0 ** rng.uniform(-5, 0)
+
+
+def _vertical(rng: Random) -> Tree:
+    return {"eta_v": _some(rng, 100.0), "lambda": rng.choice((0.0, 1.0, 5.0, rng.uniform(0.0, 3.0)))}
+
+
+def _density(rng: Random) -> Tree:
+    return {"density_kg_m3": rng.uniform(500.0, 4000.0)}
+
+
+def _lee_marghitu(rng: Random) -> Tree:
+    more = {"withdrawing": _vertical(rng)} if rng.random() < 0.5 else {}
+    return _density(rng) | {"eta_d": _some(rng, 30), "eta_h": _some(rng, 30), "plunging": _vertical(rng)} | more
+
+
+def _rft(rng: Random) -> Tree:
+    """The generic set, scaled: not every set of coefficients resists in every direction."""
+    return {"zeta": rng.uniform(0.05, 3.0)}
+
+
+# One line a law; `tests/fuzz` sees to it that none is left out.
+LAWS: dict[str, Callable[[Random], Tree]] = {
+    "lee_marghitu": _lee_marghitu,
+    "albert": lambda rng: _density(rng) | {"eta_h": _some(rng, 30)},
+    "hill": lambda rng: _density(rng)
+    | {"plunging": _vertical(rng), "withdrawing": _vertical(rng)}
+    | ({"length_scale_m": rng.uniform(0.001, 0.1)} if rng.random() < 0.5 else {}),
+    "rft": _rft,
+    "drft": lambda rng: _rft(rng)
+    | _density(rng)
+    | {"lambda": _some(rng, 5), "surface_drop_m": rng.choice((0.0, rng.uniform(0, 0.05)))},
+    "rft3d": lambda rng: _density(rng) | {"mu_int": rng.uniform(0.1, 1.5), "mu_surf": _some(rng, 1.5)},
+    "bingham": lambda rng: {"yield_force_N": _some(rng, 50), "viscosity_N_s_m": _some(rng, 50)},
+    "poncelet": lambda rng: {"constant_force_N": _some(rng, 50), "drag_kg_m": _some(rng, 50)},
+    "allen": lambda rng: {
+        "drag_kg_m": _some(rng, 50), "viscosity_N_s_m": _some(rng, 50), "constant_force_N": _some(rng, 50)
+    },
+    "linear_depth": lambda rng: {"stiffness_N_m": _some(rng, 1e4)},
+    "tsimring_volfson": lambda rng: {
+        "drag_kg_m": _some(rng, 50), "friction_N": _some(rng, 1e3),
+        "exponent": rng.choice((1.0, 5.0, rng.uniform(0.1, 3))),
+    },
+    "katsuragi_durian": lambda rng: {"stiffness_N_m": _some(rng, 1e4)}
+    | rng.choice(({"drag_length_m": rng.uniform(0.01, 1)}, {"drag_length_diameters": rng.uniform(0.5, 10)})),
+}  # fmt: skip

@@ -1,0 +1,98 @@
+"""What a scene costs that needs less: start-up, run time and memory, each in a process of its own.
+
+    python validation/lean_scenes.py
+
+From the interpreter on: reading the config and building the system is start-up; the solve is that of 40 ms (200 steps).
+Memory is the largest resident set of the process. The median of several processes, run in turn, after one that is not
+counted and fills the caches of compiled kernels.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from validation.study import Outcome, script
+from validation.tables import markdown
+
+VACUUM = "medium=null"
+SCENES = (
+    ("rigid in vacuum", "pendulum_rigid", (VACUUM,)),
+    ("flexible in vacuum", "pendulum", (VACUUM,)),
+    ("rigid in sand", "pendulum_rigid", ()),
+    ("flexible in sand", "pendulum", ()),
+    ("flexible in sand without drag", "pendulum", ("medium.eta_d=0",)),
+)
+CHILD = """
+import json, resource, sys, time
+began = time.perf_counter()
+from granular_contact.config import load_scenario
+from granular_contact.run import run
+from granular_contact.scene import build
+scenario = load_scenario(sys.argv[1], ["solver.end_time_s=0.04", "solver.rest_time_s=null", *sys.argv[2:]])
+scene = build(scenario)
+results = run(scene, scenario)
+whole = time.perf_counter() - began
+solve = results.summary["cost"]["solve_s"]
+memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+parts = [name for name in ("numba", "matplotlib", "scipy", "rich") if name in sys.modules]
+cost = results.summary["cost"]
+print(json.dumps([whole - solve, solve, memory, parts, cost["newton_iterations"], cost["load_calls"]]))
+"""
+
+
+def measure(config: str, overrides: tuple[str, ...]) -> list[object]:
+    """Start-up and solve (s), memory (kB), packages imported, Newton iterations, calls of the load; of one process."""
+    line = [sys.executable, "-c", CHILD, str(HERE.parent / "configs" / f"{config}.yaml"), *overrides]
+    path = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH", "")]))
+    done = subprocess.run(line, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": path})
+    found: list[object] = json.loads(done.stdout)
+    return found
+
+
+def study(quick: bool) -> Outcome:
+    """Measure all scenes, in turn."""
+    rounds = 3 if quick else 9
+    kept: dict[str, list[list[object]]] = {name: [] for name, *_ in SCENES}
+    for i in range(rounds + 1):
+        for name, config, overrides in SCENES:
+            found = measure(config, overrides)
+            if i > 0:
+                kept[name].append(found)
+    middle = {
+        name: [statistics.median(float(str(run[k])) for run in runs) for k in (0, 1, 2, 4, 5)]
+        for name, runs in kept.items()
+    }
+    first = middle[SCENES[0][0]]
+    rows = []
+    for name, runs in kept.items():
+        start, solve, memory, iterations, calls = middle[name]
+        ratios = [f"{1e3 * start:.0f} ({start / first[0]:.2f})", f"{1e3 * solve:.1f} ({solve / first[1]:.2f})"]
+        per = 1e6 * solve / iterations
+        counts = [f"{memory / 1024:.0f} ({memory / first[2]:.2f})", f"{iterations:.0f}", f"{per:.0f}", f"{calls:.0f}"]
+        rows.append([name, *ratios, *counts, ", ".join(map(str, runs[-1][3])) or "-"])  # type: ignore[call-overload]
+    head = [
+        "scene",
+        "start-up ms",
+        "solve ms",
+        "memory MB",
+        "iterations",
+        "us each",
+        "calls of the load",
+        "imports of four",
+    ]
+    text = (
+        f"In brackets: to the first line. Of numba, matplotlib, scipy and rich those imported. {rounds} processes each."
+    )
+    return Outcome(f"{text}\n\n{markdown(head, rows)}")
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))

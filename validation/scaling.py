@@ -1,0 +1,180 @@
+"""What a long chain costs in the engine, with and without sand: links from 1 to 256, rigid and flexible.
+
+    python validation/scaling.py [--quick]
+
+Equal links of 25 mm, more and more of them in a straight chain whose tip moves at 1 m/s, make 200 steps of 0.2 ms:
+without sand; striking it with the tip; with the lowest quarter in the sand from the start, or all of it. So that links
+meet the same sand whatever their number, the chain lies flatter the longer it is: the tip of the part in the sand is
+20 mm deep. Times are those of the process (they are those of the clock where nobody else computes), the least of the
+repeats.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from granular_contact.multibody.build import build
+from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.solve import solve
+from granular_contact.scene import Scene
+from validation.chains import chain
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+SIZES = (1, 4, 16, 64, 256)
+LINEAR_FROM = 16
+SLOPE, LOAD, ITERATION = 1.1, 1.5, 400.0 / 390.0
+STEPS, STEP = 200, 2e-4
+LINK, DEPTH, STEEPEST = 0.025, 0.02, 31.0  # m, m, deg
+SPEED = 1.0  # m/s
+CASES = {"no sand": 0.25, "strikes": 0.25, "lowest quarter": 0.25, "all": 1.0}  # share that would be in the sand
+KINDS = {"rigid": False, "flexible": True}
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Least times of a case: of the solver (s), and of a run from scene to columns (s); its steps and iterations."""
+
+    solve: float
+    whole: float
+    steps: int
+    iterations: int
+    jacobians: int
+
+    @property
+    def step(self) -> float:
+        """Microseconds per step."""
+        return 1e6 * self.solve / self.steps
+
+    @property
+    def iteration(self) -> float:
+        """Microseconds per Newton iteration."""
+        return 1e6 * self.solve / self.iterations
+
+
+def once(scene: Scene) -> Cost:
+    """One run."""
+    began = time.process_time()
+    system = build(scene)
+    ready = time.process_time()
+    trajectory = solve(system)
+    solved = time.process_time()
+    Observer(system, trajectory).columns()
+    done = time.process_time()
+    cost = trajectory.cost
+    return Cost(solved - ready, done - began, cost.steps, cost.newton_iterations, cost.jacobians)
+
+
+def set_up(kind: str, case: str, links: int) -> Scene:
+    """The scene of a case on a chain."""
+    length, share = links * LINK, CASES[case]
+    angle = min(STEEPEST, math.degrees(math.asin(min(1.0, DEPTH / (share * length)))))
+    return chain(
+        links,
+        angle,
+        SPEED / length,
+        length=length,
+        strips_per_link=1,
+        flexible=KINDS[kind],
+        immersed=0.0 if case in ("no sand", "strikes") else share,
+        medium=None if case == "no sand" else "play_sand",
+        end_time_s=STEPS * STEP,
+        step_s=STEP,
+    )
+
+
+def measure(kind: str, case: str, links: int, repeats: int) -> Cost:
+    """A case on a chain, after a warm-up."""
+    scene = set_up(kind, case, links)
+    costs = [once(scene) for _ in range(repeats + 1)][1:]
+    least = min(costs, key=lambda cost: cost.solve)
+    return Cost(least.solve, min(c.whole for c in costs), least.steps, least.iterations, least.jacobians)
+
+
+Costs = dict[tuple[str, str, int], Cost]
+
+
+def slope(costs: Costs, kind: str, case: str, whole: bool = False) -> float:
+    """Of log cost of a step (or of a whole run) against log size, from LINEAR_FROM links on."""
+    sizes = [n for k, c, n in costs if (k, c) == (kind, case) and n >= LINEAR_FROM]
+    found = [costs[kind, case, n] for n in sizes]
+    times = [cost.whole if whole else cost.solve / cost.steps for cost in found]
+    return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])
+
+
+def tables(costs: Costs) -> str:
+    """A row for each chain and case, and the fitted slopes."""
+    rows = []
+    for (kind, case, links), cost in costs.items():
+        bare = costs[kind, "no sand", links]
+        rows.append(
+            [
+                kind, links, case, f"{1e3 * cost.solve:.1f}", f"{cost.solve / bare.solve:.2f}", f"{cost.step:.1f}",
+                f"{cost.iteration:.1f}", f"{cost.iteration / bare.iteration:.2f}", cost.steps, cost.iterations,
+                cost.jacobians, f"{1e3 * cost.whole:.1f}",
+            ]
+        )  # fmt: skip
+    head = [
+        "links", "number", "sand", "solve ms", "to no sand", "us a step", "us an iteration", "to no sand", "steps",
+        "iterations", "Jacobians", "whole run ms",
+    ]  # fmt: skip
+    fits = [
+        [kind, case, f"{slope(costs, kind, case):.2f}", f"{slope(costs, kind, case, whole=True):.2f}"]
+        for kind in KINDS
+        for case in CASES
+    ]
+    return markdown(head, rows) + "\n\n" + markdown(["links", "sand", "slope of a step", "slope of a whole run"], fits)
+
+
+def claims(costs: Costs) -> tuple[Claim, ...]:
+    """What the issue asks."""
+    sizes = sorted({n for _, _, n in costs})
+    slopes = {(k, c): slope(costs, k, c) for k in KINDS for c in CASES}
+    (kind, case), worst = max(slopes.items(), key=lambda item: item[1])
+    loads = {
+        key: cost.solve / costs[key[0], "no sand", key[2]].solve for key, cost in costs.items() if key[1] != "no sand"
+    }
+    (load_kind, load_case, load_size), load = max(loads.items(), key=lambda item: item[1])
+    most = sizes[-1]
+    least = costs["rigid", "lowest quarter", most].iteration / costs["rigid", "no sand", most].iteration
+    return (
+        Claim(
+            "scaling.cost per step is linear",
+            worst <= SLOPE,
+            f"slope at most {worst:.2f} ({kind}, {case}) from {LINEAR_FROM} to {most} links, asked {SLOPE}",
+        ),
+        Claim(
+            "scaling.sand costs little per Newton iteration",
+            least <= ITERATION,
+            f"{most} rigid links with the lowest quarter in sand take {least:.3f} times an iteration without, "
+            f"asked {ITERATION:.3f}",
+        ),
+        Claim(
+            "scaling.sand costs at most half the run time again",
+            load <= LOAD,
+            f"at worst {load:.2f} times ({load_size} {load_kind}, {load_case}), asked {LOAD}",
+        ),
+    )
+
+
+def study(quick: bool) -> Outcome:
+    """Measure all; quick: to 64 links, fewer repeats."""
+    sizes, repeats = (SIZES[2:-1], 2) if quick else (SIZES, 5)
+    costs: Costs = {}
+    for kind in KINDS:
+        for links in sizes:
+            for case in CASES:
+                costs[kind, case, links] = measure(kind, case, links, repeats)
+    return Outcome(tables(costs), claims(costs))
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))
