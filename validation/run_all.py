@@ -28,6 +28,7 @@ STUDIES = (
     "laws",
     "sensitivity",
     "fit_recovery",
+    "runner",
     "scaling",
 )
 RECORD = HERE / "claims.json"

@@ -159,10 +159,10 @@ def draw(found: dict[str, list[Gait]]) -> None:
     """Figure of speed, and of the way of a stride, against limb frequency."""
     import matplotlib.pyplot as plt
 
-    from granular_contact.plots.style import house_style
+    from granular_contact.plots.style import DPI, style
 
-    with house_style():
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
+    with style():
+        figure, (left, right) = plt.subplots(1, 2, figsize=(7.1, 2.7), layout="constrained")
         for name, gaits in found.items():
             f = [g.frequency for g in gaits]
             left.plot(f, [g.speed for g in gaits], "o-", label=name)
@@ -170,7 +170,7 @@ def draw(found: dict[str, list[Gait]]) -> None:
         left.set(xlabel="limb frequency (Hz)", ylabel="forward speed (m/s)", ylim=(0, None), xlim=(0, None))
         right.set(xlabel="limb frequency (Hz)", ylabel="way of a stride (mm)", ylim=(0, None), xlim=(0, None))
         left.legend(frameon=False)
-        figure.savefig(FIGURE, dpi=150)
+        figure.savefig(FIGURE, dpi=DPI)
         plt.close(figure)
 
 
