@@ -25,7 +25,6 @@ def simulate(name: str, *sets: str) -> Results:
     results = run(build(scenario), scenario)
     assert results.status.code in ("rest", "end_time")
     assert results.warnings == ()
-    # The trapezoidal rule of the works is of second order; what the models are promised to keep.
     assert results.summary["energy"]["imbalance_relative"] <= 1e-3
     return results
 
