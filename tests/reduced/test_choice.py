@@ -86,7 +86,7 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.rtol=0", "from 1e-13 to 0.01"),
         ("method.reduced.integrator=euler", "one of dormand_prince, RK23"),
         ("method.reduced.order=2", "unknown key"),
-        ("method=fem", "allowed are engine, reduced, and a mapping with the key reduced"),
+        ("method=fem", "allowed are engine, minimal, reduced, and a mapping with the key minimal or reduced"),
         ("method=[1]", "allowed is a mapping with the keys reduced"),
         ("method.reduced.static=smooth", "load.friction has the type elastoplastic"),
     ],
