@@ -83,7 +83,7 @@ def test_the_c_leg_lifts_its_hip_at_every_turn() -> None:
 def test_the_runner_keeps_up_with_its_clock_and_less_so_uphill() -> None:
     sets = ("solver.end_time_s=1.5", "signals.stride.frequency_Hz=2")
     forward = simulate("runner", *sets).summary["forward_speed_second_half_m_s"]
-    # A leg's toe, 40 mm from the hip, sweeps a chord of 90 deg in each stance: two of them a stride, two strides a second.
+    # A toe, 40 mm from the hip, sweeps a chord of 90 deg in each stance: two of them a stride, two strides a second.
     without_slip = 2 * 2 * 2 * 0.04 * math.sin(math.radians(45))
     assert 0.8 * without_slip < forward < 1.05 * without_slip
     # On a bank as steep as this one it gets less far.

@@ -41,8 +41,8 @@ LEAST_TIME, STRIDES = 1.0, 4  # s, and strides that a run lasts at least
 MOST_IMBALANCE = 1e-3
 NOT_SHOWN = """What the model can't show: the resistance is that of a flat, undisturbed bed at every step. There are no
 craters, no heaps, no footprints that the next leg falls into and no sand that flows back, so that faster legs do not
-meet ground which earlier ones loosened. The law knows no rate: grains that are thrown have no inertia (the law `drft` has
-that, with coefficients that were not measured for seeds). The legs follow their clock whatever torque it takes. The motion
+meet ground which earlier ones loosened. The law knows no rate: grains that are thrown have no inertia (the law `drft`
+has that, with coefficients that were not measured for seeds). The legs follow their clock whatever torque it takes. The motion
 is in the plane: no roll, no yaw, and both sides of the runner have the same sand."""
 
 
@@ -138,7 +138,7 @@ def claims(close: list[Gait], loose: list[Gait]) -> tuple[Claim, ...]:
 
 
 def real_time(repeats: int) -> str:
-    """Real-time factor of the config as it is, after a warm-up, by wall clock and by processor time of the whole run."""
+    """Real-time factor of the config as it is, by the clock and by processor time of the whole run."""
     walls, processor = [], []
     for _ in range(repeats):
         scenario = load_scenario(CONFIG)
@@ -148,10 +148,10 @@ def real_time(repeats: int) -> str:
         walls.append(results.summary["cost"]["solve_s"] / scenario.solver.end_time_s)
     cost = results.summary["cost"]
     return (
-        f"Real-time factor of configs/runner.yaml, default solver settings: {statistics.median(walls):.2f} by the clock "
+        f"Real-time factor of configs/runner.yaml, default settings: {statistics.median(walls):.2f} by the clock "
         f"(least {min(walls):.2f}), {statistics.median(processor):.2f} of processor time with building and reporting; "
-        f"{cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations each, {repeats} runs. Below 1 is "
-        "faster than real time."
+        f"{cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations each, {repeats} runs. "
+        "Below 1 is faster than real time."
     )
 
 
