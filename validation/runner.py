@@ -42,8 +42,8 @@ MOST_IMBALANCE = 1e-3
 NOT_SHOWN = """What the model can't show: the resistance is that of a flat, undisturbed bed at every step. There are no
 craters, no heaps, no footprints that the next leg falls into and no sand that flows back, so that faster legs do not
 meet ground which earlier ones loosened. The law knows no rate: grains that are thrown have no inertia (the law `drft`
-has that, with coefficients that were not measured for seeds). The legs follow their clock whatever torque it takes. The motion
-is in the plane: no roll, no yaw, and both sides of the runner have the same sand."""
+has that, with coefficients that were not measured for seeds). The legs follow their clock whatever torque it takes. The
+motion is in the plane: no roll, no yaw, and both sides of the runner have the same sand."""
 
 
 @dataclass(frozen=True)
