@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import resource
 import sys
 import tempfile
 import time
@@ -30,12 +31,14 @@ from validation.fuzzing import cases
 from validation.fuzzing.judgement import LIMIT, Outcome, judge
 from validation.tables import machine
 
+MEMORY = 4 << 30  # bytes of a process; a case that wants more is an offender, and may not take the machine with it
 PATIENCE = 10.0  # times the limit of processor time, on a machine that has other things to do
 _processes = get_context("spawn")
 
 
 def work(line: Connection) -> None:
     """Judge the seeds that come down a line until None comes."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what libraries print about odd input is no result
     os.dup2(1, 2)
     while (seed := line.recv()) is not None:

@@ -138,7 +138,7 @@ def claims(close: list[Gait], loose: list[Gait]) -> tuple[Claim, ...]:
 
 
 def real_time(repeats: int) -> str:
-    """Real-time factor of the config as it is, by the clock and by processor time of the whole run."""
+    """Real-time factor of the config as it is, after a warm-up: by wall clock, and by processor time of a whole run."""
     walls, processor = [], []
     for _ in range(repeats):
         scenario = load_scenario(CONFIG)

@@ -11,9 +11,10 @@ anchor does not move: no creep. Smooth: sigma = tanh(v / v_eps), which creeps un
 
 What the elastoplastic form costs. The stiffness B / u_y of a bristle follows the depth z with the bound B of its force,
 so a closed loop below yield may gain up to B' u_y^2 where tau = 0, B' = dB/dz: 4e-9 J for the source's link at 14 mm.
-The damping tau takes more than that out of loops faster than about u_y / (z tau), 0.7 rad/s there. And a strip has one
-sign: where it turns about a point between its middle and the centre of its bound, at most a sixth of its length off, the
-force works with the motion, with a power up to its bound times that sixth times its rate of turning; strips shorten it.
+The damping tau takes more than that out of loops faster than about u_y / (z tau), 0.7 rad/s there. And a strip has
+one sign: where it turns about a point between its middle and the centre of its bound, at most a sixth of its length
+off, the force works with the motion, with a power up to its bound times that sixth times its rate of turning; strips
+shorten it.
 """
 
 from __future__ import annotations

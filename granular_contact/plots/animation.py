@@ -46,7 +46,7 @@ def strip(results: Results, count: int, width: int) -> Picture:
     """
     low, high = bounds(results.frames)
     ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
-    in_row = count if ratio < 2.0 else 2 if ratio < 5.0 else 1
+    in_row = count if ratio < 2.0 else 2 if ratio < 9.0 else 1
     stage = stage_of(results, width // in_row, 0.6 if in_row == count else 0.2)
     shown = list(_Film(results, stage, words=False).pictures(_evenly_moved(results.frames, count)))
     rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
@@ -61,11 +61,18 @@ def _joined(shown: list[Picture], axis: int) -> Picture:
 
 
 def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
-    """Frames between which the mechanism's points move equally far."""
+    """Frames between which the mechanism moves about equally far; those within show the forces at their best."""
     points = np.array([np.concatenate([outline.points for outline in frame.outlines]) for frame in frames])
     steps = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
     way = np.concatenate([[0.0], np.cumsum(steps)])
-    return [frames[i] for i in np.searchsorted(way, np.linspace(0.0, way[-1], count) * (1 - 1e-12))]
+    push = np.array([sum(float(np.linalg.norm(force.force)) for force in frame.forces) for frame in frames])
+    share = way[-1] / (count - 1)
+    picked = [0]
+    for k in range(1, count - 1):
+        near = np.flatnonzero(np.abs(way - k * share) <= share / 4)
+        closest = int(np.argmin(np.abs(way - k * share)))
+        picked.append(int(near[np.argmax(push[near])]) if push[near].any() else closest)
+    return [frames[i] for i in (*picked, len(frames) - 1)]
 
 
 class _Film:

@@ -111,6 +111,13 @@ class ScipyMarch(March):
     """The same march with a stepper of `scipy.integrate`, for comparison: many times slower, but implicit ones too."""
 
     def _march(self) -> int:
+        try:
+            return self._steps()
+        except FloatingPointError:
+            return kernels.FAILED
+
+    def _steps(self) -> int:
+        """`_march`; raises FloatingPointError where the motion has no finite rate."""
         from scipy import integrate
 
         control, clock = self.control[0], self.clock
@@ -119,6 +126,8 @@ class ScipyMarch(March):
         def slope(_: float, y: Vector) -> Vector:
             self.counts[kernels.RATES] += 1
             rates(np.ascontiguousarray(y), self.regime, self.world, sigma, totals, slopes)
+            if not np.isfinite(slopes).all():
+                raise FloatingPointError  # scipy would shorten its step for ever
             return slopes.copy()
 
         stepper = getattr(integrate, self.model.method.integrator)(

@@ -43,7 +43,9 @@ def test_force_is_continuous(body: State, rng: Random) -> None:
     if body.run["resultant"][0] or body.run["cap"][0]:
         return  # the bristle is that of one strip, and an end face is in the medium or not
     n = len(body.P)
-    ends = [(body.P, body.V), (body.P + _noise(rng, n, 0.05), body.V + _noise(rng, n, 1.0))]
+    up = float(body.profile[:, 1].max() - body.P[:, 1].min() + body.run["drop"][0])
+    lift = np.array([0.0, rng.choice((0.0, 1.0)) * up])  # half of the ways begin or end above all
+    ends = [(body.P, body.V), (body.P + lift + _noise(rng, n, 0.05), body.V + _noise(rng, n, 1.0))]
     if body.kind == "ball":
         ends = [(np.tile(P[:1], (2, 1)), np.tile(V[:1], (2, 1))) for P, V in ends]
     f = [body.with_(P=P, V=V).forces()[0] for P, V in ends]

@@ -25,9 +25,9 @@ def test_a_config_gives_the_number_shown(name: str) -> None:
     words, value, unit = split(SHOWN[name])
     now_words, now, now_unit = split(entry.number)
     assert (words, unit) == (now_words, now_unit), ADVICE
-    # Four digits are shown; the same step on another machine differs by round-off, which a run that strikes the ground
-    # many times may enlarge.
-    assert now == pytest.approx(value, rel=2e-3), ADVICE
+    # Four digits are shown, good to 5e-4. Round-off of another machine is no more: gravity changed by 1e-9 of itself
+    # changes none of these numbers by more than 5e-9, also where a mechanism walks for two seconds.
+    assert now == pytest.approx(value, rel=6e-4), ADVICE
 
 
 def split(number: str) -> tuple[str, float, str]:

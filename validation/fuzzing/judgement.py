@@ -51,8 +51,8 @@ def judge(path: Path) -> Outcome:
             outcome = _outcome(path)
     except (Exception, _Late):
         # The engine wraps what is raised in a call of it, also that time is up.
-        kind = "late" if time.process_time() - began >= LIMIT else "traceback"
-        outcome = Outcome(kind, traceback.format_exc()[-4000:])
+        said = traceback.format_exc()
+        outcome = Outcome("late" if _Late.__name__ in said else "traceback", said[-4000:])
     return replace(outcome, seconds=time.process_time() - began)
 
 

@@ -54,11 +54,10 @@ def _by_tree(rng: Random, text: str) -> str:
         return _by_text(rng, text)
     holder, key = rng.choice(places)
     _MUTATIONS[rng.randrange(len(_MUTATIONS))](rng, holder, key)
-    return str(yaml.dump(tree, Dumper=_Plain, allow_unicode=rng.random() < 0.5, sort_keys=False, width=120))
-
-
-class _Plain(yaml.SafeDumper):
-    """Writes what it is given once more, with anchors for what is shared."""
+    try:
+        return str(yaml.safe_dump(tree, allow_unicode=rng.random() < 0.5, sort_keys=False, width=120))
+    except RecursionError:  # deeper than PyYAML can write
+        return _by_text(rng, text)
 
 
 def _places(node: Any) -> Iterator[tuple[Any, Any]]:
@@ -114,7 +113,7 @@ def _long(rng: Random, holder: Any, key: Any) -> None:
 
 
 def _deep(rng: Random, holder: Any, key: Any) -> None:
-    for _ in range(rng.choice((3, 70, 200))):
+    for _ in range(rng.choice((3, 40, 100))):
         holder[key] = {key if isinstance(key, str) else "a": holder[key]} if rng.random() < 0.5 else [holder[key]]
 
 

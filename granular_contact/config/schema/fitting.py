@@ -30,7 +30,8 @@ def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
         if kind == "weld":
             yield path, f"{name} is a weld, which has no state; allowed are hinges, sliders and free joints"
             continue
-        for key in sorted(start.model_fields_set - set(KEYS[kind])):
+        given = {key for key in start.model_fields_set if getattr(start, key) is not None}
+        for key in sorted(given - set(KEYS[kind])):
             yield (*path, key), f"{name} is a {kind}; allowed are {', '.join(KEYS[kind])}"
         if start.angle_deg is not None and initial.impact_angle_deg is not None and joints[name].parent == GROUND:
             yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
