@@ -213,7 +213,6 @@ def test_real_failures_are_rows_and_told(tmp_path):
     good, stuck, absurd = read(tmp_path / "out")
     assert [row["status"] for row in (good, stuck, absurd)] == ["rest", "failed", "error"]
     assert "solver.step_s" in stuck["message"]
-    assert float(stuck["cost.steps"]) >= 1
     assert absurd["message"].startswith("OverflowError")
     assert (absurd[SPEED], absurd["gravity_m_s2"], good["gravity_m_s2"]) == ("1e+160", "9.81", "9.81")
     assert f"absurd failed: {absurd['message']}" in done.stdout
