@@ -100,7 +100,9 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
     if _NAME.fullmatch(name):
         for folder in folders:
             path = folder / f"{name}.yaml"
-            if _is_file(path) and path.resolve() != file.resolve():
+            if not _is_file(path) or path.resolve() == file.resolve():
+                continue
+            if folder != file.parent or not _is_scenario(path, library):
                 return path
     # The folder of the config itself holds configs mostly; to list them as models would mislead.
     listed = [folder for folder in folders if folder != file.parent]
@@ -108,6 +110,12 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
     near = get_close_matches(name, known, 1)
     hint = f"did you mean {near[0]}? " if near else ""
     return f"got {quoted}, but there is no such {library.noun}; {hint}there are {', '.join(known) or 'none'}"
+
+
+def _is_scenario(path: Path, library: Library) -> bool:
+    """A config beside the one that is read may be called as the model it runs; it is not meant."""
+    root = read_file(shown(path), [])
+    return isinstance(root, Mapping) and library.key in root.nodes
 
 
 def _is_file(path: Path) -> bool:

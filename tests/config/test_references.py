@@ -39,6 +39,12 @@ def test_a_model_beside_the_config_goes_before_the_installed_one(folder):
     assert sources.locate("model.bodies.arm.length_m") == (str(folder / "models/compound_pendulum.yaml"), 11)
 
 
+def test_a_config_beside_the_config_is_not_taken_for_the_model_it_is_called_as(folder):
+    (folder / "configs" / "compound_pendulum.yaml").write_text(START + "model: compound_pendulum\n")
+    scenario = run(folder, START + "model: compound_pendulum\nmedium: play_sand\n").scenario
+    assert list(scenario.model.bodies) == ["RB1", "RB2", "link"]
+
+
 def test_the_installed_model_is_found_from_anywhere(folder):
     scenario = run(folder, START + "model: compound_pendulum\nmedium: play_sand\n").scenario
     assert list(scenario.model.bodies) == ["RB1", "RB2", "link"]

@@ -48,6 +48,9 @@ def test_force_is_continuous(body: State, rng: Random) -> None:
     ends = [(body.P, body.V), (body.P + lift + _noise(rng, n, 0.05), body.V + _noise(rng, n, 1.0))]
     if body.kind == "ball":
         ends = [(np.tile(P[:1], (2, 1)), np.tile(V[:1], (2, 1))) for P, V in ends]
+    rises = np.array([np.diff(P[:, 1]) for P, _ in ends])
+    if body.run["layered"][0] and not (np.abs(rises.sum(axis=0)) > 1e-3 + np.abs(rises[0] - rises[1])).all():
+        return  # a thin bar that lies level at any moment of the way passes from layer to layer at once
     f = [body.with_(P=P, V=V).forces()[0] for P, V in ends]
     most = max(1e-9, *(float(np.abs(one).max()) for one in f))
     for _ in range(40):
@@ -59,7 +62,10 @@ def test_force_is_continuous(body: State, rng: Random) -> None:
         ends[1 - side], f[1 - side] = middle, F
     # 2^-40 of 5 cm and 1 m/s: 5e-14 m, 1e-12 m/s. The steepest slopes are 1 / u_y of 1e5 /m and, where an element of an
     # outline begins to lead, 20 times that: 1e-7 of the force; round-off adds 1e-16 m of positions, ten times less.
-    assert np.abs(f[0] - f[1]).max() <= 1e-6 * most
+    # A force that grows as the depth to a power below one has no slope at the touch; to the power of zero it jumps.
+    names = {"p", "lam_plunge", "lam_withdraw"} & set(body.record.dtype.names or ())
+    power = min([1.0, *(float(body.record[name][0]) for name in names)])
+    assert np.abs(f[0] - f[1]).max() <= 1e-6**power * most
 
 
 def _noise(rng: Random, n: int, size: float) -> Array:

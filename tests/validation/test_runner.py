@@ -38,7 +38,3 @@ def test_a_runner_that_stands_still_or_sinks_is_told(found: list[list[study.Gait
 
 def test_table_has_a_row_for_each_gait(found: list[list[study.Gait]]) -> None:
     assert [float(row[0]) for row in study.rows(found[0])] == list(study.QUICK)
-
-
-# Not seen to hold on a quiet machine since the last merges; issues 4 and 5 are open for it.
-pytestmark = pytest.mark.xfail(strict=False, reason="quick form to be confirmed on a quiet machine")
