@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
+from granular_contact.scene.build import LEAST_BOW
 
 # What is imported only where it is used, and for what.
 PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "nothing is drawn"), ("scipy", "no use"))
@@ -14,7 +15,9 @@ PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "noth
 
 def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
     """Sentences, for people."""
-    if not system.links:
+    for name in system.scene.stiff:
+        yield f"beam of {name}: it would bend by less than {LEAST_BOW:g} of its length, so it is rigid"
+    if not system.links and not system.scene.stiff:
         yield "beams: no body is flexible, so there are no cable elements and no elastic energies"
     if system.scene.gravity == 0.0:
         yield "weight: gravity is 0, so no body has a load for it"

@@ -18,14 +18,6 @@ SHORTEST = 1e-4
 NEVER = 2**30
 
 
-def force_scale(scene: Scene) -> float:
-    """Force (N) against which residuals are measured: weight, at least at 1 g, and the momentum of the impact.
-
-    A link of mass m that enters at tip speed v and stops over a depth of the order of its length L needs m v^2 / L.
-    """
-    return scene.mass * (max(abs(scene.gravity), 9.81) + scene.speed**2 / max(scene.length, 1e-3))
-
-
 def force_noise(scene: Scene, link: FlexibleLink) -> float:
     """Round-off (N) of the elastic forces of a link: what no Newton iteration can get its residual below.
 
@@ -40,7 +32,7 @@ def force_noise(scene: Scene, link: FlexibleLink) -> float:
 
 def unresolved(scene: Scene) -> bool:
     """Whether the elastic forces of a link are noise beside what is asked of a step: it is rigid but in name."""
-    return _noise(scene) > scene.solver.tolerance * force_scale(scene)
+    return _noise(scene) > scene.solver.tolerance * scene.force_scale
 
 
 def _noise(scene: Scene) -> float:
@@ -61,7 +53,7 @@ def settings(scene: Scene) -> Any:
     t.minimumStepSize = SHORTEST * solver.step
     t.verboseMode = 0
     newton = t.newton
-    newton.absoluteTolerance = solver.tolerance * force_scale(scene)
+    newton.absoluteTolerance = solver.tolerance * scene.force_scale
     newton.relativeTolerance = 1e-8
     newton.useModifiedNewton = True
     radius = SPECTRAL_RADIUS
@@ -99,4 +91,4 @@ def _coordinate_noise(scene: Scene) -> float:
 
 def _rigid_but_in_name(scene: Scene) -> bool:
     """Whether the noise exceeds the forces of the scene themselves, so that its accelerations are noise, too."""
-    return _noise(scene) > 1e-3 * force_scale(scene)
+    return _noise(scene) > 1e-3 * scene.force_scale

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,6 +37,7 @@ from granular_contact.scene.types import (
 )
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
+LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
 
 
 def build(scenario: schema.Scenario) -> Scene:
@@ -93,7 +94,26 @@ def build(scenario: schema.Scenario) -> Scene:
         check_reducible(scene, scene.method.modes)
     elif scene.method is not None:
         check_treelike(scene)
+    elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
+        return replace(build(_with_rigid(scenario, stiff)), stiff=stiff)
     return scene
+
+
+def _bow(link: FlexibleLink, force: float) -> float:
+    """Static bow and stretch of a clamped link under a force (N) spread over it, of its length."""
+    return force * (link.length**2 / (8.0 * link.bending_stiffness) + 1.0 / link.axial_stiffness)
+
+
+def _with_rigid(scenario: schema.Scenario, names: tuple[str, ...]) -> schema.Scenario:
+    """The scenario with these links rigid."""
+    model, chain, bodies = scenario.model, scenario.model.chain, dict(scenario.model.bodies)
+    for name in names:
+        if name in bodies:
+            bodies[name] = bodies[name].model_copy(update={"flexible": None})
+        elif chain is not None:  # its links are all alike
+            chain = chain.model_copy(update={"link": chain.link.model_copy(update={"flexible": None})})
+    fields = {key: getattr(model, key) for key in schema.Model.model_fields} | {"bodies": bodies, "chain": chain}
+    return scenario.model_copy(update={"model": schema.Model(**fields)})
 
 
 def _fault(key: str, message: str) -> Fault:

@@ -244,7 +244,8 @@ class Scene:
     """All that a solver needs. gravity m/s2, downward; bed: None in vacuum.
 
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
-    method: None for the engine. settle: find rest first. body_columns: report the motion of every body.
+    method: None for the engine. settle: find rest first. body_columns: report the motion of every body. stiff: links of
+    the scenario that bend too little to show, and are rigid here.
     """
 
     name: str
@@ -261,6 +262,7 @@ class Scene:
     drives: tuple[Drive, ...] = ()
     settle: bool = False
     body_columns: bool = False
+    stiff: tuple[str, ...] = ()
 
     @property
     def surface(self) -> float | None:
@@ -309,6 +311,14 @@ class Scene:
         if self.pivot is not None:
             return of_tip
         return max(of_tip, *(math.hypot(*body.motion.velocity) for body in self.bodies))
+
+    @property
+    def force_scale(self) -> float:
+        """Force (N) to expect: the weight, at least at 1 g, and the momentum of the impact.
+
+        A mechanism of mass m that enters at tip speed v, and stops over a depth of its length L, needs m v^2 / L.
+        """
+        return self.mass * (max(abs(self.gravity), 9.81) + self.speed**2 / max(self.length, 1e-3))
 
     @property
     def pivot(self) -> Connection | None:
