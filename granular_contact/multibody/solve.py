@@ -32,8 +32,8 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse, constant for the bodies used here. reactions: torque (N m) or force (N)
-    of prescribed motions, (n,) each, by joint.
+    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
+    force (N) of prescribed motions, (n,) each, by joint.
     """
 
     status: Status

@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import FlexibleLink, RigidBody
 
 Vector = NDArray[np.float64]
+
+MANY = 100  # coordinates: beyond them a matrix of a chain is mostly of zeros
 
 # Integrals of N_i N_j and of N_i over an element of length 1 whose slopes are measured in its length.
 _MASS = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420.0
@@ -65,8 +66,9 @@ def weights(system: System) -> dict[int, Vector]:
 
 
 def mass_matrix(system: System) -> Any:
-    """Mass matrix of the assembled system, sparse."""
+    """Mass matrix of the assembled system, sparse if it is large."""
     data = system.mbs.systemData
+    size = data.ODE2Size()
     rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
     for body, nodes in pieces(system):
         mass = body_mass(body)
@@ -76,4 +78,10 @@ def mass_matrix(system: System) -> Any:
         columns.append(at[j])
         values.append(mass[i, j])
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return sparse.csr_matrix(entries, shape=(data.ODE2Size(), data.ODE2Size()))
+    if size <= MANY:
+        whole = np.zeros((size, size))
+        np.add.at(whole, entries[1], entries[0])
+        return whole
+    from scipy import sparse  # a fifth of a second, which small scenes need not wait for
+
+    return sparse.csr_matrix(entries, shape=(size, size))

@@ -88,7 +88,7 @@ def build(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
     )
-    if faults := list(_unsuited(scene)):
+    if faults := [*_beyond_numbers(scene), *_unsuited(scene)]:
         raise SceneError(faults)
     if isinstance(scene.method, Reduced):
         check_reducible(scene, scene.method.modes)
@@ -243,6 +243,11 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
         return next((e.body, e.point) for e in reversed(ends) if e.world[1] <= lowest + 1e-12)
     farthest = max(float(np.linalg.norm(end.world)) for end in ends)
     return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world) >= farthest * (1 - 1e-12))
+
+
+def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
+    if not math.isfinite(scene.force_scale):
+        yield _fault("initial", f"got a speed of {scene.speed:.3g} m/s, whose energy is beyond all numbers")
 
 
 def _unsuited(scene: Scene) -> Iterator[Fault]:

@@ -318,7 +318,7 @@ class Scene:
 
         A mechanism of mass m that enters at tip speed v, and stops over a depth of its length L, needs m v^2 / L.
         """
-        return self.mass * (max(abs(self.gravity), 9.81) + self.speed**2 / max(self.length, 1e-3))
+        return self.mass * (max(abs(self.gravity), 9.81) + self.speed * self.speed / max(self.length, 1e-3))
 
     @property
     def pivot(self) -> Connection | None:
