@@ -191,7 +191,7 @@ def test_internal_damping_closes_the_balance(kind: str) -> None:
 
 @pytest.mark.parametrize("elements", [3, 32])
 def test_mass_and_weight_are_the_engine_s(elements: int) -> None:
-    """The engine's own mass matrix and its own mass-proportional loads, for a rigid body and a link; full and sparse."""
+    """The engine's own mass matrix and its own mass-proportional loads, of a rigid body and a link; full, sparse."""
     system = build(scene_of("pendulum", "medium=null", f"model.bodies.link.flexible.elements={elements}"))
     mbs, mass = system.mbs, mass_matrix(system)
     engine = mbs.ComputeLinearizedSystem(settings(system.scene))[0]
