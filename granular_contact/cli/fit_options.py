@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granular_contact.config import tree
+from granular_contact.config import is_fit, tree
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import ConfigError, Fault
 
@@ -19,8 +19,7 @@ _HERE = tree.Position("fit", None)
 
 def wanted(chosen: argparse.Namespace) -> Specification:
     """Specification of the files and options chosen; ConfigError with all that is wrong with them."""
-    from granular_contact.fit import specification
-    from granular_contact.fit.specification import is_fit, load_specification
+    from granular_contact.fit import load_specification, specification
 
     first = Path(chosen.files[0])
     if len(chosen.files) == 1 and (is_fit(first) or not first.exists()):

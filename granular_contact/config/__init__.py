@@ -3,14 +3,15 @@
 reading   yaml_source, compose, scalars, tree      text -> tree with positions
 resolving references, overrides                    names, `from` and --set -> one tree
 checking  schema, allowed, messages                one tree -> Scenario, or faults in sentences
-many      sweep, sweep_{cases,vary,sample,range}   a config and what to replace in it -> cases
+many      kinds, sweep, sweep_{cases,vary,sample,range}   a config and what to replace in it -> cases
 """
 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
+from granular_contact.config.kinds import is_fit, is_sweep
 from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
 from granular_contact.config.schema import Scenario
-from granular_contact.config.sweep import Sweep, is_sweep, load_sweep
+from granular_contact.config.sweep import Sweep, load_sweep
 from granular_contact.config.sweep_cases import Case
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Scenario",
     "SourceMap",
     "Sweep",
+    "is_fit",
     "is_sweep",
     "json_schema",
     "load",

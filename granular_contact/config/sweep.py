@@ -100,12 +100,6 @@ class Sweep:
 Check = Callable[[Sweep, Sequence[Case], Probe | None], list[Fault]]
 
 
-def is_sweep(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a sweep; False for one that can't be read."""
-    root = read_file(Path(path), [])
-    return isinstance(root, tree.Mapping) and bool({"config", "cases", "vary", "sample"} & set(root.nodes))
-
-
 def case_faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
     """Faults of some cases; those of a key that the case leaves alone say which case it is."""
     return [fault for case in cases for fault in _faults(sweep, case, probe)]

@@ -38,12 +38,6 @@ MOST_RUNS, MOST_STARTS = 1000, 1024
 DEFAULT_STARTS = 8
 
 
-def is_fit(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a fit file; False for one that can't be read."""
-    root = read_file(Path(path), [])
-    return isinstance(root, tree.Mapping) and "runs" in root.nodes
-
-
 def load_specification(path: str | PathLike[str]) -> Specification:
     """Specification of a fit file; raises ConfigError with every fault of it."""
     path = Path(path)

@@ -140,3 +140,16 @@ def test_a_folder_of_something_else_is_left_alone(data: Path, tmp_path: Path, ca
     assert main(["fit", str(CONFIG), str(data), *KEYS, *FAST, "--out", str(tmp_path)]) == 2
     assert "mine.txt" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_check_reads_fit_files_with_their_data(tmp_path: Path, data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
+    run = f"runs: [{{config: {CONFIG}, data: {data}}}]\nset: {{method.reduced.modes: 0}}\n"
+    good.write_text(run + "parameters: [medium.eta_d]\n")
+    bad.write_text(run + "parameters: [medium.eta_q]\nloss: cubic\n")
+    before = set(tmp_path.iterdir())
+    assert main(["check", str(good), str(bad)]) == 2
+    out, err = capsys.readouterr()
+    assert out == f"{good}: ok\n"
+    assert "loss" in err
+    assert set(tmp_path.iterdir()) == before
