@@ -103,7 +103,7 @@ class Simulator:
             results = run(build(scenario), scenario)
         except (ConfigError, SceneError, SolveError) as error:
             raise ModelFailed(str(error)) from error
-        if results.status.code in ("failed", "interrupted"):
+        if results.status.code in ("failed", "interrupted", "time_limit"):
             if results.status.code == "interrupted":
                 raise KeyboardInterrupt
             raise ModelFailed(results.status.message)

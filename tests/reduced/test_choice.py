@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from support_runs import ROOT, scenario_of, scene_of, simulate
+from support_runs import ROOT, scenario_of, scene_of
 
 from granular_contact import cli, config
 from granular_contact.config.export import scenario_to_dict
