@@ -14,7 +14,7 @@ def cost(solve: float) -> scaling.Cost:
 
 def costs(power: float, load: float) -> scaling.Costs:
     return {
-        (kind, case, n): cost(1e-3 * n**power * (1.0 if case == "no sand" else load))
+        (kind, case, n): cost(2e-4 * n**power * (1.0 if case == scaling.BARE else load))
         for kind in scaling.KINDS
         for case in scaling.CASES
         for n in scaling.SIZES

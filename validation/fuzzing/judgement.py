@@ -21,6 +21,7 @@ from granular_contact.scene import Scene, build
 from granular_contact.summary import IMBALANCE_LIMIT
 
 LIMIT = 60.0  # s of processor time, some of which may go into compiling the kernels that a scene needs
+WALL = 10.0  # s, `solver.max_wall_s` of every run: an honest answer may take for ever, but not longer than it is let
 MOST_STEPS, MOST_PARTS = 40, 64
 OFFENCES = ("traceback", "not finite", "unsaid", "late", "died", "bad sentence")
 
@@ -87,7 +88,8 @@ def _outcome(path: Path) -> Outcome:
     if len(scene.rigid) + sum(link.elements for link in scene.links) > MOST_PARTS:
         return Outcome("fine, too large to run here")
     end = min(scene.solver.end_time, MOST_STEPS * scene.solver.step)
-    scene = replace(scene, solver=replace(scene.solver, end_time=end))
+    wall = min(WALL, scene.solver.max_wall or WALL)
+    scene = replace(scene, solver=replace(scene.solver, end_time=end, max_wall=wall))
     try:
         return _honesty(scene, run(scene, scenario))
     except SolveError as error:
