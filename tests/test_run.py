@@ -358,3 +358,21 @@ def test_an_interval_far_below_the_step_keeps_every_row() -> None:
     rows = simulate("pendulum_rigid", "solver.end_time_s=2e-3", "output.interval_s=5e-4")["time_s"]
     # Steps of 2e-4 s: the first at or after each multiple, and the last.
     np.testing.assert_allclose(rows, [0.0, 6e-4, 1e-3, 1.6e-3, 2e-3], atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["engine", "{reduced: {modes: 0}}"])
+def test_depth_in_vacuum_is_that_of_all_that_sand_might_meet(method: str) -> None:
+    """A plate, which the reduced models know in vacuum only; and nothing, where no shape is meant for sand."""
+    plate = "[{type: plate, start_m: [0, 0], end_m: [0.2, 0], width_m: 0.02, thickness_m: 0.004}]"
+    hub = "[{type: disc, diameter_m: 0.02, thickness_m: 0.02, in_sand: false}]"
+    model = "{{name: p, bodies: {{arm: {{type: rigid, density_kg_m3: 7700, shapes: {}}}}}, joints: {{pivot: {}}}}}"
+    hinge = "{type: hinge, parent: ground, child: arm}"
+    sets = ("medium=null", "surface_height_m=-0.3", "solver.end_time_s=0.02", "solver.rest_time_s=null")
+    found = [
+        simulate("pendulum", f"model={model.format(shapes, hinge)}", *sets, f"method={method}")
+        for shapes in (plate, hub)
+    ]
+    angle, depth = np.radians(found[0]["pivot_angle_deg"]), found[0]["depth_m"]
+    # The plate's edge, and what of its thickness hangs below it at most.
+    assert (np.abs(depth + 0.3 - 0.2 * np.sin(angle)) < 0.0021).all()
+    assert "depth_m" not in {column.name for column in found[1].columns}

@@ -168,8 +168,8 @@ class Observer:
         deflection: Vector = chord[:, 0] * axis[:, 1] - chord[:, 1] * axis[:, 0]
         return deflection
 
-    def depth(self) -> Vector:
-        """Depth (n,) m of the deepest point of a shape or beam node; negative above the surface."""
+    def depth(self) -> Vector | None:
+        """Depth (n,) m of the deepest shape or node, negative above the surface; None if nothing may get in."""
         assert self.scene.bed is not None
         height = self.scene.bed.height
         depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
@@ -178,8 +178,7 @@ class Observer:
             for shape in (shape for shape in handle.body.shapes if shape.in_sand):
                 places = [self.position(name, point)[0] for point in shape.points]
                 depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
-        depth: Vector = np.max(depths, axis=0)
-        return depth
+        return np.max(depths, axis=0) if depths else None
 
     def reach(self) -> Reach | None:
         """Extremes of what was immersed; None where nothing could meet the medium."""

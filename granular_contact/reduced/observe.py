@@ -81,12 +81,16 @@ class Observer:
         deflection: Vector = self.bends.sum(axis=1)
         return deflection
 
-    def depth(self) -> Vector:
-        """Depth (n,) m of the deepest end or station; negative above the surface."""
+    def depth(self) -> Vector | None:
+        """Depth (n,) m of the deepest end or corner, negative above the surface; None if nothing may get in."""
         assert self.scene.surface is not None
         heights = [
             self.positions(bar, bar.places(bar.strips + 1 if bar.bends else 2))[..., 1] for bar in self.model.bars
         ]
+        immersible = [shape for shape in self.model.others if shape.in_sand]
+        heights += [self.positions(None, shape.points)[..., 1] - shape.drop for shape in immersible]
+        if not heights:
+            return None
         depth: Vector = self.scene.surface - np.min(np.concatenate(heights, axis=1), axis=1)
         return depth
 
