@@ -48,7 +48,7 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
         corners = np.vstack([corners, corners[:1]])
     (x0, y0), (x1, y1) = corners[:-1].T, corners[1:].T
     area = 0.5 * float(np.sum(x0 * y1 - x1 * y0))
-    if abs(area) < 1e-9 * float(np.ptp(corners, axis=0).max()) ** 2:
+    if abs(area) < 1e-13 * float(np.ptp(corners, axis=0).max()) ** 2:
         raise scene_error(where, "the outline encloses no area")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
     sided = {**flags, "side": -1.0 if area > 0.0 else 1.0}

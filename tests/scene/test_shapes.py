@@ -128,3 +128,15 @@ def test_a_polygon_that_crosses_itself_is_refused() -> None:
         shape(type="polygon", width_m=0.5, points_m=tie)
     pinched = [[0, 0], [0.1, 0], [0.05, 0.05], [0.1, 0.1], [0, 0.1], [0.05, 0.05]]
     assert shape(type="polygon", width_m=0.5, points_m=pinched)
+
+
+def test_what_the_schema_calls_a_solid_the_bed_can_lay_out() -> None:
+    """Slivers once passed the schema and stopped the run."""
+    sliver = shape(type="polygon", width_m=0.5, points_m=[[0, 0], [1e5, 0], [1e5, 1e-6]])
+    sole = shape(type="foot", width_m=0.5, length_m=1e3, height_m=1e-3)
+    for spec in (sliver, sole):
+        outline = made("body", spec, 4)[0].points
+        (x, y), (u, w) = outline.T, np.roll(outline, -1, axis=0).T
+        assert abs(np.sum(x * w - u * y)) > 2e-13 * np.ptp(outline, axis=0).max() ** 2
+    with pytest.raises(pydantic.ValidationError, match="allowed is at most 1e"):
+        shape(type="foot", width_m=0.5, length_m=1e4, height_m=1e-3)

@@ -11,6 +11,9 @@ from pydantic import Field, model_validator
 from granular_contact.config.schema.base import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
 
 
+SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
+
+
 class _Shape(Strict):
     in_sand: bool = True
     """Whether the medium acts on it; false: it has mass and is drawn, no more."""
@@ -162,6 +165,9 @@ class FootShape(_Shape):
     def _is_longer_than_high(self) -> FootShape:
         if self.length_m < self.height_m:
             allowed = f"allowed is at least height_m, {self.height_m:g}"
+            raise refusal([(("length_m",), f"got {self.length_m:g}; {allowed}")])
+        if self.length_m > SLENDER * self.height_m:
+            allowed = f"allowed is at most {SLENDER:g} times height_m, {SLENDER * self.height_m:g}"
             raise refusal([(("length_m",), f"got {self.length_m:g}; {allowed}")])
         return self
 
