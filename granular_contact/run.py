@@ -62,6 +62,8 @@ def run(
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
     summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach)]
+    if scene.stiff:
+        summary["too_stiff_to_bend"] = list(scene.stiff)
     return Results(
         name=scene.name,
         status=solved.status,

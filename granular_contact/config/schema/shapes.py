@@ -10,7 +10,6 @@ from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
 
-
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
 
 
