@@ -124,17 +124,21 @@ def draw(found: list[Point], file: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(4.6, 3.4), layout="constrained")
-    axes = figure.subplots()
-    for tool, marker in zip(dict.fromkeys(p.tool for p in found), "osv^D", strict=False):
-        mine = sorted((p for p in found if p.tool == tool), key=lambda p: p.milliseconds)
-        axes.loglog([p.milliseconds for p in mine], [p.error for p in mine], marker, ls="-", lw=0.9, ms=4, label=tool)
-    for level in LEVELS:
-        axes.axhline(level, color="0.7", lw=0.6, zorder=0)
-    axes.set(xlabel="time of the steps (ms)", ylabel="largest tip-path error (µm)")
-    axes.legend(fontsize=6.5, frameon=False, loc=(0.43, 0.62))
-    file.parent.mkdir(exist_ok=True)
-    FigureCanvasAgg(figure).print_figure(file, dpi=200)
+    from granular_contact.plots.style import DPI, PALETTE, style
+
+    with style():
+        figure = Figure(figsize=(4.6, 3.2), layout="constrained")
+        axes = figure.subplots()
+        for tool, marker, color in zip(dict.fromkeys(p.tool for p in found), "osv^D", PALETTE, strict=False):
+            mine = sorted((p for p in found if p.tool == tool), key=lambda p: p.milliseconds)
+            times, errors = [p.milliseconds for p in mine], [p.error for p in mine]
+            axes.loglog(times, errors, marker, ls="-", color=color, label=tool)
+        for level in LEVELS:
+            axes.axhline(level, color="0.6", lw=0.5, ls=":", zorder=0)
+        axes.set(xlabel="time of the steps (ms)", ylabel="largest tip-path error (µm)")
+        figure.legend(loc="outside upper center", ncols=2)
+        file.parent.mkdir(exist_ok=True)
+        FigureCanvasAgg(figure).print_figure(file, dpi=DPI)
 
 
 def main(repeats: int = 9) -> int:

@@ -180,14 +180,14 @@ def draw(found: dict[str, list[Gait]]) -> None:
     """Figure of speed, and of the way of a stride, against limb frequency."""
     import matplotlib.pyplot as plt
 
-    from granular_contact.plots.style import DPI, style
+    from granular_contact.plots.style import DPI, PALETTE, style
 
     with style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(7.1, 2.7), layout="constrained")
-        for name, gaits in found.items():
+        for (name, gaits), color in zip(found.items(), PALETTE, strict=False):
             f = [g.frequency for g in gaits]
-            left.plot(f, [g.speed for g in gaits], "o-", label=name)
-            right.plot(f, [1e3 * g.stride for g in gaits], "o-", label=name)
+            left.plot(f, [g.speed for g in gaits], "o-", color=color, label=name)
+            right.plot(f, [1e3 * g.stride for g in gaits], "o-", color=color, label=name)
         left.set(xlabel="limb frequency (Hz)", ylabel="forward speed (m/s)", yscale="log", xlim=(0, None))
         right.set(xlabel="limb frequency (Hz)", ylabel="way of a stride (mm)", yscale="log", xlim=(0, None))
         figure.legend(*left.get_legend_handles_labels(), frameon=False, ncols=len(found), loc="outside upper center")
