@@ -3,6 +3,8 @@
 import pytest
 from support_config import GOOD, changed
 
+from granular_contact.config.schema.surface_laws import GENERIC
+
 # old text, new text, line, key, words that the message must hold
 SCHEMA_FAULTS = [
     # unknown keys: nearest name, or the list
@@ -192,3 +194,13 @@ def test_a_fault_is_printable(faults):
 def test_a_fault_reads_as_one_line(faults):
     [fault] = faults(changed("eta_d: 6.5", "eta_d: -1"))
     assert str(fault) == "run.yaml:25: medium.eta_d: got the number -1; allowed is a finite number of at least 0"
+
+
+@pytest.mark.parametrize(("name", "value"), [("D10", 0.5), ("A00", 0.5), ("B01", -0.3)])
+def test_a_medium_cannot_push_along(faults, name, value):
+    """Such coefficients once drove what lay in the sand; those published resist every motion."""
+    given = dict(GENERIC) | {name: value}
+    rows = "".join(f"    {key}: {number}\n" for key, number in given.items())
+    (fault,) = faults(f"model: compound_pendulum\nmedium:\n  law: rft\n  alpha_N_cm3:\n{rows}initial: {{}}\n")
+    assert (fault.line, fault.key) == (4, "medium.alpha_N_cm3")
+    assert fault.message.startswith("pushes an element at beta ")

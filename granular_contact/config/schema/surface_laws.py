@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict
+from granular_contact.config.schema.base import NotNegative, Positive, Strict, refusal
 from granular_contact.config.schema.provenance import MediumBase
 
 
@@ -22,6 +23,24 @@ class RftCoefficients(Strict):
     C01: float
     C_11: float
     D10: float
+
+    @model_validator(mode="after")
+    def _resist(self) -> RftCoefficients:
+        """A medium can't push an element along: looked at every 5 degrees of it and 10 of its motion."""
+        driven = ((self._power(b, g), b, g) for b in range(-90, 90, 5) for g in range(-180, 180, 10))
+        power, beta, gamma = max(driven)
+        if power > 1e-9 * max(map(abs, (self.A00, self.B01, self.C01))):
+            where = f"an element at beta {beta} deg that moves at gamma {gamma} deg"
+            raise refusal([((), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion")])
+        return self
+
+    def _power(self, beta: float, gamma: float) -> float:
+        """Stress along the motion, per depth; see `kernels.rft`, which has both sides of the angles in one form."""
+        b, g = math.radians(beta), math.radians(gamma)
+        c2, s2, ux, uy = math.cos(2 * b), math.sin(2 * b), math.cos(g), -math.sin(g)
+        sx = -(self.C01 + (self.C11 + self.C_11) * c2) * ux - (self.C11 - self.C_11) * s2 * uy - self.D10 * s2
+        sy = self.A00 + self.A10 * c2 + (self.B11 - self.B_11) * s2 * ux - (self.B01 + (self.B11 + self.B_11) * c2) * uy
+        return sx * ux + sy * uy
 
 
 # The generic set of Li, Zhang and Goldman (2013), which a medium scales by its zeta.
