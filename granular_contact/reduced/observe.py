@@ -14,6 +14,7 @@ from granular_contact.scene.types import Vector
 from granular_contact.stopping import Stop
 
 POINTS = 17  # on a bent link in pictures
+ALL = slice(None)
 
 
 class Observer:
@@ -58,12 +59,13 @@ class Observer:
         rate: Vector = self.rate + self.bend_rates @ self.coupling / self._inertia()
         return rate
 
-    def positions(self, bar: Bar | None, places: Vector) -> Vector:
+    def positions(self, bar: Bar | None, places: Vector, instants: slice = ALL) -> Vector:
         """World positions (instants, points, 2) m of places (points, 2) m of a bar, or of a rigid part (None)."""
-        x = np.broadcast_to(places[:, 1], (len(self.angle), len(places)))
+        angle = self.angle[instants]
+        x = np.broadcast_to(places[:, 1], (len(angle), len(places)))
         if bar is not None:
-            x = x + self.bends @ self.model.shapes(bar, places).T
-        c, s = np.cos(self.angle)[:, None], np.sin(self.angle)[:, None]
+            x = x + self.bends[instants] @ self.model.shapes(bar, places).T
+        c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
         return self.model.view.pivot + np.stack([places[:, 0] * c - x * s, -places[:, 0] * s - x * c], axis=-1)
 
     def tip(self) -> Vector:
@@ -138,11 +140,12 @@ class Observer:
 
     def outlines(self, instant: int) -> tuple[Outline, ...]:
         """The mechanism as drawn at an instant (index)."""
+        now = slice(instant, instant + 1)
         outlines = [
-            Outline(shape.part, self.positions(None, shape.points)[instant], shape.thickness)
+            Outline(shape.part, self.positions(None, shape.points, now)[0], shape.thickness)
             for shape in self.model.others
         ]
         for bar in self.model.bars:
-            line = self.positions(bar, bar.places(POINTS if bar.bends else 2))[instant]
+            line = self.positions(bar, bar.places(POINTS if bar.bends else 2), now)[0]
             outlines.append(Outline(bar.part, line, bar.diameter))
         return tuple(outlines)

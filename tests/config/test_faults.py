@@ -201,6 +201,8 @@ def test_a_medium_cannot_push_along(faults, name, value):
     """Such coefficients once drove what lay in the sand; those published resist every motion."""
     given = dict(GENERIC) | {name: value}
     rows = "".join(f"    {key}: {number}\n" for key, number in given.items())
-    (fault,) = faults(f"model: compound_pendulum\nmedium:\n  law: rft\n  alpha_N_cm3:\n{rows}initial: {{impact_angle_deg: 9}}\n")
+    (fault,) = faults(
+        f"model: compound_pendulum\nmedium:\n  law: rft\n  alpha_N_cm3:\n{rows}initial: {{impact_angle_deg: 9}}\n"
+    )
     assert (fault.line, fault.key) == (4, "medium.alpha_N_cm3")
     assert fault.message.startswith("pushes an element at beta ")
