@@ -6,8 +6,8 @@ Difference: greatest distance of the tip's path from that of the same scene with
 1e-5 where steps are chosen) and, where the structure is varied, more elements; over the length of that path, which
 counts as a hundredth of the mechanism at least. Every run has max_wall_s, so that none can hang unseen. A run gives
 its word when it ends at rest or at its end time without a warning about its own accuracy; warnings of what lies outside
-the range that the sand was measured in are no such warnings. The full form also runs every config at ten times its step,
-against the config as it is.
+the range that the sand was measured in are no such warnings. The full form also runs every config at ten times its step
+against itself.
 """
 
 from __future__ import annotations
