@@ -2,7 +2,7 @@
 
 reading   yaml_source, compose, scalars, tree      text -> tree with positions
 resolving references, overrides                    names, `from` and --set -> one tree
-checking  schema, allowed, messages                one tree -> Scenario, or faults in sentences
+checking  schema, allowed, messages, sizes         one tree -> Scenario, or faults in sentences
 many      kinds, sweep, sweep_{cases,vary,sample,range}   a config and what to replace in it -> cases
 """
 

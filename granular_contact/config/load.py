@@ -22,6 +22,7 @@ from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.base import FAULTS, refusal
 from granular_contact.config.schema.chain import names
 from granular_contact.config.schema.structure import GROUND, structure_faults
+from granular_contact.config.sizes import too_large
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
@@ -111,6 +112,7 @@ class Template:
         found = list(faults)
         node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
+        found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
         scenario = None
         try:

@@ -46,7 +46,8 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
     corners = _points(where, points, 3)
     if not np.array_equal(corners[0], corners[-1]):
         corners = np.vstack([corners, corners[:1]])
-    (x0, y0), (x1, y1) = corners[:-1].T, corners[1:].T
+    # Seen from a corner: far from the frame's origin the products are large, and their round-off with them.
+    (x0, y0), (x1, y1) = (corners[:-1] - corners[0]).T, (corners[1:] - corners[0]).T
     area = 0.5 * float(np.sum(x0 * y1 - x1 * y0))
     if abs(area) < 1e-13 * float(np.ptp(corners, axis=0).max()) ** 2:
         raise scene_error(where, "the outline encloses no area")

@@ -206,3 +206,11 @@ def test_a_medium_cannot_push_along(faults, name, value):
     )
     assert (fault.line, fault.key) == (4, "medium.alpha_N_cm3")
     assert fault.message.startswith("pushes an element at beta ")
+
+
+def test_numbers_whose_powers_are_none_are_refused(faults):
+    """A corner at 1e308 m once was farther than any tip."""
+    far = "model:\n  from: compound_pendulum\n  bodies:\n    link: {length_m: 1e+308}\ninitial: {impact_angle_deg: 9}\n"
+    (fault,) = faults(far, "gravity_m_s2=1e60")
+    assert (fault.line, fault.key) == (4, "model.bodies.link.length_m")
+    assert fault.message == "got the number 1e+308; allowed are numbers up to 1e+60 in size"
