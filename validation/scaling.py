@@ -39,13 +39,8 @@ STEPS, STEP = 200, 2e-4
 LINK, DEPTH, STEEPEST = 0.025, 0.02, 31.0  # m, m, deg
 SPEED = 1.0  # m/s
 BARE, EMPTY = "no sand", "empty call"
-CASES = {
-    BARE: 0.25,
-    EMPTY: 0.25,
-    "strikes": 0.25,
-    "lowest quarter": 0.25,
-    "all": 1.0,
-}  # share that would be in the sand
+# By name, the share that would be in the sand.
+CASES = {BARE: 0.25, EMPTY: 0.25, "strikes": 0.25, "lowest quarter": 0.25, "all": 1.0}
 KINDS = {"rigid": False, "flexible": True}
 
 
@@ -160,11 +155,8 @@ def claims(costs: Costs) -> tuple[Claim, ...]:
     sizes = sorted({n for _, _, n in costs})
     slopes = {(k, c): slope(costs, k, c) for k in KINDS for c in CASES}
     (kind, case), worst = max(slopes.items(), key=lambda item: item[1])
-    loads = {
-        key: cost.solve / costs[key[0], BARE, key[2]].solve
-        for key, cost in costs.items()
-        if key[1] not in (BARE, EMPTY)
-    }
+    sand = {key: cost for key, cost in costs.items() if key[1] not in (BARE, EMPTY)}
+    loads = {key: cost.solve / costs[key[0], BARE, key[2]].solve for key, cost in sand.items()}
     (load_kind, load_case, load_size), load = max(loads.items(), key=lambda item: item[1])
     most = sizes[-1]
     quarter, bare = (costs["rigid", case, most].iteration for case in ("lowest quarter", BARE))
