@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
@@ -340,6 +341,18 @@ def test_ctrl_c_keeps_what_is_finished(under_way, tmp_path, send):
     assert set(names) <= {path.name for path in (part / "cases").iterdir()}
     assert sorted(path.name for path in tmp_path.iterdir()) == ["many.yaml", "out.part"]
     until(lambda: is_gone(under_way.pid), 10)
+
+
+def test_a_crew_that_is_dismissed_leaves_nothing_behind():
+    """Neither processes nor the thread that looks after them, whose pipe the interpreter would write to at its exit."""
+    before = set(threading.enumerate())
+    with sweep.Crew(2, local) as crew:
+        work = [crew.pool().submit(time.sleep, 60) for _ in range(8)]
+        until(work[0].running, 60)
+        since = set(threading.enumerate()) - before
+        assert since
+    assert not any(thread.is_alive() for thread in since)
+    assert all(future.done() for future in work)
 
 
 def test_workers_do_not_outlive_a_sweep_that_is_killed(under_way, tmp_path):

@@ -16,6 +16,8 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLI
 # What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. Nothing of
 # ours: the server looks into the working folder first, and a checkout there is not the package that was installed.
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic", "yaml"]
+# Far more than a pool takes to close its pipes; on Python 3.10 one that still has work to hand over never does.
+_LEAVE_S = 10.0
 
 
 def cores() -> int:
@@ -42,6 +44,7 @@ class _Processes(ProcessPoolExecutor):
         """As of any executor; `wait=False` with `cancel_futures` ends the work under way as well."""
         # There is no public way to do this before Python 3.14.
         processes = list((getattr(self, "_processes", None) or {}).values())
+        manager = getattr(self, "_executor_manager_thread", None)
         super().shutdown(wait=wait, cancel_futures=cancel_futures)
         if cancel_futures and not wait:
             for process in processes:
@@ -49,6 +52,9 @@ class _Processes(ProcessPoolExecutor):
             alive = {process.sentinel for process in processes}
             while alive:
                 alive -= set(await_any(list(alive)))
+            if manager is not None:
+                # It closes the pipe that the interpreter writes to at its exit, and does not look whether it does.
+                manager.join(_LEAVE_S)
 
 
 def local_processes(workers: int) -> Executor:
