@@ -46,8 +46,13 @@ class _PointBed:
         """No history is kept."""
 
     def accept(self) -> None:
+        """Let the points keep the present state of the system."""
         for point in self.points:
             point.accept(self.system.mbs)
+
+    def accept_state(self, *_: object) -> None:
+        """`accept`, whatever the state."""
+        self.accept()
 
 
 def solve_naive(sand: Scene, kind: type[FloatPoint], load_jacobian: int) -> Cost:

@@ -7,7 +7,6 @@ import time
 import numpy as np
 
 from granular_contact.kernels import tree_march as kernels
-from granular_contact.kernels.runs import FIRST
 from granular_contact.minimal.tree import Tree
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger
@@ -36,8 +35,7 @@ class March:
         self.clock = np.array([0.0, FIRST_STEP * solver.step, 0.0, 0.0, kernels.OLD])
         self.counts = np.zeros(3, dtype=np.int64)
         self.direction = np.zeros_like(self.y)
-        self.ledger = Ledger([], 0) if tree.bed is None else tree.bed.ledger
-        self.blank = self.ledger.new_row().copy()
+        self.blank = (Ledger([], 0) if tree.bed is None else tree.bed.ledger).blank
         self.states = np.zeros((SHARE, 6 * bodies + 1))
         self.rows = np.zeros((SHARE, len(self.blank)))
         kernels.start(self.y, tree.forest, self.blank, self.states, self.rows)
@@ -99,8 +97,7 @@ def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
 
 def _load(tree: Tree, rows: Vector, work: Vector) -> LoadHistory:
     """What the medium did, with the work as it was integrated along with the motion."""
-    rows[:, FIRST] = work
-    tree.bed.ledger.adopt(rows)
+    tree.bed.ledger.adopt(rows, work)
     history: LoadHistory = tree.bed.accepted
     return history
 

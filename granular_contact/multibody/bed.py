@@ -322,12 +322,12 @@ class GranularBed:
         start_time = data.GetTime(exu.ConfigurationType.StartOfStep)
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
-            self._accept(t, self._q, self._v)
+            self.accept_state(t, self._q, self._v)
         elif start_time != self._accepted or self.ledger.length == 1:
             if start_time == self._accepted:  # the first step: bodies may have been moved since forces were first asked
                 self._accepted = None
             start = exu.ConfigurationType.StartOfStep
-            self._accept(
+            self.accept_state(
                 start_time, data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)
             )
         self._awake = any([group.wake(t - start_time) for group in self.groups])
@@ -335,7 +335,7 @@ class GranularBed:
     def accept(self) -> None:
         """Take the current state of the system as accepted; for callers that know it is (a post-step function)."""
         data = self.mbs.systemData
-        self._accept(data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False))
+        self.accept_state(data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False))
 
     @property
     def ledger(self) -> Ledger:
@@ -343,15 +343,15 @@ class GranularBed:
         assert self._ledger is not None  # the engine asks for forces only once the bed is attached
         return self._ledger
 
-    def _accept(self, t: float, q: Vector, v: Vector) -> None:
+    def accept_state(self, t: float, q: Vector, v: Vector) -> None:
+        """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand."""
         if t == self._accepted:
             return
         if self._accepted is None or t < self._accepted:
             self._restart(q, v)
-        row = self.ledger.new_row()
+        row = self.ledger.new_row(t)
         for group in self.groups:
             group.accept(q, v, row)
-        self.ledger.close_row(t)
         self._accepted = t
 
     def _restart(self, q: Vector, v: Vector) -> None:

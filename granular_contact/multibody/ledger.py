@@ -10,59 +10,53 @@ from granular_contact.multibody.history import LoadHistory, Vector
 
 
 class Ledger:
-    """Table with the first columns of `kernels.runs`, then work and power of each medium, its terms, and bodies."""
+    """Table with the first columns of `kernels.runs`, then the power of each medium, its terms, and bodies.
+
+    blank: a row before anything is added to it.
+    """
 
     def __init__(self, terms: list[int], bodies: int, floor: bool = False) -> None:
         """Terms of each medium, number of bodies; floor: whether the last of the media is the contact of the floor."""
         self.media = len(terms)
         self._floor = floor
         self._terms, self._bodies = terms, bodies
-        self.first_power = FIRST + self.media
-        self.first_term = self.first_power + self.media
+        self.first_term = FIRST + self.media
         self.first_body = self.first_term + 3 * TERMS * self.media
-        self._rows = np.zeros((256, self.first_body + 3 * bodies))
+        self.blank = np.zeros(self.first_body + 3 * bodies)
+        self.blank[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
+        self._rows = np.zeros((256, len(self.blank)))
+        self._work: Vector | None = None
         self.length = 0
 
     def columns(self, medium: int, body: int) -> Vector:
         """Where `kernels.runs.accept` adds the power of a medium, its terms and the resultant of a body."""
-        return np.array([self.first_power + medium, self.first_term + 3 * TERMS * medium, self.first_body + 3 * body])
+        return np.array([FIRST + medium, self.first_term + 3 * TERMS * medium, self.first_body + 3 * body])
 
-    def new_row(self) -> Vector:
-        """An empty row at the end."""
+    def new_row(self, time: float) -> Vector:
+        """A blank row at the end, for this time (s)."""
         if self.length == len(self._rows):
             self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
         row: Vector = self._rows[self.length]
-        row[:] = 0.0
-        row[DEPTH], row[LOWEST], row[LEFT], row[RIGHT] = -np.inf, np.inf, np.inf, -np.inf
+        row[:] = self.blank
+        row[TIME] = time
         self.length += 1
         return row
 
-    def close_row(self, time: float) -> None:
-        """Date the last row (s) and add up the work done since the row before it, by the trapezoidal rule."""
-        row = self._rows[self.length - 1]
-        row[TIME] = time
-        if self.length > 1:
-            last = self._rows[self.length - 2]
-            half = 0.5 * (time - last[TIME])
-            for work in range(FIRST, self.first_power):
-                power = work + self.media
-                row[work] = last[work] + half * (row[power] + last[power])
-
-    def adopt(self, rows: Vector) -> None:
-        """Take on rows that were filled elsewhere."""
-        self._rows, self.length = rows, len(rows)
+    def adopt(self, rows: Vector, work: Vector) -> None:
+        """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
+        self._rows, self._work, self.length = rows, work, len(rows)
 
     def history(self, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
-        """All rows so far."""
+        """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
         rows = self._rows[: self.length].copy()
-        work, power = rows[:, FIRST : self.first_power], rows[:, self.first_power : self.first_term]
-        sand = self.media - self._floor
+        time, sand = rows[:, TIME], FIRST + self.media - self._floor
+        power = rows[:, FIRST:sand].sum(axis=1)
         used = [TERMS * i + k for i, count in enumerate(self._terms) for k in range(count)]
         return LoadHistory(
-            time=rows[:, TIME],
-            work=work[:, :sand].sum(axis=1),
-            power=power[:, :sand].sum(axis=1),
-            floor_work=work[:, -1] if self._floor else np.zeros(self.length),
+            time=time,
+            work=_integral(power, time) if self._work is None else self._work,
+            power=power,
+            floor_work=_integral(rows[:, sand : self.first_term].sum(axis=1), time),
             depth=rows[:, DEPTH],
             speed=rows[:, SPEED],
             lowest=rows[:, LOWEST],
@@ -73,3 +67,10 @@ class Ledger:
             term_names=term_names,
             body_names=body_names,
         )
+
+
+def _integral(power: Vector, time: Vector) -> Vector:
+    """Work (n,) J done since the first row by a power (n,) W."""
+    steps = 0.5 * np.diff(time) * (power[1:] + power[:-1])
+    work: Vector = np.cumsum(np.concatenate([np.zeros(min(len(time), 1)), steps]))
+    return work

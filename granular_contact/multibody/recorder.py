@@ -52,7 +52,8 @@ class Recorder:
             self.states = np.concatenate([self.states, np.empty_like(self.states)])
         row = self.states[self.rows]
         row[0] = t
-        row[1 : 1 + self.size] = data.GetODE2Coordinates(copy=False)
+        q = data.GetODE2Coordinates(copy=False)
+        row[1 : 1 + self.size] = q
         row[1 + self.size :] = v
         self._count(t)
         if self.rows == 0 and self.solver.max_wall is not None:
@@ -63,7 +64,7 @@ class Recorder:
         for load in self.system.loads.values():
             load.accept(row[1 : 1 + self.size], v)
         if self.system.bed is not None:
-            self.system.bed.accept()
+            self.system.bed.accept_state(t, q, v)
         if self.control is not None:
             self.control.accept(mbs, v)
         if self.progress is not None and self.rows % 64 == 0:

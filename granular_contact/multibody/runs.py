@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels import groups as kernels
+from granular_contact.kernels.entry import entry
 from granular_contact.kernels.law import RUN
 from granular_contact.media.kinds import Kind
 from granular_contact.multibody.overlay import Overlay
@@ -61,6 +62,7 @@ class Group:
         self.awake = np.ones(len(runs), dtype=bool)
         self.entries = sum(run.size**2 for run in runs)
         self._places = np.zeros((self.ends[-1, 1], 2), np.int64)
+        self._compiled = False
 
     def lay(self, overlay: Overlay) -> None:
         """Find the coordinates in the overlay."""
@@ -70,28 +72,32 @@ class Group:
         """Find the coordinates in the assembled system; rest the bristles where the strips are."""
         data = mbs.systemData
         self._places[:, 0] = [i for nodes in self.nodes for node in nodes for i in data.GetNodeLTGODE2(node)]
-        self._where = (self.ends, self._places, self.geometry)
-        self._sand = (*self._where, self.runs, self.profile, self.medium, self.anchors)
-        self._reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        where = (self.ends, self._places, self.geometry)
+        reference = data.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        sand = (*where, self.runs, self.profile, self.medium, self.anchors)
+        self._awake_sand, self._all_sand = (reference, self.awake, *sand), (reference, *sand)
         self.awake[:] = True
         self.reach[:, kernels.EVER] = -np.inf
-        kernels.release(q, self._reference, *self._where, self.anchors)
+        kernels.release(q, reference, *where, self.anchors)
+        if self._compiled:
+            return
         # Compiling, the first time on a machine, belongs to the start and not to the first step.
-        size = int(self._places[:, 1].max()) + 1
-        self.force(q, v, np.zeros(size))
-        self.tangent(q, v, 1.0, 1.0, np.zeros((self.entries, 3)), 0)
+        self._force = entry(kernels.force, q, v, *self._awake_sand, v)
+        self._tangent = entry(kernels.tangent, q, v, *self._awake_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
+        self._accept = entry(kernels.accept, q, v, *self._all_sand, v, self.columns, self.reach)
+        self._compiled = True
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:
         """Add the generalised forces to those of the overlay."""
-        kernels.force(q, v, self._reference, self.awake, *self._sand, out)
+        self._force(q, v, *self._awake_sand, out)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, count: int) -> int:
         """Append the entries of factor_q df/dq + factor_v df/dv to the first `count`; how many there are then."""
-        return int(kernels.tangent(q, v, self._reference, self.awake, *self._sand, factor_q, factor_v, triplets, count))
+        return int(self._tangent(q, v, *self._awake_sand, factor_q, factor_v, triplets, count))
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        kernels.accept(q, v, self._reference, *self._sand, row, self.columns, self.reach)
+        self._accept(q, v, *self._all_sand, row, self.columns, self.reach)
 
     def widths(self) -> list[float]:
         """Widths (m) of the runs that were ever immersed."""
