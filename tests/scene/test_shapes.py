@@ -140,3 +140,13 @@ def test_what_the_schema_calls_a_solid_the_bed_can_lay_out() -> None:
         assert abs(np.sum(x * w - u * y)) > 2e-13 * np.ptp(outline, axis=0).max() ** 2
     with pytest.raises(pydantic.ValidationError, match="allowed is at most 1e"):
         shape(type="foot", width_m=0.5, length_m=1e4, height_m=1e-3)
+
+
+def test_a_polygon_encloses_an_area_wherever_it_stands() -> None:
+    """Seen from afar it was lost in round-off, and what lies on a line was given one by it."""
+    corners = np.array([[0.0, 0.0], [2e-3, 0.0], [0.0, 1e-3]]) + [1e4, -3e4]
+    assert shape(type="polygon", width_m=0.5, points_m=corners.tolist())
+    line = [[1899.26341105563, -540.2907930811655], [1899.3040574734407, -540.1400673924912]]
+    line.append([1899.4512594588564, -539.5942106646154])
+    with pytest.raises(pydantic.ValidationError, match="encloses no area"):
+        shape(type="polygon", width_m=0.5, points_m=line)

@@ -172,9 +172,12 @@ class FootShape(_Shape):
 
 
 def doubled_area(points: tuple[tuple[float, float], ...]) -> float:
-    """Twice the area (m2) of a polygon, negative for a clockwise one."""
-    following = (*points[1:], points[0])
-    return math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(points, following, strict=True))
+    """Twice the area (m2) of a polygon, negative for a clockwise one.
+
+    Seen from its first corner: far from the frame's origin the products are large, and their round-off with them.
+    """
+    seen = [(x - points[0][0], y - points[0][1]) for x, y in points]
+    return math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise(seen))
 
 
 def _crossing(points: tuple[tuple[float, float], ...]) -> tuple[int, int] | None:
