@@ -309,6 +309,7 @@ def under_way(tmp_path) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
         words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
+        preexec_fn=functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # tests in the background ignore it
     )  # fmt: skip
     until(lambda: len(list(tmp_path.glob("out.part/cases/case_*"))) >= 12, 60)
     yield process
@@ -353,6 +354,29 @@ def test_a_crew_that_is_dismissed_leaves_nothing_behind():
         assert since
     assert not any(thread.is_alive() for thread in since)
     assert all(future.done() for future in work)
+
+
+def interrupted() -> int:
+    """How often Ctrl-C reaches a process that listens for it."""
+    heard: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    os.kill(os.getpid(), signal.SIGINT)
+    signal.signal(signal.SIGINT, before)
+    return len(heard)
+
+
+def is_deaf(process: int) -> bool:
+    (mask,) = re.findall(r"SigBlk:\s*(\w+)", Path(f"/proc/{process}/status").read_text())
+    return bool(int(mask, 16) >> signal.SIGINT - 1 & 1)
+
+
+def test_workers_are_deaf_from_their_first_moment():
+    """Else a case that Ctrl-C cut short counts as run, and a worker that is just starting complains."""
+    assert interrupted() == 1
+    with sweep.Crew(1, local) as crew:
+        assert crew.pool().submit(interrupted).result(60) == 0
+        if Path("/proc").exists():
+            assert is_deaf(crew.pool().submit(os.getppid).result(60))
 
 
 def test_workers_do_not_outlive_a_sweep_that_is_killed(under_way, tmp_path):

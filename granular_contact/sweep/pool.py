@@ -67,9 +67,10 @@ def local_processes(workers: int) -> Executor:
 def prepare() -> None:
     """Start the server that workers are forked from, without waiting: it imports meanwhile what they will need."""
     if _has_server():
-        from multiprocessing import forkserver
+        from multiprocessing import forkserver, resource_tracker
 
         forkserver.set_forkserver_preload(_PRELOADED)
+        resource_tracker.ensure_running()  # by itself, since it lets Ctrl-C through again once it has started
         with _no_interrupt(), _one_thread():
             forkserver.ensure_running()
 
@@ -79,11 +80,14 @@ def _has_server() -> bool:
 
 
 def _start() -> None:
-    """First thing in a worker: die with the process that started it, even where that one is killed."""
+    """First thing in a worker: be deaf, and die with the process that started it, even where that one is killed."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
-    if not hasattr(signal, "pthread_sigmask"):
+    if hasattr(signal, "pthread_sigmask"):
+        # Not only ignored: a solve would listen again.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    else:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

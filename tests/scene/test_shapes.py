@@ -144,7 +144,7 @@ def test_what_the_schema_calls_a_solid_the_bed_can_lay_out() -> None:
 
 def test_a_polygon_encloses_an_area_wherever_it_stands() -> None:
     """Seen from afar it was lost in round-off, and what lies on a line was given one by it."""
-    corners = np.array([[0.0, 0.0], [2e-3, 0.0], [0.0, 1e-3]]) + [1e4, -3e4]
+    corners = np.add([[0.0, 0.0], [2e-3, 0.0], [0.0, 1e-3]], [1e4, -3e4])
     assert shape(type="polygon", width_m=0.5, points_m=corners.tolist())
     line = [[1899.26341105563, -540.2907930811655], [1899.3040574734407, -540.1400673924912]]
     line.append([1899.4512594588564, -539.5942106646154])
