@@ -13,6 +13,7 @@ from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import term_names
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
+from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Connection, Reduced, Scene, Vector
 from granular_contact.stopping import Stop, find_stop
 from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
@@ -61,7 +62,7 @@ def run(
         "end": len(time) - 1,
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
-    summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach)]
+    summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach), *_buried(scene, series)]
     if scene.stiff:
         summary["too_stiff_to_bend"] = list(scene.stiff)
     return Results(
@@ -172,6 +173,14 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
 
 def _limits(scene: Scene, reach: Reach | None) -> list[str]:
     return [] if scene.bed is None or reach is None or not reach.depth > 0.0 else list(warnings(scene.bed, reach))
+
+
+def _buried(scene: Scene, series: dict[str, Vector]) -> list[str]:
+    """Of a start in the medium: what is taken for granted."""
+    depth = float(series["depth_m"][0]) if scene.media and not scene.settle else 0.0
+    if not depth > NOTHING:
+        return []
+    return [f"it starts {depth:.4g} m below the surface, as if it had been laid there without moving a grain"]
 
 
 def _by_body(load: LoadHistory) -> dict[str, Vector]:

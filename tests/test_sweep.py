@@ -270,7 +270,7 @@ def test_plots_give_each_case_its_results(tmp_path):
         (["many.yaml", "--workers", "two"], "got 'two'"),
         (["no.yaml"], "no.yaml: no such file"),
         (["bad.yaml"], "bad.yaml:3: medium.eta_q: unknown key"),
-        (["steep.yaml"], "steep.yaml:4: surface_height_m: got 0 m"),
+        (["steep.yaml"], "steep.yaml:4: bed.depth_m: got 0.01 m"),
         ([CONFIGS / "pendulum.yaml"], "the config of one run"),
         (["many.yaml", "--out", "run"], "'summary.json', which no sweep wrote"),
         (["many.yaml", "--out", "many.yaml"], "is a file"),
@@ -280,7 +280,7 @@ def test_plots_give_each_case_its_results(tmp_path):
 def test_bad_input_ends_with_2_before_anything_runs(tmp_path, words, said):
     write(tmp_path, "cases:\n  a: {}\n")
     write(tmp_path, "cases: {a: {},\n  b: {medium.eta_q: 1}}\n", "bad.yaml")
-    write(tmp_path, "cases:\n  a: {}\n  b: {surface_height_m: 0}\n", "steep.yaml")
+    write(tmp_path, "cases:\n  a: {}\n  b: {bed.depth_m: 0.01, surface_height_m: 0}\n", "steep.yaml")
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "summary.json").touch()
     before = sorted(tmp_path.rglob("*"))
@@ -293,10 +293,10 @@ def test_bad_input_ends_with_2_before_anything_runs(tmp_path, words, said):
 
 def test_check_reads_sweeps_too(tmp_path):
     good = write(tmp_path, "cases:\n  a: {}\n", "good.yaml")
-    write(tmp_path, "cases:\n  a: {}\n  b: {surface_height_m: 0}\n", "bad.yaml")
+    write(tmp_path, "cases:\n  a: {}\n  b: {bed.depth_m: 0.01, surface_height_m: 0}\n", "bad.yaml")
     done = command("check", "bad.yaml", good.name, folder=tmp_path)
     assert (done.returncode, done.stdout) == (2, "good.yaml: ok\n")
-    assert done.stderr.startswith("bad.yaml:4: surface_height_m: ")
+    assert done.stderr.startswith("bad.yaml:4: bed.depth_m: ")
 
 
 @pytest.fixture

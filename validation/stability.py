@@ -39,7 +39,7 @@ from validation.tables import markdown
 CONFIGS, FIGURES = HERE.parent / "configs", HERE / "figures"
 FINER = 4.0
 LIMIT = {False: 20.0, True: 6.0}  # s of the clock, by quick
-OF_RANGES = ("outside the range", "the floor was", "wall of the container")
+OF_RANGES = ("outside the range", "the floor was", "wall of the container", "without moving a grain")
 GOOD = ("rest", "end_time")
 WORD, BALANCE = 0.02, 1e-2  # what a run without a warning may differ by, and its energy imbalance
 STIFFEST, PAPER = ("EI and EA, 64 elements", "1e6"), ("EI and EA, 64 elements", "1e0")

@@ -64,7 +64,7 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     """Bed of a scene; None without a medium and without a surface.
 
     ends: world positions (2,) m of what may meet the medium, at the start; faults: is told of media
-    that lack a number, of layers where there can be none, and of ends that lie below the surface.
+    that lack a number, of layers where there can be none, and of ends that lie below the floor.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
@@ -74,8 +74,6 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
         faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
     profile = _profile(scenario, spec, ends)
     placed = Bed(profile, layers, container=spec.container_x_m)
-    if layers:
-        faults += _depth_faults(scenario, placed, ends)
     if spec.depth_m is None:
         return placed
     contact = spec.floor
@@ -113,24 +111,6 @@ def _layers(scenario: schema.Scenario, spec: schema.Bed, faults: list[Fault]) ->
         faults += lacking
         if not lacking:
             yield Layer(medium(one), top, bottom)
-
-
-def _depth_faults(scenario: schema.Scenario, placed: Bed, ends: Sequence[Vector]) -> Iterator[Fault]:
-    """Of the ends, the one that lies deepest below a surface whose height is given."""
-    spec = scenario.bed or schema.Bed()
-    key = "surface_height_m" if scenario.surface_height_m is not None else "bed.height_m"
-    if spec.profile_m is not None:
-        key = "bed.profile_m"
-    depths = [(float(placed.height(end[:1])[0]) - float(end[1]), end) for end in ends]
-    depth, end = max(depths, key=lambda pair: pair[0], default=(0.0, np.zeros(2)))
-    if depth > NOTHING:
-        yield Fault(
-            "",
-            None,
-            key,
-            f"got {end[1] + depth:g} m, but at the start the lowest end there is at {end[1]:.6g} m, {depth:.3g} m "
-            f"below the sand: allowed is at most {end[1]:.6g} m, or no value",
-        )
 
 
 def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]) -> Vector:

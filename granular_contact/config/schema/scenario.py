@@ -96,7 +96,8 @@ class Scenario(Strict):
     gravity_m_s2: float = 9.81
     """Positive is downward."""
     surface_height_m: float | None = None
-    """Height of the free surface above the origin; null: the surface that the mechanism touches at the start."""
+    """Height of the free surface above the origin; null: the surface that the mechanism touches at the start. What lies
+    below it there starts in the medium, as if it had been laid there without moving a grain."""
     bed: Bed | None = None
     """Slope or profile of the surface, floor, container and layers; null: level and without end."""
     initial: Initial
