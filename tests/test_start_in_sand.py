@@ -10,24 +10,6 @@ LAID = "as if it had been laid there without moving a grain"
 RIGID = ("method={reduced: {modes: 0, static: true_sign, rtol: 1e-10}}", "output.interval_s=null")
 U_Y = 1e-5  # m, the default
 
-# A plate that hangs below a carriage, from 30 to 80 mm deep, dragged by 0.1 m.
-DRAGGED = """
-model:
-  name: dragged_plate
-  bodies:
-    plate:
-      type: rigid
-      density_kg_m3: 2700
-      shapes: [{type: plate, start_m: [0, -0.03], end_m: [0, -0.08], width_m: 0.04, thickness_m: 0.003}]
-  joints:
-    rail: {type: slider, parent: ground, child: plate}
-medium: poppy_seeds_close
-surface_height_m: 0
-initial: {joints: {}}
-drives: {rail: {type: motion, position_m: {type: ramp, from: 0, to: 0.1, duration_s: 1}}}
-solver: {step_s: 1e-3, end_time_s: 1}
-"""
-
 
 def test_a_run_taken_up_in_the_sand_ends_as_the_whole_one() -> None:
     """With the true sign the sand has no memory; so what came before the start does not matter."""
@@ -62,7 +44,7 @@ def test_sand_holds_what_is_laid_into_it(method: str) -> None:
 
 def test_a_dragged_plate_meets_the_published_stress() -> None:
     """alpha_x of a vertical plate moved along its normal, by the coefficients: C01 - C11 - C-11, times the depth."""
-    results = simulate(DRAGGED)
+    results = simulate("dragged_plate")
     middle = np.argmin(np.abs(results["time_s"] - 0.5))
     stress = 1e6 * (0.086 + 0.039 - 0.018)  # N/m3
     force = stress * 0.04 * (0.08**2 - 0.03**2) / 2
