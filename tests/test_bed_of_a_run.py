@@ -171,7 +171,6 @@ def test_what_a_bed_refuses() -> None:
     assert faults_of("pendulum", "medium=hill_cylinders")[0][0] == "medium.density_kg_m3"
     assert faults_of("pendulum", "medium=[play_sand, {from: hill_cylinders}]")[0][0] == "medium.1.density_kg_m3"
     assert faults_of("pendulum", "bed={depth_m: 0.01, slope_deg: -20}")[0][0] == "bed.depth_m"
-    assert faults_of("pendulum", "bed.height_m=0.0")[0][0] == "bed.height_m"
     assert (
         faults_of("pendulum", "bed.layers=[{top_m: 0.01, medium: play_sand}]", "load.form=resultant")[0][0]
         == "load.form"
