@@ -36,10 +36,14 @@ def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarra
 
     def inside(points: np.ndarray) -> np.ndarray:
         found = np.zeros(len(points), bool)
+        order = np.argsort(points[:, 0])
+        x = points[order, 0]
         for a, b in pairwise(line):
-            along = (points - a) @ (b - a) / np.sum((b - a) ** 2)
-            off = points - a - along[:, None] * (b - a)
-            found |= (along >= 0) & (along <= 1) & (np.linalg.norm(off, axis=1) <= half)
+            left, right = sorted((a[0], b[0]))
+            near = order[np.searchsorted(x, left - half) : np.searchsorted(x, right + half, "right")]
+            along = (points[near] - a) @ (b - a) / np.sum((b - a) ** 2)
+            off = points[near] - a - along[:, None] * (b - a)
+            found[near] |= (along >= 0) & (along <= 1) & (np.linalg.norm(off, axis=1) <= half)
         return found
 
     return inside
