@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.report import COMPARISON, FIGURES, SCENARIO, SUMMARY, json_text, scenario_text, whole_folder
-from granular_contact.results import Results
-from granular_contact.run import run
+from granular_contact.results import FINISHED, Results
+from granular_contact.run import run, uninterrupted
 from granular_contact.scene import build
 
 Vector = NDArray[np.float64]
@@ -53,12 +53,14 @@ class Row:
     stopping_time: float | None
     travel: float | None
     deflection: float | None
-    angle_rms: float
+    angle_rms: float | None
     deflection_rms: float | None
 
     def within(self, tolerance: float) -> bool:
-        """Whether stopping time and travel are both within a relative tolerance."""
-        return all(x is not None and abs(x) <= tolerance for x in (self.stopping_time, self.travel))
+        """Whether the run came to its end, with stopping time and travel both within a relative tolerance."""
+        return self.results.status.code in FINISHED and all(
+            x is not None and abs(x) <= tolerance for x in (self.stopping_time, self.travel)
+        )
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,10 @@ class Comparison:
     @property
     def verdict(self) -> str:
         """One sentence for the motion, and one for the deflection."""
+        last = self.rows[-1]
+        if last.results.status.code not in FINISHED:
+            why = last.results.status.message
+            return f"{last.model.name} did not come to its end, so there is nothing to measure by: {why}"
         candidates = sorted(self.rows[:-1], key=lambda row: row.seconds)
         good = [row for row in candidates if row.within(self.tolerance)]
         limit, finest = f"{100 * self.tolerance:g} %", self.rows[-1].model.name
@@ -107,8 +113,11 @@ def models(
     ]
     faults += [] if elements else [Fault("", None, "--elements", "got none; at least one beam is the reference")]
     scenario = load(path, overrides).scenario
-    links = [n for n, b in scenario.model.bodies.items() if isinstance(b, schema.Link) and b.flexible is not None]
-    if not links:
+    flexible = [
+        n for n, b in scenario.model.all_bodies.items() if isinstance(b, schema.Link) and b.flexible is not None
+    ]
+    links = [name for name in flexible if name in scenario.model.bodies]
+    if not flexible:
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))
     if faults:
         raise ConfigError(faults)
@@ -152,7 +161,7 @@ def compare(
             progress(model.name)
         scenario = load(path, [*overrides, *model.overrides]).scenario
         scene = build(scenario)
-        tries = [run(scene, scenario) for _ in range(repeats + 1)]
+        tries = [uninterrupted(run(scene, scenario)) for _ in range(repeats + 1)]
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
         runs.append((model, tries[-1], seconds))
     reference = runs[-1][1]
@@ -175,7 +184,7 @@ def _row(model: Model, results: Results, seconds: float, reference: Results, sta
         stopping_time=relative("stopping_time_s"),
         travel=relative("angle_at_stop_deg", start),
         deflection=relative("max_deflection_m"),
-        angle_rms=_rms(results, reference, _angle_column(reference)) or 0.0,
+        angle_rms=_rms(results, reference, _angle_column(reference)),
         deflection_rms=_rms(results, reference, "deflection_m"),
     )
 

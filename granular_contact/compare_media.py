@@ -12,7 +12,7 @@ from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.report import whole_folder
 from granular_contact.results import Results
-from granular_contact.run import run
+from granular_contact.run import run, uninterrupted
 from granular_contact.scene import Scene, build
 
 TABLE, FIGURES, HISTORIES = "compare-media.csv", "figures", "histories.png"
@@ -66,7 +66,7 @@ def compare_media(
     for (name, scene), (_, loaded) in zip(built, scenes, strict=True):
         if progress is not None:
             progress(name)
-        rows.append(Row(name, run(scene, loaded.scenario)))
+        rows.append(Row(name, uninterrupted(run(scene, loaded.scenario))))
     return tuple(rows)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
+FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
 # Told now and then how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
 
@@ -100,6 +101,7 @@ class Results:
     layers: depths (m) below the surface at which other media begin; floor: height (m) of the floor, None without one.
     terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
     frames: snapshots evenly spaced in time, for an animation; none unless the run was asked for them.
+    sizes: diameters and widths (m) of what was immersed.
     """
 
     name: str
@@ -115,6 +117,7 @@ class Results:
     frames: tuple[Snapshot, ...] = ()
     layers: tuple[float, ...] = ()
     floor: float | None = None
+    sizes: tuple[float, ...] = ()
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """Column `name` as an array (rows,); KeyError lists the columns there are."""

@@ -1,4 +1,4 @@
-"""One scene, by the engine or by the reduced model: Scene -> Results."""
+"""One scene, by the engine, in minimal coordinates or by the reduced model: Scene -> Results."""
 
 from __future__ import annotations
 
@@ -79,12 +79,20 @@ def run(
         terms=solved.terms,
         layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
         floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
+        sizes=() if solved.reach is None else solved.reach.sizes,
     )
+
+
+def uninterrupted(results: Results) -> Results:
+    """The same results, for those who make several and want all; raises KeyboardInterrupt where that ended a run."""
+    if results.status.code == "interrupted":
+        raise KeyboardInterrupt
+    return results
 
 
 @dataclass(frozen=True)
 class _Solved:
-    """What either way of solving gives: all accepted instants, and what is asked about single ones (by index).
+    """What every way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
     pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
     terms; reach: None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
@@ -188,7 +196,7 @@ def _by_body(load: LoadHistory) -> dict[str, Vector]:
 
 
 def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pictures:
-    """Outlines at times between the steps of either way's trajectory, as its observer draws them."""
+    """Outlines at times between the steps of a trajectory of any way of solving, as its observer draws them."""
     q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
     seen = observer(replace(trajectory, time=at, q=q, v=v))
     return [seen.outlines(i) for i in range(len(at))]
@@ -211,7 +219,9 @@ def _rows(time: Vector, interval: float | None) -> Any:
     """Which instants go into the table: all, or the first at or after each multiple of the interval, and the last."""
     if interval is None or interval <= np.diff(time).min(initial=np.inf):
         return slice(None)
-    passed = np.floor((time + 1e-12) / interval)  # multiples so far; counted, as there may be no room to list them
+    # Sums of steps miss the multiples by round-off, which is far below a step.
+    near = 1e-3 * np.diff(time).min()
+    passed = np.floor((time + near) / interval)  # multiples so far; counted, as there may be no room to list them
     return np.unique([0, *(np.flatnonzero(np.diff(passed)) + 1), len(time) - 1])
 
 
@@ -231,8 +241,7 @@ def _measure(scene: Scene) -> str | None:
         return None
     if scene.floating is not None:
         return FALL_MEASURE
-    turns = all(c.kind in ("hinge", "weld") for c in scene.connections if c.parent is None)
-    return STOP_MEASURE if turns and not any(c.closes for c in scene.connections) else None
+    return None if scene.pivot is None else STOP_MEASURE
 
 
 def _stop_about_pivot(observer: Observer, pivot: Connection, touch: Touch) -> Stop | None:

@@ -25,7 +25,7 @@ MAY = {
     "limits": {"media", "scene"},
     "results": set(),
     "series": {"media", "results"},
-    # Two ways through, which know nothing of each other.
+    # Three ways through; the reduced one knows nothing of the others.
     # The engine's coordinates, bed and observer, without its solver.
     "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
     "multibody": {
@@ -71,7 +71,7 @@ MAY = {
     },
     "plots": {"plots", "frames", "results", "units"},
     "units": set(),
-    "html": {"html", "report", "plots", "units"},
+    "html": {"html", "report", "results", "plots", "units"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},

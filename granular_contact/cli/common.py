@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from granular_contact.scene import Scene
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
+ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 def complain(text: str) -> None:
@@ -33,6 +34,11 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
         return scenario, scene.build(scenario)
     except SceneError as error:
         raise SceneError(sources.place(error.faults)) from None
+
+
+def worst(statuses: Iterable[str]) -> int:
+    """Exit code of several runs by how they ended: of a failure rather than of one that was out of time."""
+    return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:

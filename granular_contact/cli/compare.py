@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
-    FAILED,
     FAULTY_INPUT,
-    FINE,
     add_output,
     add_set,
     complain,
     folder_problem,
     telling,
+    worst,
 )
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ def act(chosen: argparse.Namespace) -> int:
     if not chosen.quiet:
         _show(comparison)
         print(f"saved in {folder}")
-    return FAILED if any(row.results.status.code == "failed" for row in comparison.rows) else FINE
+    return worst(row.results.status.code for row in comparison.rows)
 
 
 def _show(comparison: Comparison) -> None:

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
-    FAILED,
     FAULTY_INPUT,
-    FINE,
     add_output,
     add_set,
     complain,
     folder_problem,
     telling,
+    worst,
 )
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def act(chosen: argparse.Namespace) -> int:
     if not chosen.quiet:
         _show(rows)
         print(f"saved in {folder}")
-    return FAILED if any(row.results.status.code == "failed" for row in rows) else FINE
+    return worst(row.results.status.code for row in rows)
 
 
 def _show(rows: Sequence[Row]) -> None:

@@ -1,6 +1,7 @@
 """Entry of the command line.
 
-Exit codes: 0 fine, 2 faulty input, 3 the solver failed, 130 interrupted. The heavy imports stand in the commands that
+Exit codes: 0 fine, 2 faulty input, 3 the solver failed, 4 time limit reached, 130
+interrupted. The heavy imports stand in the commands that
 need them, so that `check` never loads the engine and a run without figures never loads the plots.
 """
 

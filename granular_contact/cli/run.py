@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli.common import (
-    FAILED,
+    ENDS,
     FAULTY_INPUT,
     FINE,
-    INTERRUPTED,
-    OUT_OF_TIME,
     add_output,
     add_set,
     complain,
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
 
 HELP = "simulate a config and save what came of it"
 MOST_FRAMES = 151  # six seconds
-_STATUS_CODES = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -100,7 +97,7 @@ def act(chosen: argparse.Namespace) -> int:
         return FAULTY_INPUT
     if not chosen.quiet:
         print("\n".join(_summary(results, elapsed, folder)))
-    elif results.status.code in _STATUS_CODES:
+    elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
     if explained:
         print("left out:\n" + "\n".join(f"  {line}" for line in explained))
@@ -108,7 +105,7 @@ def act(chosen: argparse.Namespace) -> int:
         from granular_contact.multibody import view
 
         view.show(*solved)
-    return _STATUS_CODES.get(results.status.code, FINE)
+    return ENDS.get(results.status.code, FINE)
 
 
 def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
@@ -135,7 +132,7 @@ def _view_problem(wanted: bool, scene: Scene) -> str | None:
     if not wanted:
         return None
     if scene.method is not None:
-        return "--view: the viewer is the engine's, which a reduced model does not run in; --animate shows both"
+        return "--view: the viewer is the engine's, which this method does not run in; --animate shows both"
     from granular_contact.multibody import view
 
     found = view.problem()

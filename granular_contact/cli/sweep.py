@@ -117,9 +117,10 @@ def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
 
 def _nothing_to_do(folder: Path, quiet: bool) -> int:
     from granular_contact.report import TABLE
+    from granular_contact.results import FINISHED
 
     with (folder / TABLE).open(encoding="utf-8", newline="") as file:
-        failed = sum(row["status"] not in ("rest", "end_time") for row in csv.DictReader(file))
+        failed = sum(row["status"] not in FINISHED for row in csv.DictReader(file))
     if not quiet:
         print(f"{folder} holds all cases of this sweep already; --restart runs them again")
     if failed:

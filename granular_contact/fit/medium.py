@@ -55,27 +55,20 @@ def results_of(fit: Fit, run: Run) -> Results:
 
 
 def seen(runs: list[tuple[Run, Results]]) -> dict[str, list[float]]:
-    """Speeds of the tip in the medium (m/s), depths (m) and diameters (m) that met it, least and greatest."""
-    speeds, depths, diameters = list[float](), list[float](), list[float]()
+    """Speeds of the tip in the medium (m/s), depths (m) and diameters or widths (m) that met it: least, greatest."""
+    speeds, depths, sizes = list[float](), list[float](), list[float]()
     for run, results in runs:
         time = results["time_s"]
         wet = (results["depth_m"] >= 0.0) & (time <= run.measured.time[-1] - run.measured.time[0] + time[1])
         speed = np.hypot(np.gradient(results["tip_x_m"], time), np.gradient(results["tip_y_m"], time))
         speeds += [float(speed[wet].min()), float(speed[wet].max())]
         depths += [0.0, float(results["depth_m"][wet].max())]
-        diameters += _diameters(results)
+        sizes += results.sizes
     return {
         "speed_m_s": _span(speeds),
         "depth_m": _span(depths),
-        "size_m": _span(diameters),
+        "size_m": _span(sizes),
     }
-
-
-def _diameters(results: Results) -> list[float]:
-    """Of the bars that reach below the surface."""
-    surface = results.surface if results.surface is not None else np.inf
-    deepest = next(shot for shot in results.snapshots if shot.label == "deepest")
-    return [one.diameter for one in deepest.outlines if len(one.points) > 1 and one.points[:, 1].min() < surface]
 
 
 def _span(values: list[float]) -> list[float]:

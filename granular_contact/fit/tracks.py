@@ -16,7 +16,7 @@ from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.tree import Items, Mapping, Node, Position, Scalar
 from granular_contact.errors import ConfigError, SceneError, SolveError
-from granular_contact.results import Results
+from granular_contact.results import FINISHED, Results
 from granular_contact.run import run
 from granular_contact.scene import build
 
@@ -103,7 +103,7 @@ class Simulator:
             results = run(build(scenario), scenario)
         except (ConfigError, SceneError, SolveError) as error:
             raise ModelFailed(str(error)) from error
-        if results.status.code in ("failed", "interrupted", "time_limit"):
+        if results.status.code not in FINISHED:
             if results.status.code == "interrupted":
                 raise KeyboardInterrupt
             raise ModelFailed(results.status.message)

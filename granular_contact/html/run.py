@@ -11,6 +11,7 @@ from granular_contact.html.markup import Markup, tag
 from granular_contact.html.numbers import is_number, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import PROGRAM, SCENARIO, SERIES, SUMMARY
+from granular_contact.results import FINISHED
 
 _ENDS = {
     "rest": "came to rest",
@@ -57,7 +58,7 @@ def page(folder: Folder) -> str:
     ]
     status = str(summary.get("status", "unknown"))
     words = f"Run, {_ENDS.get(status, status)}"
-    badge = tag("span", _ENDS.get(status, status), class_="status" if status in ("rest", "end_time") else "status bad")
+    badge = tag("span", _ENDS.get(status, status), class_="status" if status in FINISHED else "status bad")
     name = str(summary.get("name") or folder.path.name)
     version = (summary.get("versions") or {}).get(PROGRAM, "")
     return whole(name, words, badge, " ".join(_sentences(summary)), sections, version)

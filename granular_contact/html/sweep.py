@@ -18,13 +18,13 @@ from granular_contact.html.markup import Markup, join, tag
 from granular_contact.html.numbers import column, is_number, label, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import SWEEP, TABLE
+from granular_contact.results import FINISHED
 
 MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE = "energy.imbalance_relative"
 _NOT_KEY = ("cost.", "versions.", "energy.")
 _FIRST = ("stopping_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m")  # are drawn before all others
 _NOT_DRAWN = ("hub_stopping_time_s",)
-_GOOD = ("rest", "end_time")
 SENSITIVITY = "sensitivity.csv"
 Values = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def page(folder: Folder) -> str:
     """HTML of a sweep's page."""
     table = _read(folder)
     counts = Counter(str(status) for status in table.column("status"))
-    bad = sum(count for status, count in counts.items() if status not in _GOOD)
+    bad = sum(count for status, count in counts.items() if status not in FINISHED)
     sections = [
         parts.warnings([f"{warning} ({count} of {len(table.rows)} cases)" for warning, count in _warnings(table)]),
         parts.section("Key numbers", _statistics(table)),
@@ -155,7 +155,7 @@ def _failed(table: _Table) -> Markup | None:
         for case, status, message in zip(
             table.column(table.head[0]), table.column("status"), table.column("message"), strict=True
         )
-        if status not in _GOOD
+        if status not in FINISHED
     ]
     return _at_most("Why they failed.", ["case", "message"], rows) if rows else None
 

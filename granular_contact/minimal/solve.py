@@ -17,6 +17,7 @@ from granular_contact.scene.types import Minimal, Scene, Vector
 
 SHARE = 1024  # steps between two looks at the progress bar
 FIRST_STEP = 0.1  # of the scene's
+LEAST_REACH = 1e-3  # m, of a mechanism that is all on its hinge
 
 
 class March:
@@ -59,7 +60,10 @@ class March:
 
 def _size(scene: Scene) -> tuple[float, float]:
     """Reach (m) of the mechanism and scale of its speeds (m/s)."""
-    reach = max(body.tether.reach(p) for body in scene.rigid for shape in body.shapes for p in shape.points)
+    reach = max(
+        body.tether.reach(p) + shape.drop for body in scene.rigid for shape in body.shapes for p in shape.points
+    )
+    reach = max(reach, LEAST_REACH)
     rate = max(abs(body.motion.rate) for body in scene.rigid)
     return reach, max(reach * rate + float(np.sqrt(abs(scene.gravity) * reach)), 1e-6)
 
@@ -112,5 +116,7 @@ def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
     if code == kernels.PAUSE:
         return out_of_time(t, solver.end_time, solver.max_wall)
     if code == kernels.REST:
-        return Status("rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s")
+        return Status(
+            "rest", f"at rest: slower than {solver.rest_speed:g} m/s in every coordinate for {solver.rest_time:g} s"
+        )
     return Status("end_time", f"end time {solver.end_time:g} s reached")

@@ -92,8 +92,7 @@ def _forest(system: System, joints: list[Connection], bodies: list[RigidBody]) -
         record["parent"] = -1 if joint.parent is None else system.rigid[joint.parent].node
         record["on_parent"], record["hinge"] = joint.parent_point, joint.child_point
         record["mass"], record["inertia"] = body.mass, body.inertia
-        points = [joint.child_point, *(p for shape in body.shapes for p in shape.points)]
-        record["radius"] = max(float(np.linalg.norm(p)) for p in points)
+        record["radius"] = system.scene.radius(body)
     gravity, nowhere = np.array([system.scene.gravity]), np.zeros(3 * len(bodies))
     return Forest(records, gravity, motion(len(bodies)), nowhere, *_sand(system))
 

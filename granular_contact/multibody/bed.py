@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
+from granular_contact.media.checks import check
 from granular_contact.media.floor import TERM as FLOOR_TERM
 from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import WORDS, Medium, term_names, what_it_takes
@@ -60,6 +61,11 @@ class GranularBed:
     floor : Floor, optional
         Contact with a level floor; its work is kept apart from that of the media.
 
+    Raises
+    ------
+    ValueError
+        One of these, or a number of a medium, is not allowed.
+
     Notes
     -----
     `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
@@ -90,6 +96,8 @@ class GranularBed:
             raise ValueError("form: got 'resultant', but there are layers: allowed is 'distributed'")
         self.floor = floor if floor is not None and floor.stiffness is not None else None
         static = Elastoplastic() if static is None else static
+        for part in (*self.layers, static):
+            check(part)
         self.records = [one.record(static, gravity) for one in self.media]
         self.resultant = form == "resultant"
         self.end_cap = end_cap
@@ -125,7 +133,7 @@ class GranularBed:
         SceneError
             The body is of another kind, the cylinder has no length or no diameter, or no medium here takes such shapes.
         """
-        axis = np.stack([np.asarray(start, float)[:2], np.asarray(end, float)[:2]])
+        axis = np.concatenate([shapes.planar("bed.add_rigid", point) for point in (start, end)])
         kind, flags = shapes.section("bed.add_rigid", diameter, None)
         flags |= self._flags(free_end)
         self._take("bed.add_rigid", name, lambda at: [shapes.line_run(at, self.mbs, body, axis, kind, strips, flags)])
@@ -186,15 +194,17 @@ class GranularBed:
         Raises
         ------
         SceneError
-            An item is no ANCFCable2D, two neighbours in the list share no node, or no medium here takes such shapes.
+            There is no item, one is no ANCFCable2D, two neighbours in the list share no node, or no medium here takes
+            such shapes.
         """
         cables = list(elements)
+        if not cables:
+            raise scene_error("bed.add_cables", "got no elements; allowed is at least one")
         kind, flags = shapes.section("bed.add_cables", diameter, width)
         size = len(cables) if self.resultant else shapes.ELEMENTS_PER_RUN
 
         def runs(at: str) -> list[Run]:
             # Runs are counted from the tip, where the beam meets the medium first.
-            stops = range(len(cables), 0, -size) if cables else ()
             return [
                 shapes.cable_run(
                     at,
@@ -204,7 +214,7 @@ class GranularBed:
                     strips_per_element,
                     flags | self._flags(free_end and stop == len(cables)),
                 )
-                for stop in stops
+                for stop in range(len(cables), 0, -size)
             ]
 
         self._take("bed.add_cables", name, runs)
@@ -344,7 +354,10 @@ class GranularBed:
         return self._ledger
 
     def accept_state(self, t: float, q: Vector, v: Vector) -> None:
-        """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand."""
+        """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand.
+
+        q, v: float64 and contiguous, as the engine keeps them; they are read as such, unchecked.
+        """
         if t == self._accepted:
             return
         if self._accepted is None or t < self._accepted:

@@ -14,7 +14,7 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
             return Status("interrupted", f"interrupted at {t:.6g} s; the results up to there were kept")
         case "rest":
             return Status(
-                "rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s"
+                "rest", f"at rest: slower than {solver.rest_speed:g} m/s in every coordinate for {solver.rest_time:g} s"
             )
         case "time_limit":
             return out_of_time(t, solver.end_time, solver.max_wall)

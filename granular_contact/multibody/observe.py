@@ -61,7 +61,7 @@ class Observer:
         tx, ty = q[:, node[2]], q[:, node[3]]
         start = self.scene.body(name).motion.angle
         turned = np.unwrap(np.arctan2(ty, tx))
-        turned += start - turned[0]
+        turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # the turn that the slope can't tell
         return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
     def coordinate(self, joint: Connection) -> tuple[Vector, Vector]:
@@ -143,13 +143,8 @@ class Observer:
         tip, _ = self.position(*self.scene.tip)
         deflection = self.deflection() if self.scene.links else None
         depth = None if self.scene.surface is None else self.depth()
-        rate = None if self._has_no_pivot() else self.mean_rate()[0]
+        rate = None if self.scene.pivot is None else self.mean_rate()[0]
         return series.shape(rate, tip, deflection, depth)
-
-    def _has_no_pivot(self) -> bool:
-        """Whether it slides, flies or has loops, so that there is no one point that all turns about."""
-        joints = self.scene.connections
-        return any(c.closes or (c.parent is None and c.kind in ("slider", "free")) for c in joints)
 
     def nodes(self, name: str) -> list[Vector]:
         """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""

@@ -18,8 +18,9 @@ import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.errors import SolveError
+from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.scene.types import Scene, Vector
+from granular_contact.scene.types import Scene
 
 # In swings of a pendulum as long as the mechanism, divided by 2 pi.
 LONGEST, STILL = 60.0, 1.0
@@ -54,8 +55,8 @@ def _damper(mbs: Any, ground: Any, node: int, coordinate: int, damping: float) -
 class _Watch:
     """Post-step function: stops once all has been slow for long enough."""
 
-    def __init__(self, system: System, lever: Vector, hold: float) -> None:
-        self.system, self.lever, self.hold = system, lever, hold
+    def __init__(self, system: System, recorder: Recorder, hold: float) -> None:
+        self.system, self.recorder, self.lever, self.hold = system, recorder, recorder.lever, hold
         self.slow = SLOW * system.scene.solver.rest_speed
         self.since: float | None = None
         self.rests = False
@@ -72,18 +73,20 @@ class _Watch:
         elif self.since is None:
             self.since = t
         self.rests = self.since is not None and t - self.since >= self.hold
-        return not self.rests and time.perf_counter() < self.deadline
+        return not self.rests and not self.recorder.reason and time.perf_counter() < self.deadline
 
 
-def settle(system: System, simulation: Any, lever: Vector) -> None:
+def settle(system: System, simulation: Any, recorder: Recorder) -> None:
     """Bring an assembled system to rest, and make that its initial state at t = 0.
 
-    simulation: Exudyn's settings of the run. lever (m,): factors from coordinate rates to speeds (m/s).
+    simulation: Exudyn's settings of the run; recorder: that of the run, which hears of Ctrl-C.
 
     Raises
     ------
     SolveError
         It does not come to rest.
+    KeyboardInterrupt
+        It was asked for; there is nothing to keep.
     """
     mbs, t = system.mbs, simulation.timeIntegration
     kept = t.startTime, t.endTime, t.numberOfSteps, t.generalizedAlpha.spectralRadius
@@ -93,13 +96,15 @@ def settle(system: System, simulation: Any, lever: Vector) -> None:
     t.endTime = 0.0
     t.numberOfSteps = max(1, math.ceil(LONGEST * unit / (COARSE * system.scene.solver.step)))
     t.generalizedAlpha.spectralRadius = 0.5
-    watch = _Watch(system, lever, STILL * unit)
+    watch = _Watch(system, recorder, STILL * unit)
     mbs.SetPostStepUserFunction(watch)
     problem = f"it still moves after {LONGEST * unit:.3g} s"
     try:
         exu.MainSolverImplicitSecondOrder().SolveSystem(mbs, simulation)
     except (exu.ExudynError, RuntimeError) as error:
         problem = str(error).strip().splitlines()[0]
+    if recorder.reason == "interrupted":
+        raise KeyboardInterrupt
     if not watch.rests and time.perf_counter() >= watch.deadline:
         problem = f"solver.max_wall_s ({system.scene.solver.max_wall:g}) was over before it rested"
     if not watch.rests:

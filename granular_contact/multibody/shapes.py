@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,9 @@ ELEMENTS_PER_RUN = 12
 def section(where: str, diameter: float | None, width: float | None) -> tuple[Kind, dict[str, Any]]:
     """Kind of a thin line and its run's width, from exactly one of the two sizes (m)."""
     if (diameter is None) == (width is None):
-        raise scene_error(where, "got both diameter and width; one is allowed" if width else "give diameter or width")
+        raise scene_error(
+            where, "give diameter or width" if width is None else "got both diameter and width; one is allowed"
+        )
     kind: Kind = "flat" if diameter is None else "round"
     name, size = ("width", width) if diameter is None else ("diameter", diameter)
     return kind, {"width": positive(where, name, size)}
@@ -35,10 +38,32 @@ def positive(where: str, name: str, size: float | None) -> float:
     return float(size)
 
 
+def count(where: str, name: str, number: Any) -> int:
+    """The number, which must be whole and at least 1."""
+    if not isinstance(number, Integral) or number < 1:
+        raise scene_error(where, f"{name}: got {number}, allowed is a whole number from 1")
+    return int(number)
+
+
+def planar(where: str, points: ArrayLike) -> Vector:
+    """Points (k, 2) m in the plane of motion; a third coordinate must be 0."""
+    given = np.atleast_2d(np.asarray(points, float))
+    if given.ndim != 2 or given.shape[1] not in (2, 3):
+        raise scene_error(where, f"got points of the shape {given.shape}, allowed is (k, 2)")
+    if given[:, 2:].any():
+        raise scene_error(
+            where, f"got z = {given[given[:, 2] != 0.0][0, 2]:g} m, allowed are points in the plane z = 0"
+        )
+    if not np.isfinite(given).all():
+        raise scene_error(where, "a point is not finite")
+    return given[:, :2]
+
+
 def line_run(where: str, mbs: Any, body: Any, points: ArrayLike, kind: Kind, strips: int, flags: dict[str, Any]) -> Run:
     """Run along the polyline points (k, 2) m, fixed to a rigid body."""
     line = _points(where, points, 2)
-    return _rigid_run(where, mbs, body, kinematics.rigid_stations(line, strips), kind, flags)
+    stations = kinematics.rigid_stations(line, count(where, "strips", strips))
+    return _rigid_run(where, mbs, body, stations, kind, flags)
 
 
 def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int, flags: dict[str, Any]) -> Run:
@@ -53,7 +78,8 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
         raise scene_error(where, "the outline encloses no area")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
     sided = {**flags, "side": -1.0 if area > 0.0 else 1.0}
-    return _rigid_run(where, mbs, body, kinematics.rigid_stations(corners, strips), "outline", sided)
+    stations = kinematics.rigid_stations(corners, count(where, "strips", strips))
+    return _rigid_run(where, mbs, body, stations, "outline", sided)
 
 
 def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, mass: float | None) -> Run:
@@ -63,7 +89,7 @@ def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float
         where,
         mbs,
         body,
-        kinematics.ball_stations(np.asarray(center, float)[:2]),
+        kinematics.ball_stations(planar(where, center)[0]),
         "ball",
         {"width": size, "drop": 0.5 * size},
     )
@@ -75,11 +101,9 @@ def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float
 
 
 def _points(where: str, points: ArrayLike, least: int) -> Vector:
-    line = np.atleast_2d(np.asarray(points, float))[:, :2]
+    line = planar(where, points)
     if len(line) < least:
         raise scene_error(where, f"got {len(line)} points, allowed are at least {least}")
-    if not np.isfinite(line).all():
-        raise scene_error(where, "a point is not finite")
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     if not steps.all():
         i = int(np.argmin(steps))
@@ -108,6 +132,7 @@ def cable_run(where: str, mbs: Any, elements: Sequence[Any], kind: Kind, strips:
     """Run on consecutive ANCFCable2D elements, `strips` strips in each."""
     nodes: list[int] = []
     lengths = []
+    each = count(where, "strips_per_element", strips)
     for element in elements:
         item = mbs.GetObject(element)
         if item["objectType"] != "ANCFCable2D":
@@ -117,6 +142,6 @@ def cable_run(where: str, mbs: Any, elements: Sequence[Any], kind: Kind, strips:
             raise scene_error(where, f"{item['name']} does not start at the node where its neighbour ends")
         nodes += [second] if nodes else [first, second]
         lengths.append(item["length"])
-    run = Run(nodes, 4 * len(nodes), kinematics.cable_stations(np.array(lengths), strips), kind, flags)
+    run = Run(nodes, 4 * len(nodes), kinematics.cable_stations(np.array(lengths), each), kind, flags)
     run.body = mbs.GetObject(elements[0])["name"]
     return run

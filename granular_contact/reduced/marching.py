@@ -93,11 +93,12 @@ class March:
     def table(self) -> Vector:
         """Rows so far, and one for the instant reached if it is not the last of them."""
         count = int(self.counts[kernels.ROWS])
-        rows = self.rows[: count + 1].copy()
-        if count and rows[count - 1, 0] >= self.time:
-            return rows[:count]
-        kernels.write_row(self.time, self.y, self.regime, self.world, rows[count])
-        return rows
+        rows = self.rows[:count]
+        if count and rows[-1, 0] >= self.time:
+            return rows.copy()
+        last = np.zeros_like(self.rows[0])  # the table may be full
+        kernels.write_row(self.time, self.y, self.regime, self.world, last)
+        return np.vstack([rows, last])
 
 
 # scipy's interpolants are read at these places of a step, and taken on as polynomials.

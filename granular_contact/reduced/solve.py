@@ -115,5 +115,7 @@ def _status(model: Model, march: March, code: int) -> Status:
                 f"at rest: the middle of the immersed part slower than {solver.rest_speed:g} m/s for "
                 f"{solver.rest_time:g} s; the true sign holds only that point, and the link vibrates about it for ever",
             )
-        return Status("rest", f"at rest: slower than {solver.rest_speed:g} m/s everywhere for {solver.rest_time:g} s")
+        return Status(
+            "rest", f"at rest: slower than {solver.rest_speed:g} m/s in every coordinate for {solver.rest_time:g} s"
+        )
     return Status("end_time", f"end time {solver.end_time:g} s reached")

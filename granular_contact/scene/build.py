@@ -52,7 +52,7 @@ def build(scenario: schema.Scenario) -> Scene:
     driven = drives(scenario, faults)
     layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
     if scenario.initial.impact_tip_speed_m_s is not None:
-        layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout), faults)
+        layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = list(_ends(rigid, links))
     faults += [*_motion_faults(scenario), *_joint_faults(layout), *_closure_faults(layout)]
@@ -144,7 +144,7 @@ def _bodies(layout: Layout, strips: int) -> tuple[tuple[RigidBody, ...], tuple[F
     return tuple(rigid_body(layout, g, strips) for g in layout.groups if GROUND not in g), tuple(flexible_links(layout))
 
 
-def _speed_of_tip(scenario: schema.Scenario, layout: Layout) -> float:
+def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]) -> float:
     """Rate (rad/s) of the ground hinge at which the tip has the speed that the run says."""
     speed, pins = scenario.initial.impact_tip_speed_m_s, _pins(scenario.model)
     assert speed is not None
@@ -153,7 +153,12 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout) -> float:
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     name, at = _tip(list(_ends(rigid, links)), rigid, layout)
     motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
-    return speed / float(np.linalg.norm(place(motions[name], at) - pins[0]))
+    arm = float(np.linalg.norm(place(motions[name], at) - pins[0]))
+    if not arm > 0.0:
+        why = f"got {speed:g}, but no shape reaches beyond the hinge, where there is no speed; give impact_speed_rad_s"
+        faults.append(_fault("initial.impact_tip_speed_m_s", why))
+        return 0.0
+    return speed / arm
 
 
 def _pins(model: schema.Model) -> list[Vector]:
@@ -234,15 +239,19 @@ def _ends(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> Iter
 
 
 def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:
-    """End that is farthest from the origin, or lowest if the mechanism slides or flies; of several the last."""
+    """End that is farthest from the first joint to the ground, or lowest if the mechanism slides or flies.
+
+    Of several the last.
+    """
     if not ends:
         return rigid[0].name, ZERO
-    joints = layout.model.all_joints.values()
-    if any(j.parent == GROUND and isinstance(j, schema.Slider | schema.Free) for j in joints):
-        lowest = min(float(end.world[1]) for end in ends)
-        return next((e.body, e.point) for e in reversed(ends) if e.world[1] <= lowest + 1e-12)
-    farthest = max(float(np.linalg.norm(end.world)) for end in ends)
-    return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world) >= farthest * (1 - 1e-12))
+    on_ground = [joint for joint in layout.model.all_joints.values() if joint.parent == GROUND]
+    if any(isinstance(joint, schema.Slider | schema.Free) for joint in on_ground):
+        lowest = min(end.lowest for end in ends)
+        return next((e.body, e.point) for e in reversed(ends) if e.lowest <= lowest + 1e-12)
+    root = point(on_ground[0].parent_point_m)
+    farthest = max(float(np.linalg.norm(end.world - root)) for end in ends)
+    return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world - root) >= farthest * (1 - 1e-12))
 
 
 def _beyond_numbers(scene: Scene) -> Iterator[Fault]:

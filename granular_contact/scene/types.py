@@ -288,6 +288,13 @@ class Scene:
         """Body of this name."""
         return next(body for body in self.bodies if body.name == name)
 
+    def radius(self, body: RigidBody) -> float:
+        """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints."""
+        joints = [c.child_point for c in self.connections if c.child == body.name]
+        joints += [c.parent_point for c in self.connections if c.parent == body.name]
+        shapes = [float(np.linalg.norm(point)) + shape.drop for shape in body.shapes for point in shape.points]
+        return max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
+
     @property
     def tip_position(self) -> Vector:
         """Initial world position (2,) m of the tip."""
@@ -296,10 +303,10 @@ class Scene:
 
     @property
     def length(self) -> float:
-        """Size (m) of the mechanism at the start: from the origin to the tip, or from the tip to the farthest body."""
+        """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body."""
         tip = self.tip_position
         if self.pivot is not None:
-            return math.hypot(*tip)
+            return math.hypot(*(tip - self.pivot.parent_point))
         return max(math.hypot(*(body.motion.position - tip)) for body in self.bodies)
 
     @property

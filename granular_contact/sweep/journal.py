@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from granular_contact.results import FINISHED
+
 SYNC_SECONDS = 2.0  # a sync takes milliseconds, as long as a case
 _ENDING = ".jsonl"
 _START = re.compile(rb'{"index": (\d+), ')
@@ -34,7 +36,7 @@ class Row:
     @property
     def failed(self) -> bool:
         """Whether the case gave no result to rely on."""
-        return self.summary["status"] not in ("rest", "end_time")
+        return self.summary["status"] not in FINISHED
 
     def line(self) -> bytes:
         """The row as JSON; raises TypeError for what is no plain data."""

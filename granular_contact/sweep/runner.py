@@ -35,7 +35,12 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
         # What a case refers to is a file here, and may be none elsewhere.
         found += case_faults(sweep, [case for case in chunk if sweep.needs_files(case)], probe)
         others = [case for case in chunk if not sweep.needs_files(case)]
-        shared.append((crew.pool().submit(check, job, others, probe), range(start, start + len(chunk))))
+        places = range(start, start + len(chunk))
+        try:
+            shared.append((crew.pool().submit(check, job, others, probe), places))
+        except BrokenExecutor:  # a worker was lost since the last one
+            crew.dismiss()
+            found += case_faults(sweep, others, probe)
     for future, places in shared:
         lost = isinstance(future.exception(), BrokenExecutor)
         found += case_faults(sweep, [cases[i] for i in places], probe) if lost else future.result()

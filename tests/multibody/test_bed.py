@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import exudyn as exu
@@ -12,8 +12,10 @@ from exudyn import itemInterface as items
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 from support_runs import order
 
+from granular_contact import preset
 from granular_contact.errors import SceneError
 from granular_contact.kernels import kinematics, runs, strips
+from granular_contact.media.layer import Layer
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.bed import GranularBed
@@ -475,10 +477,40 @@ def test_long_beams_have_one_free_end() -> None:
     assert not any(run.run["cap"][0] for run in bound.runs)
 
 
-def test_no_cables_are_nobody() -> None:
-    bed = GranularBed(script().mbs, SAND, 0.0)
-    bed.add_cables([], 0.01)
-    assert "no body" in refused(bed, "attach")
+def test_no_cables_are_refused() -> None:
+    assert "at least one" in refused(GranularBed(script().mbs, SAND, 0.0), "add_cables", [], 0.01)
+
+
+@pytest.mark.parametrize("strips", [0, -1, 2.5, float("nan")])
+def test_strips_are_counted(strips: float) -> None:
+    one = script()
+    message = refused(GranularBed(one.mbs, SAND, 0.0), "add_rigid", one.first, [0, 0], [0.1, 0], 0.01, strips=strips)
+    assert f"strips: got {strips}" in message
+
+
+def test_points_lie_in_the_plane() -> None:
+    one = script()
+    bed = GranularBed(one.mbs, SAND, 0.0)
+    assert "z = 0.2 m" in refused(bed, "add_rigid", one.first, [0, 0, 0.2], [0.1, 0, 0], 0.01)
+    assert "shape (1, 1)" in refused(bed, "add_ball", one.first, [0.0], 0.01)
+    bed.add_rigid(one.first, [0, 0, 0], [0.1, 0, 0], 0.01)
+
+
+@pytest.mark.parametrize(
+    ("medium", "static", "what"),
+    [
+        (replace(SAND, density=-2500.0), Elastoplastic(), r"LeeMarghitu.density: got -2500.0"),
+        (replace(SAND, plunging=VerticalResistance(np.nan, 1.1)), Elastoplastic(), r"plunging.eta_v: got nan"),
+        (SAND, Elastoplastic(-1e-5), r"yield_displacement: got -1e-05, allowed is a number above 0"),
+        (SAND, Elastoplastic(0.0), "above 0"),
+        (SAND, Smooth(-1e-3), r"Smooth.reference_speed"),
+        (Layer(SAND, 0.1, 0.05), Elastoplastic(), r"top 0.1 and bottom 0.05"),
+        (preset("rft_generic"), Smooth(np.inf), r"reference_speed: got inf"),
+    ],
+)
+def test_numbers_with_which_sand_would_drive_are_refused(medium: Any, static: Any, what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        GranularBed(script().mbs, medium, 0.0, static=static)
 
 
 @pytest.mark.parametrize(

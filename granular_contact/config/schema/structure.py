@@ -111,6 +111,10 @@ def _name_faults(kind: str, names: Collection[str]) -> list[LocalFault]:
     ]
     if GROUND in names and kind == "bodies":
         faults.append(((kind, GROUND), "the name ground is that of the fixed frame; give the body another"))
+    if kind == "bodies" and {"tip", "tip_body"} <= set(names):
+        faults.append(((kind, "tip_body"), "its columns are those of the body tip; give one of the two another name"))
+    if kind == "joints" and "mean" in names:
+        faults.append(((kind, "mean"), "its columns are those of the mean rate; give the joint another name"))
     return faults
 
 
