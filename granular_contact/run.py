@@ -62,7 +62,12 @@ def run(
         "end": len(time) - 1,
     }
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
-    summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach), *_buried(scene, series)]
+    summary["warnings"] += [
+        *solved.doubts,
+        *_limits(scene, solved.reach),
+        *_buried(scene, series),
+        *_missed(scene, series),
+    ]
     if scene.stiff:
         summary["too_stiff_to_bend"] = list(scene.stiff)
     return Results(
@@ -191,6 +196,14 @@ def _buried(scene: Scene, series: dict[str, Vector]) -> list[str]:
     return [f"it starts {depth:.4g} m below the surface, as if it had been laid there without moving a grain"]
 
 
+def _missed(scene: Scene, series: dict[str, Vector]) -> list[str]:
+    """Of a run that never touched its medium, which is hardly what was meant."""
+    nearest = float(np.max(series["depth_m"])) if scene.media and "depth_m" in series else 0.0
+    if not nearest < -NOTHING:
+        return []
+    return [f"it never touched the medium: its deepest point came within {-nearest:.4g} m of the surface"]
+
+
 def _by_body(load: LoadHistory) -> dict[str, Vector]:
     return {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
@@ -250,7 +263,9 @@ def _stop_about_pivot(observer: Observer, pivot: Connection, touch: Touch) -> St
     rate, inertia = observer.mean_rate()
     moment = observer.weight_moment()
     if trajectory.load is not None:
-        moment = moment + trajectory.load.terms[:, :, 2].sum(axis=1)
+        fx, fy, about_origin = trajectory.load.terms.sum(axis=1).T
+        x, y = pivot.parent_point
+        moment = moment + about_origin - (x * fy - y * fx)
     angle, angle_rate = observer.angle(pivot.child, pivot.child_point)
     after = slice(touch.index, None)
     return find_stop(trajectory.time[after], rate[after], (-moment / inertia)[after], -angle[after], -angle_rate[after])

@@ -169,7 +169,7 @@ def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
         yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"
     if (angle := found.get("angle_at_stop_deg")) is not None:
         yield f"  angle at stop   {angle:.3f} deg"
-    if (depth := found.get("max_depth_m")) is not None:
+    if (depth := found.get("max_depth_m")) is not None and depth >= 0.0:
         yield f"  largest depth   {1e3 * depth:.2f} mm"
     if (deflection := found.get("max_deflection_m")) is not None:
         yield f"  deflection      {1e3 * deflection:.4f} mm at most"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,12 @@ Kind = Literal["round", "flat", "outline", "ball"]
 WORDS: dict[Kind, str] = {
     "round": "round bars (cylinder, arc or polyline with a diameter)",
     "flat": "plates (plate, arc or polyline with a width)",
-    "outline": "outlines (disc, foot)",
+    "outline": "outlines (disc, foot, polygon)",
     "ball": "spheres",
 }
 
 
+@runtime_checkable
 class Medium(Protocol):
     """A law with its coefficients.
 

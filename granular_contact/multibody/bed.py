@@ -16,6 +16,7 @@ no trace.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -69,6 +70,9 @@ class GranularBed:
     Notes
     -----
     `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
+
+    A solve that starts when the last one ended, or in the state in which it ended, goes on with bristles and history as
+    they are; any other rests them. A static solve moves bodies and leaves no history.
     """
 
     def __init__(
@@ -85,17 +89,22 @@ class GranularBed:
     ) -> None:
         if form not in ("distributed", "resultant"):
             raise ValueError(f"form: got {form!r}, allowed are 'distributed' and 'resultant'")
-        if not np.isfinite(gravity):
-            raise ValueError(f"gravity: got {gravity}, allowed is a finite number")
+        if np.ndim(gravity) != 0 or not np.isfinite(gravity):
+            raise ValueError(f"gravity: got {gravity}, allowed is a finite number, its magnitude (m/s2)")
         self.mbs = mbs
         self.profile = _profile(surface)
-        given = tuple(medium) if isinstance(medium, Sequence) else (medium,)
+        given = tuple(medium) if isinstance(medium, Sequence) and not isinstance(medium, str) else (medium,)
+        _expect("medium", given, (Medium, Layer), "a medium, such as preset('play_sand'), a Layer, or several of these")
+        if not given:
+            raise ValueError("medium: got none, allowed is at least one")
         self.layers = tuple(one if isinstance(one, Layer) else Layer(one) for one in given)
         self.media = tuple(layer.medium for layer in self.layers)
         if form == "resultant" and not all(layer.whole for layer in self.layers):
             raise ValueError("form: got 'resultant', but there are layers: allowed is 'distributed'")
+        _expect("floor", [] if floor is None else [floor], (Floor,), "a Floor")
         self.floor = floor if floor is not None and floor.stiffness is not None else None
         static = Elastoplastic() if static is None else static
+        _expect("static", [static], (Elastoplastic, Smooth), "Elastoplastic() or Smooth()")
         for part in (*self.layers, static):
             check(part)
         self.records = [one.record(static, gravity) for one in self.media]
@@ -108,6 +117,7 @@ class GranularBed:
         self._ledger: Ledger | None = None
         self._time: float | None = None  # time of the step for which forces were last asked
         self._accepted: float | None = None  # time of the last accepted state
+        self._last = np.zeros(0)  # its coordinates
 
     # ---- what the medium acts on ----
 
@@ -124,14 +134,17 @@ class GranularBed:
     ) -> None:
         """Let the medium act on a straight cylinder fixed to a rigid body, planar or spatial with Euler parameters.
 
-        start, end: axis of the cylinder, (2,) m in the body's frame; diameter in m; strips: how finely the static law
-        is resolved along it; free_end: whether the face at `end` is free (for end caps); name: under which the forces
-        on the body are kept, that of the body unless given.
+        start, end: axis of the cylinder, (2,) m in the body's frame; diameter in m; free_end: whether the face at `end`
+        is free (for end caps); name: under which the forces on the body are kept, that of the body unless given.
+        strips: how finely the static law is resolved along it. Each has one direction of motion, so where a body turns
+        about a point within one, more are more exact: the rod of the README comes to rest 1.0 mm off in height with 16,
+        and 0.1 mm with 256.
 
         Raises
         ------
         SceneError
-            The body is of another kind, the cylinder has no length or no diameter, or no medium here takes such shapes.
+            The body is of another kind, the cylinder has no length or no diameter, or no medium here takes such shapes;
+            a spatial body does not start in the plane.
         """
         axis = np.concatenate([shapes.planar("bed.add_rigid", point) for point in (start, end)])
         kind, flags = shapes.section("bed.add_rigid", diameter, None)
@@ -205,7 +218,7 @@ class GranularBed:
 
         def runs(at: str) -> list[Run]:
             # Runs are counted from the tip, where the beam meets the medium first.
-            return [
+            made = [
                 shapes.cable_run(
                     at,
                     self.mbs,
@@ -216,6 +229,9 @@ class GranularBed:
                 )
                 for stop in range(len(cables), 0, -size)
             ]
+            for run in made:
+                run.body = made[-1].body  # one beam, by the name of its first element
+            return made
 
         self._take("bed.add_cables", name, runs)
 
@@ -328,10 +344,13 @@ class GranularBed:
         """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""
         data = self.mbs.systemData
         self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
-        self._time = t
+        ended, self._time = self._time, t
         start_time = data.GetTime(exu.ConfigurationType.StartOfStep)
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
+            later = ended is None or not math.isclose(t, ended, rel_tol=1e-9)  # than a sum of steps comes to
+            if later and not np.array_equal(self._q, self._last):
+                self._accepted = None  # it does not start where the last one ended
             self.accept_state(t, self._q, self._v)
         elif start_time != self._accepted or self.ledger.length == 1:
             if start_time == self._accepted:  # the first step: bodies may have been moved since forces were first asked
@@ -365,7 +384,7 @@ class GranularBed:
         row = self.ledger.new_row(t)
         for group in self.groups:
             group.accept(q, v, row)
-        self._accepted = t
+        self._accepted, self._last = t, q.copy()
 
     def _restart(self, q: Vector, v: Vector) -> None:
         """A new solve begins: forget the history, rest the bristles."""
@@ -378,16 +397,27 @@ class GranularBed:
     @property
     def history(self) -> LoadHistory:
         """All steps up to the system's current state, which counts as accepted; reading it changes nothing."""
+        return self._seen(lambda: self.accepted)
+
+    def _seen(self, read: Callable[[], LoadHistory]) -> LoadHistory:
+        """What is read with the system's current state accepted, which is taken back afterwards."""
         if self._accepted is None or not self.mbs.systemData.GetTime() > self._accepted:
-            return self.accepted
-        length, accepted = self.ledger.length, self._accepted
+            return read()
+        length, accepted, last = self.ledger.length, self._accepted, self._last
         kept = [group.remember() for group in self.groups]
         self.accept()
-        history = self.accepted
-        self.ledger.length, self._accepted = length, accepted
+        found = read()
+        self.ledger.length, self._accepted, self._last = length, accepted, last
         for group, memory in zip(self.groups, kept, strict=True):
             group.recall(memory)
-        return history
+        return found
+
+    @property
+    def _now(self) -> LoadHistory:
+        """The last entry of the history, at no more than the cost of one."""
+        if self._ledger is None:
+            return self.accepted
+        return self._seen(lambda: self.ledger.last(self.term_names, named(self.runs)))
 
     @property
     def accepted(self) -> LoadHistory:
@@ -398,24 +428,30 @@ class GranularBed:
     @property
     def work(self) -> float:
         """Work done by the medium on the bodies (J); its negative is the energy dissipated in the medium."""
-        work = self.history.work
+        work = self._now.work
         return float(work[-1]) if len(work) else 0.0
 
     @property
     def terms(self) -> dict[str, Vector]:
         """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each."""
-        return _last(self.history.terms, self.term_names)
+        return _last(self._now.terms, self.term_names)
 
     @property
     def bodies(self) -> dict[str, Vector]:
         """Resultant x, y (N) and moment about the origin (N m) on each named body at the end, (3,) each."""
-        return _last(self.history.bodies, named(self.runs))
+        return _last(self._now.bodies, named(self.runs))
 
     @property
     def force(self) -> Vector:
         """Resultant (2,) N of the medium on all named bodies at the end."""
         total: Vector = sum(self.terms.values(), np.zeros(3))[:2]
         return total
+
+
+def _expect(name: str, given: Sequence[Any], kinds: tuple[type, ...], allowed: str) -> None:
+    for one in given:
+        if not isinstance(one, kinds):
+            raise ValueError(f"{name}: got {one!r}, allowed is {allowed}")
 
 
 def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:

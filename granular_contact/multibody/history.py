@@ -37,6 +37,11 @@ class LoadHistory:
     term_names: tuple[str, ...]
     body_names: tuple[str, ...]
 
+    def at_end(self) -> LoadHistory:
+        """The last entry alone, if there is one."""
+        last: dict[str, Any] = {k: values[-1:] for k, values in vars(self).items() if isinstance(values, np.ndarray)}
+        return replace(self, **last)
+
     def since(self, start: float) -> LoadHistory:
         """The entries from a time (s) on, with both works counted from there."""
         first = int(np.searchsorted(self.time, start))

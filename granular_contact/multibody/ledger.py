@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from granular_contact.kernels.law import TERMS
@@ -26,6 +28,7 @@ class Ledger:
         self.blank[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
         self._rows = np.zeros((256, len(self.blank)))
         self._work: Vector | None = None
+        self._summed = 0, 0.0  # a row, and the work up to it
         self.length = 0
 
     def columns(self, medium: int, body: int) -> Vector:
@@ -36,6 +39,8 @@ class Ledger:
         """A blank row at the end, for this time (s)."""
         if self.length == len(self._rows):
             self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
+        if self.length == 0:
+            self._summed = 0, 0.0
         row: Vector = self._rows[self.length]
         row[:] = self.blank
         row[TIME] = time
@@ -46,11 +51,26 @@ class Ledger:
         """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
         self._rows, self._work, self.length = rows, work, len(rows)
 
+    def last(self, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
+        """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
+        if self._work is not None or self.length < 3:
+            return self.history(term_names, body_names).at_end()
+        first, before = self._summed
+        rows = self._rows[first : self.length]
+        work = before + _integral(self._power(rows), rows[:, TIME])
+        self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
+        return replace(self._read(self._rows[self.length - 1 : self.length], term_names, body_names), work=work[-1:])
+
+    def _power(self, rows: Vector) -> Vector:
+        power: Vector = rows[:, FIRST : FIRST + self.media - self._floor].sum(axis=1)
+        return power
+
     def history(self, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
         """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
-        rows = self._rows[: self.length].copy()
-        time, sand = rows[:, TIME], FIRST + self.media - self._floor
-        power = rows[:, FIRST:sand].sum(axis=1)
+        return self._read(self._rows[: self.length].copy(), term_names, body_names)
+
+    def _read(self, rows: Vector, term_names: tuple[str, ...], body_names: tuple[str, ...]) -> LoadHistory:
+        time, sand, power = rows[:, TIME], FIRST + self.media - self._floor, self._power(rows)
         used = [TERMS * i + k for i, count in enumerate(self._terms) for k in range(count)]
         return LoadHistory(
             time=time,
@@ -62,8 +82,8 @@ class Ledger:
             lowest=rows[:, LOWEST],
             left=rows[:, LEFT],
             right=rows[:, RIGHT],
-            terms=rows[:, self.first_term : self.first_body].reshape(self.length, TERMS * self.media, 3)[:, used],
-            bodies=rows[:, self.first_body :].reshape(self.length, self._bodies, 3),
+            terms=rows[:, self.first_term : self.first_body].reshape(len(rows), TERMS * self.media, 3)[:, used],
+            bodies=rows[:, self.first_body :].reshape(len(rows), self._bodies, 3),
             term_names=term_names,
             body_names=body_names,
         )

@@ -13,11 +13,13 @@ from granular_contact.errors import scene_error
 from granular_contact.kernels import kinematics, spatial
 from granular_contact.media.kinds import Kind
 from granular_contact.multibody.runs import Run
+from granular_contact.polygon import crossing, doubled_area, extent
 
 Vector = NDArray[np.float64]
 
 # Most elements in one run: a long beam is cheaper in pieces, of which only those near the surface are evaluated.
 ELEMENTS_PER_RUN = 12
+OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off of what a script computes
 
 
 def section(where: str, diameter: float | None, width: float | None) -> tuple[Kind, dict[str, Any]]:
@@ -71,11 +73,12 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
     corners = _points(where, points, 3)
     if not np.array_equal(corners[0], corners[-1]):
         corners = np.vstack([corners, corners[:1]])
-    # Seen from a corner: far from the frame's origin the products are large, and their round-off with them.
-    (x0, y0), (x1, y1) = (corners[:-1] - corners[0]).T, (corners[1:] - corners[0]).T
-    area = 0.5 * float(np.sum(x0 * y1 - x1 * y0))
-    if abs(area) < 1e-13 * float(np.ptp(corners, axis=0).max()) ** 2:
+    outline = [(float(x), float(y)) for x, y in corners[:-1]]
+    area = doubled_area(outline)
+    if abs(area) < 2e-13 * extent(outline) ** 2:
         raise scene_error(where, "the outline encloses no area")
+    if pair := crossing(outline):
+        raise scene_error(where, f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
     sided = {**flags, "side": -1.0 if area > 0.0 else 1.0}
     stations = kinematics.rigid_stations(corners, count(where, "strips", strips))
@@ -119,6 +122,7 @@ def _rigid_run(where: str, mbs: Any, body: Any, geometry: NDArray[np.void], kind
         node = mbs.GetNode(item["nodeNumber"])["nodeType"]
         if node != "RigidBodyEP":
             raise scene_error(where, f"the node of {item['name']} is a {node}, allowed is RigidBodyEP")
+        _stays_in_plane(where, item["name"], mbs.GetNode(item["nodeNumber"]))
         geometry, size = spatial.spatial_stations(geometry), spatial.SIZE
     else:
         allowed = "allowed are RigidBody2D and RigidBody"
@@ -126,6 +130,16 @@ def _rigid_run(where: str, mbs: Any, body: Any, geometry: NDArray[np.void], kind
     run = Run([item["nodeNumber"]], size, geometry, kind, flags)
     run.body = item["name"]
     return run
+
+
+def _stays_in_plane(where: str, name: str, node: Any) -> None:
+    """Refuse a spatial body whose frame leans out of the plane at the start, or begins to."""
+    e = np.add(node["referenceCoordinates"], node["initialCoordinates"])[3:]
+    leaning = 2.0 * float(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3]))  # sine of the angle between its z axis and ours
+    upright = np.hypot(e[1], e[2]) < np.hypot(e[0], e[3])  # or upside down
+    rates = np.abs(np.asarray(node["initialVelocities"])[[2, 4, 5] if upright else [2, 3, 6]])
+    if leaning > OUT_OF_PLANE or rates.max() > OUT_OF_PLANE:
+        raise scene_error(where, f"{name} does not move in the x-y plane: its z axis leans or it has a speed out of it")
 
 
 def cable_run(where: str, mbs: Any, elements: Sequence[Any], kind: Kind, strips: int, flags: dict[str, Any]) -> Run:

@@ -15,6 +15,7 @@ from granular_contact.frames import instants, resample
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
+from granular_contact.polygon import doubled_area
 from granular_contact.results import Outline
 from granular_contact.scene.types import Motion, Vector, rotation
 
@@ -92,17 +93,12 @@ def _solids(outline: Outline, motion: Motion) -> list[Any]:
         return [graphics.Cylinder([*points[0], -radius], [0, 0, 2 * radius], radius, STEEL, nTiles=48)]
     if len(points) > 3 and np.array_equal(outline.points[0], outline.points[-1]):
         corners = points[:-1]
-        if _area(corners) < 0.0:
+        if doubled_area(corners.tolist()) < 0.0:
             corners = corners[::-1]
         n, depth = len(corners), 0.2 * float(np.max(np.ptp(corners, axis=0)))
         edges = [[i, (i + 1) % n] for i in range(n)]
         return [graphics.SolidExtrusion(corners.tolist(), edges, depth, pOff=[0, 0, -depth / 2], color=STEEL)]
     return [graphics.Cylinder([*a, 0.0], [*(b - a), 0.0], radius, STEEL, nTiles=24) for a, b in pairwise(points)]
-
-
-def _area(corners: Vector) -> float:
-    x, y = corners.T
-    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
 def _medium(system: System, observer: Observer) -> list[Any]:

@@ -9,7 +9,7 @@ import exudyn as exu
 import numpy as np
 import pytest
 from exudyn import itemInterface as items
-from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
+from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, RotationMatrixY, RotationMatrixZ
 from support_runs import order
 
 from granular_contact import preset
@@ -19,6 +19,7 @@ from granular_contact.media.layer import Layer
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.bed import GranularBed
+from granular_contact.multibody.shapes import ELEMENTS_PER_RUN
 
 SAND = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(22.0, 1.1))
 GRAVEL = LeeMarghitu(1600.0, 3.0, 4.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7))
@@ -581,3 +582,120 @@ def test_spatial_bodies_of_other_parametrisations_are_refused() -> None:
         nodeType=exu.NodeType.RotationRotationVector,
     )
     assert "RigidBodyEP" in refused(GranularBed(mbs, SAND, 0.0), "add_rigid", body, [0, 0], [0.1, 0], 0.01)
+
+
+@pytest.mark.parametrize(
+    ("turn", "velocity", "spin", "planar"),
+    [
+        (np.eye(3), [0, -1, 0], [0, 0, 2], True),
+        (RotationMatrixX(np.pi), [0, -1, 0], [0, 0, 2], True),  # upside down: its z axis points the other way
+        (RotationMatrixY(0.8), [0, -1, 0], [0, 0, 0], False),
+        (np.eye(3), [0, -1, 0.3], [0, 0, 0], False),
+        (np.eye(3), [0, -1, 0], [0, 5, 0], False),
+        (RotationMatrixX(np.pi), [0, -1, 0], [0, 5, 0], False),
+    ],
+)
+def test_spatial_bodies_start_in_the_plane(turn: Any, velocity: Any, spin: Any, planar: bool) -> None:
+    mbs = exu.SystemContainer().AddSystem()
+    body = mbs.CreateRigidBody(
+        inertia=RigidBodyInertia(mass=MASS, inertiaTensor=np.diag([1e-5, INERTIA, INERTIA])),
+        referenceRotationMatrix=turn,
+        initialVelocity=velocity,
+        initialAngularVelocity=spin,
+    )
+    bed = GranularBed(mbs, SAND, 0.0)
+    if planar:
+        bed.add_rigid(body, [0, 0], [0.1, 0], 0.01)
+    else:
+        assert "does not move in the x-y plane" in refused(bed, "add_rigid", body, [0, 0], [0.1, 0], 0.01)
+
+
+def test_an_outline_whose_sides_cross_is_refused() -> None:
+    one = script()
+    corners = [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.2]]
+    bed = GranularBed(one.mbs, preset("rft_generic"), 0.0)
+    assert "cross" in refused(bed, "add_outline", one.first, corners, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"medium": "play_sand"}, "preset"),
+        ({"medium": None}, "preset"),
+        ({"medium": []}, "at least one"),
+        ({"static": "elastoplastic"}, r"Elastoplastic\(\)"),
+        ({"floor": -0.1}, "a Floor"),
+        ({"gravity": [0, -9.81, 0]}, "magnitude"),
+    ],
+)
+def test_things_of_the_wrong_kind_are_told(options: dict[str, Any], what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        GranularBed(script().mbs, **({"medium": SAND, "surface": 0.0} | options))
+
+
+def test_a_beam_in_several_pieces_is_one_body() -> None:
+    mbs = exu.SystemContainer().AddSystem()
+    bed = GranularBed(mbs, SAND, 0.0)
+    bed.add_cables(cables(mbs, 2 * ELEMENTS_PER_RUN + 1), 0.01)
+    assert len(bed.runs) == 3
+    assert list(bed.bodies) == [mbs.GetObject(0)["name"]]
+
+
+# ---- one solve after another ----
+
+
+def solved(one: Script, start: float, end: float, *, goes_on: bool = False) -> None:
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.startTime, settings.timeIntegration.endTime = start, end
+    settings.timeIntegration.numberOfSteps = round((end - start) / 2e-4)
+    one.mbs.SolveDynamic(settings, updateInitialValues=goes_on)
+
+
+def in_sand() -> tuple[Script, GranularBed]:
+    one = script(1)
+    bed = GranularBed(one.mbs, SAND, 0.05)
+    bed.add_rigid(one.first, [-HALF, 0], [HALF, 0], DIAMETER)
+    bed.attach()
+    one.mbs.Assemble()
+    return one, bed
+
+
+def test_a_solve_that_begins_anew_at_a_later_time_is_another_one() -> None:
+    one, bed = in_sand()
+    solved(one, 0.0, 0.1)
+    first = bed.history
+    solved(one, 1.0, 1.1)
+    again = bed.history
+    assert len(again.time) == len(first.time)
+    # Times differ by round-off of 1 + t, and what is integrated over them.
+    assert bed.work == pytest.approx(first.work[-1], rel=1e-9)
+    assert again.time[0] == 1.0
+
+
+def test_a_solve_that_goes_on_keeps_what_was() -> None:
+    one, bed = in_sand()
+    solved(one, 0.0, 0.05, goes_on=True)
+    solved(one, 0.05, 0.1)
+    in_two, work = len(bed.history.time), bed.work
+    one, bed = in_sand()
+    solved(one, 0.0, 0.1)
+    assert in_two == len(bed.history.time)
+    # The engine's accelerations start from zero in the second solve: an error of its first step.
+    assert work == pytest.approx(bed.work, rel=1e-3)
+
+
+def test_numbers_read_in_every_step_are_those_of_the_history() -> None:
+    one, bed = in_sand()
+    seen: list[tuple[float, float, float]] = []
+
+    def after_step(*_: Any) -> bool:
+        seen.append((bed.work, *bed.force))
+        return True
+
+    one.mbs.SetPostStepUserFunction(after_step)
+    solved(one, 0.0, 0.1)
+    history = bed.history
+    expected = np.column_stack([history.work, history.terms[:, :, :2].sum(axis=1)])[-len(seen) :]
+    # Sums of the same numbers in another order.
+    np.testing.assert_allclose(seen, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())

@@ -52,7 +52,7 @@ class Initial(Strict):
     def _is_a_start(self) -> Initial:
         faults: list[LocalFault] = []
         if self.impact_angle_deg is None and self.joints is None and not self.settle:
-            message = "is missing; allowed is a finite number from -90 to 90, or joints in its place"
+            message = "is missing; allowed is a finite number from -90 to 90, or joints in its place ({}: all at home)"
             faults.append((("impact_angle_deg",), message))
         if self.impact_tip_speed_m_s is not None and self.impact_speed_rad_s != 0.0:
             message = "got both this and impact_speed_rad_s; allowed is one of them"

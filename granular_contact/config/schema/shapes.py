@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
+from granular_contact.polygon import crossing, doubled_area, extent
 
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
 
@@ -137,9 +137,9 @@ class PolygonShape(_Shape):
     @model_validator(mode="after")
     def _encloses(self) -> PolygonShape:
         faults = _repeated((*self.points_m, self.points_m[0]))
-        if not faults and abs(doubled_area(self.points_m)) < 1e-12 * _extent(self.points_m) ** 2:
+        if not faults and abs(doubled_area(self.points_m)) < 1e-12 * extent(self.points_m) ** 2:
             faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
-        if not faults and (pair := _crossing(self.points_m)):
+        if not faults and (pair := crossing(self.points_m)):
             words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
             faults = [(("points_m",), words)]
         if faults:
@@ -169,40 +169,6 @@ class FootShape(_Shape):
             allowed = f"allowed is at most {SLENDER:g} times height_m, {SLENDER * self.height_m:g}"
             raise refusal([(("length_m",), f"got {self.length_m:g}; {allowed}")])
         return self
-
-
-def doubled_area(points: tuple[tuple[float, float], ...]) -> float:
-    """Twice the area (m2) of a polygon, negative for a clockwise one.
-
-    Seen from its first corner: far from the frame's origin the products are large, and their round-off with them.
-    """
-    seen = [(x - points[0][0], y - points[0][1]) for x, y in points]
-    return math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise(seen))
-
-
-def _crossing(points: tuple[tuple[float, float], ...]) -> tuple[int, int] | None:
-    """Two sides of a polygon that cross, by their first corners."""
-    sides = list(enumerate(pairwise((*points, points[0]))))
-    sides.sort(key=lambda side: min(side[1][0][0], side[1][1][0]))
-    for i, (first, (a, b)) in enumerate(sides):
-        right = max(a[0], b[0])
-        for second, (c, d) in sides[i + 1 :]:
-            if min(c[0], d[0]) > right:
-                break  # it and all that follow lie further to the right
-            if _turn(a, b, c) * _turn(a, b, d) < 0.0 and _turn(c, d, a) * _turn(c, d, b) < 0.0:
-                return min(first, second), max(first, second)
-    return None
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    """Which way c lies of the line from a to b: positive on its left, zero on it; only the sign is of use."""
-    turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    return math.copysign(1.0, turn) if turn else 0.0
-
-
-def _extent(points: tuple[tuple[float, float], ...]) -> float:
-    x, y = [p[0] for p in points], [p[1] for p in points]
-    return max(max(x) - min(x), max(y) - min(y))
 
 
 def _repeated(points: tuple[tuple[float, float], ...]) -> list[LocalFault]:
