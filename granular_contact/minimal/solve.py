@@ -111,7 +111,7 @@ def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
     if code == kernels.FAILED:
         return Status(
             "failed",
-            f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; take a larger one",
+            f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; raise it",
         )
     if code == kernels.PAUSE:
         return out_of_time(t, solver.end_time, solver.max_wall)

@@ -23,9 +23,8 @@ Numbers = list[float]
 class End:
     """One end of a joint: reference coordinates of its node (3 of a rigid body, 4 of a cable's, none of the ground).
 
-    point (2,) m: of the joint, from the node, in its frame; turn: angle (rad) of the body less that of the node, by
-    which the slope of a link that starts at a great angle is on the right turn; last: angle found last, for counting
-    turns of a slope.
+    point (2,) m: of the joint, from the node, in its frame; last: angle (rad) found last, by which the turns of a slope
+    are counted.
     """
 
     reference: Numbers

@@ -105,8 +105,8 @@ def _status(model: Model, march: March, code: int) -> Status:
     if code == kernels.FAILED:
         return Status(
             "failed",
-            f"no step is small enough for method.reduced.rtol ({model.method.rtol:g}) at {t:.6g} s; take a larger one, "
-            "or fewer modes",
+            f"no step is small enough for method.reduced.rtol ({model.method.rtol:g}) at {t:.6g} s; raise it, or take "
+            "fewer modes",
         )
     if code == kernels.REST:
         if march.true_sign and march.speed() > solver.rest_speed:

@@ -257,7 +257,7 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
 def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
-        yield _fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces are beyond all numbers")
+        yield _fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
 
 
 def _unsuited(scene: Scene) -> Iterator[Fault]:
