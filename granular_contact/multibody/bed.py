@@ -38,6 +38,7 @@ from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.runs import Group, Run, named
 
 Vector = NDArray[np.float64]
+LEANING = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
 
 
 class GranularBed:
@@ -69,6 +70,8 @@ class GranularBed:
 
     Notes
     -----
+    Bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an error.
+
     `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
 
     A solve that starts when the last one ended, or in the state in which it ended, goes on with bristles and history as
@@ -281,6 +284,7 @@ class GranularBed:
         """Close the list of bodies: form groups for the kernels, and a history to be filled."""
         self._ledger = self._new_ledger()
         self.groups = list(self._grouped())
+        self._spatial = [group for group in self.groups if group.is_spatial]
 
     def _grouped(self) -> Iterator[Group]:
         """Runs that one medium, or the floor, meets on one kind of body, with their columns in the history."""
@@ -359,6 +363,8 @@ class GranularBed:
             self.accept_state(
                 start_time, data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)
             )
+        if any(group.leaning(self._q) > LEANING for group in self._spatial):
+            raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
         self._awake = any([group.wake(t - start_time) for group in self.groups])
 
     def accept(self) -> None:

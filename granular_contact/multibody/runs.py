@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.kernels import groups as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.law import RUN
+from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
 from granular_contact.media.kinds import Kind
 from granular_contact.multibody.overlay import Overlay
 
@@ -86,6 +87,17 @@ class Group:
         self._tangent = entry(kernels.tangent, q, v, *self._awake_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
         self._accept = entry(kernels.accept, q, v, *self._all_sand, v, self.columns, self.reach)
         self._compiled = True
+
+    @property
+    def is_spatial(self) -> bool:
+        """Whether its bodies could leave the plane."""
+        return bool(self.geometry.dtype == SPATIAL_STATION)
+
+    def leaning(self, q: Vector) -> float:
+        """Of spatial bodies: sine of the greatest angle between a body's z axis and that of the world."""
+        places = self._places[:, 0].reshape(-1, SIZE)[:, 3:]
+        e = (q + self._all_sand[0])[places].T
+        return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:
         """Add the generalised forces to those of the overlay."""
