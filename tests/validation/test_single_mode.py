@@ -10,7 +10,8 @@ import pytest
 from scipy.linalg import eigh
 
 from validation import single_mode_vs_fe as study
-from validation.single_mode_vs_fe import DENSITY, DIAMETER, EI, HUB, LENGTH, Case, Point
+from validation.single_mode.cases import DENSITY, DIAMETER, EI, HUB, LENGTH, Case, Point, frequencies, shortfall
+from validation.single_mode.numbers import NUMBERS, fit, misjudged
 
 
 def hermite_frequencies(elements: int = 24) -> np.ndarray:
@@ -40,20 +41,20 @@ def hermite_frequencies(elements: int = 24) -> np.ndarray:
 
 def test_frequencies_on_the_hinge_against_cubic_elements() -> None:
     # 20 modes and 24 elements are each good to 1e-5 in the first two.
-    modal = study.frequencies(Case("EI"), 20)[:2] / (2.0 * math.pi)
+    modal = frequencies(Case("EI"), 20)[:2] / (2.0 * math.pi)
     np.testing.assert_allclose(modal, hermite_frequencies()[:2], rtol=1e-4)
 
 
 def test_frequencies_fall_with_the_modes_and_scale_with_the_stiffness() -> None:
     # More modes enclose fewer: Rayleigh.
-    first = [study.frequencies(Case("EI"), n)[0] for n in (1, 2, 3, 8)]
+    first = [frequencies(Case("EI"), n)[0] for n in (1, 2, 3, 8)]
     assert all(a > b for a, b in pairwise(first))
-    soft = study.frequencies(Case("EI", 1e-2), 3)
-    np.testing.assert_allclose(soft, 0.1 * study.frequencies(Case("EI"), 3), rtol=1e-9)
+    soft = frequencies(Case("EI", 1e-2), 3)
+    np.testing.assert_allclose(soft, 0.1 * frequencies(Case("EI"), 3), rtol=1e-9)
 
 
 def test_deflection_under_a_steady_tip_force_grows_with_the_modes() -> None:
-    shares = [study.shortfall(Case("EI"), n) for n in (1, 2, 3, 20)]
+    shares = [shortfall(Case("EI"), n) for n in (1, 2, 3, 20)]
     assert all(a < b for a, b in pairwise(shares))
     assert shares[-1] == pytest.approx(1.0, abs=1e-12)
 
@@ -79,14 +80,14 @@ def made_up(stiffness: float, error: float | None, doubt: float = 0.0) -> Point:
 def test_fit_finds_the_power_and_counts_misjudged_cases() -> None:
     # N goes as EI^-1/2, so an error of EI^-1 is N^2, and is 1 % at EI ratio 1.
     points = [made_up(k, 0.01 / k) for k in (0.1, 0.3, 0.9, 1.1, 3.0, 10.0)]
-    fit = study.fit(points, "1 / (w1 T)", "one", "travel")
-    assert fit.p == pytest.approx(2.0, abs=1e-9)
-    assert fit.r2 == pytest.approx(1.0, abs=1e-12)
-    assert fit.threshold(0.01) == pytest.approx(study.NUMBERS["1 / (w1 T)"](made_up(1.0, 0.0)), rel=1e-9)
-    assert study.misjudged(points, "1 / (w1 T)", "one", "travel", 0.01) == (0, 0, 6)
+    found = fit(points, "1 / (w1 T)", "one", "travel")
+    assert found.p == pytest.approx(2.0, abs=1e-9)
+    assert found.r2 == pytest.approx(1.0, abs=1e-12)
+    assert found.threshold(0.01) == pytest.approx(NUMBERS["1 / (w1 T)"](made_up(1.0, 0.0)), rel=1e-9)
+    assert misjudged(points, "1 / (w1 T)", "one", "travel", 0.01) == (0, 0, 6)
     # A link that never stops is out of any limit, and takes no part in the fit.
     points.append(made_up(100.0, None))
-    assert study.misjudged(points, "1 / (w1 T)", "one", "travel", 0.01) == (1, 0, 7)
+    assert misjudged(points, "1 / (w1 T)", "one", "travel", 0.01) == (1, 0, 7)
 
 
 def test_case_that_the_beams_leave_in_doubt_is_not_judged() -> None:

@@ -1,0 +1,255 @@
+"""Impacts of the paper's link and of its kin, run by every model."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from granular_contact import scene, sweep
+from granular_contact.config import Scenario, load, load_sweep
+from granular_contact.reduced.model import model as reduce
+from granular_contact.reduced.world import world
+from granular_contact.report import yaml_text
+from granular_contact.results import Results
+from granular_contact.run import run
+
+CONFIG = Path(__file__).parents[2] / "configs" / "pendulum.yaml"
+ELEMENTS = "model.bodies.link.flexible.elements"
+EI, DENSITY, LENGTH, DIAMETER = 15.1642, 7700.0, 0.23876, 0.00635  # N m2, kg/m3, m, m
+HUB = 0.009525 + 0.01524  # m, from the pivot to the link's root
+
+# Modes of each reduced model, elements and steps per rigid stopping time of each beam; the last is the reference.
+MODES = {"rigid": 0, "one": 1, "two": 2, "five": 5}
+BEAMS = {"coarse": (16, 400), "fine": (32, 800)}
+QUICK_BEAMS = {"coarse": (16, 300), "fine": (32, 600)}
+SPANS = (3.0, 12.0)  # times the rigid stopping time: where a run ends, and where it ends if it had not stopped by then
+# Times the steps that a run should take; modes that diverge in a fast spin, as nothing stiffens them, take ever smaller
+# ones.
+MOST_STEPS = 20
+MEASURES = ("stopping time", "travel", "deflection")
+BOTH = MEASURES[:2]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One impact: ratios to the paper's EI, density and length; speed rad/s, angle deg."""
+
+    family: str
+    stiffness: float = 1.0
+    speed: float = 6.24
+    angle: float = 31.0
+    density: float = 1.0
+    length: float = 1.0
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The config's values."""
+        link = "model.bodies.link"
+        return {
+            f"{link}.flexible.bending_stiffness_N_m2": self.stiffness * EI,
+            f"{link}.density_kg_m3": self.density * DENSITY,
+            f"{link}.length_m": self.length * LENGTH,
+            "initial.impact_speed_rad_s": self.speed,
+            "initial.impact_angle_deg": self.angle,
+        }
+
+
+def design(quick: bool) -> list[Case]:
+    """The cases: EI and speed at 31 degrees, then lines in density, length and angle at two stiffnesses."""
+    if quick:
+        grid = [Case("EI, speed", k, w) for k in (1e-4, 1e-2, 1.0, 1e2) for w in (0.5, 6.24)]
+        lines = [Case("density", 1e-2, density=5.0), Case("length", 1e-2, length=2.0), Case("angle", 1e-2, angle=61.5)]
+        return [*grid, Case("angle", angle=61.5), *lines]
+    grid = [Case("EI, speed", 10.0**k, w) for k in range(-4, 3) for w in (0.1, 0.5, 2.0, 6.24, 11.0, 20.0)]
+    lines = []
+    for k in (1e-2, 1.0):
+        lines += [Case("density", k, density=ratio) for ratio in (0.1, 0.3, 3.0, 10.0)]
+        lines += [Case("length", k, length=ratio) for ratio in (0.4, 0.7, 1.5, 2.5)]
+        lines += [Case("angle", k, angle=angle) for angle in (12.0, 22.0, 45.0, 61.5, 75.0)]
+    return grid + lines
+
+
+# ---- running ----
+
+
+def simulate(scenario: Scenario) -> Results:
+    """One run, with what else the study reads of it in the summary: values up to the stop."""
+    solver, reduced = scenario.solver, scenario.method.reduced is not None
+    each = 4096 if reduced else 64  # steps between two calls of the progress
+    left = MOST_STEPS * solver.end_time_s / solver.step_s / each + 4
+
+    def count(_now: float, _end: float) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise RuntimeError("far more steps than it should take: the motion diverges, or the solver can't follow")
+
+    results = run(scene.build(scenario), scenario, count)
+    stop = results.summary["stopping_time_s"]
+    until = results["time_s"] <= (math.inf if stop is None else stop)
+    if any(column.name == "deflection_m" for column in results.columns):
+        results.summary["peak_m"] = float(np.max(np.abs(results["deflection_m"][until])))
+    results.summary["work_J"] = float(results["granular_work_J"][until][-1])
+    results.summary["depth_at_stop_m"] = float(np.max(results["depth_m"][until]))
+    return results
+
+
+def rows(cases: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Summaries of named cases on all cores."""
+    if not cases:
+        return {}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "study.yaml"
+        file.write_text(yaml_text({"config": str(CONFIG), "set": {"solver.rest_time_s": None}, "cases": cases}))
+        with sweep.Crew() as crew:
+            return {row.name: row.summary for row in sweep.run(load_sweep(file), crew, function=simulate)}
+
+
+def method(modes: int) -> dict[str, Any]:
+    """A reduced model; its strips follow from the elements."""
+    return {"method": {"reduced": {"modes": modes, "static": "elastoplastic"}}, ELEMENTS: 32}
+
+
+@dataclass(frozen=True)
+class Point:
+    """What came of a case: summaries by model, and those of the rigid link in the same impact.
+
+    None for a number that a model does not have, as it did not stop or failed.
+    """
+
+    case: Case
+    runs: dict[str, dict[str, Any]]
+
+    def value(self, model: str, measure: str) -> float | None:
+        """Stopping time (s), travel (deg) or peak deflection up to the stop (m)."""
+        summary = self.runs[model]
+        if summary.get("stopping_time_s") is None:
+            return None
+        if measure == "travel":
+            return float(summary["angle_at_stop_deg"] - self.case.angle)
+        found = summary.get({"stopping time": "stopping_time_s", "deflection": "peak_m"}[measure])
+        return None if found is None else float(found)
+
+    def error(self, model: str, measure: str) -> float:
+        """Relative difference from the fine beam; inf where only the model does not stop, nan without a value."""
+        mine, exact = self.value(model, measure), self.value("fine", measure)
+        if not exact or (measure == "deflection" and model == "rigid"):
+            return math.nan
+        return math.inf if mine is None else abs(mine / exact - 1.0)
+
+    def doubt(self, measure: str) -> float:
+        """Relative difference of the two beams."""
+        found = self.error("coarse", measure)
+        return math.inf if math.isnan(found) else found
+
+    def known(self, model: str, measure: str) -> bool:
+        """Whether an error stands clear of the beams' own: those agree to 0.2 %, or to a fifth of the error."""
+        error = self.error(model, measure)
+        return not math.isnan(error) and self.doubt(measure) <= max(2e-3, 0.2 * min(error, 1.0))
+
+    # ---- numbers known from the rigid run and the link ----
+
+    @cached_property
+    def rigid(self) -> dict[str, float]:
+        """Stopping time T (s), travel Q (rad), depth z (m), mean force at the tip F (N) of the rigid link."""
+        summary = self.runs["rigid"]
+        travel = math.radians(summary["angle_at_stop_deg"] - self.case.angle)
+        force = -summary["work_J"] / (travel * self.reach)
+        return {"T": summary["stopping_time_s"], "Q": travel, "z": summary["depth_at_stop_m"], "F": force}
+
+    @property
+    def reach(self) -> float:
+        """From the pivot to the tip (m)."""
+        return HUB + self.case.length * LENGTH
+
+    @cached_property
+    def sag(self) -> float:
+        """Static deflection of the clamped link under the mean force at its tip (m)."""
+        return self.rigid["F"] * (self.case.length * LENGTH) ** 3 / (3.0 * self.case.stiffness * EI)
+
+    @cached_property
+    def first(self) -> float:
+        """First angular frequency of the link on its hinge in vacuum (rad/s)."""
+        return float(frequencies(self.case, 20)[0])
+
+
+def points(cases: Sequence[Case], beams: dict[str, tuple[int, int]] = BEAMS) -> list[Point]:
+    """Every case by every model."""
+    impacts = {key: case for case in cases for key in [_impact(case)]}
+    first = rows(
+        {
+            name: {**case.values, **method(0), "solver.end_time_s": 3.0, "solver.step_s": 1e-3}
+            for name, case in impacts.items()
+        }
+    )
+    scale = {name: summary["stopping_time_s"] for name, summary in first.items()}
+    found: list[dict[str, dict[str, Any]]] = [{} for _ in cases]
+    for span in SPANS:
+        asked = {}
+        for i, case in enumerate(cases):
+            for name, what in models(scale[_impact(case)], span, beams).items():
+                if found[i].get(name, {}).get("stopping_time_s") is None and not _given_up(found[i].get(name)):
+                    asked[f"c{i}_{name}"] = {**case.values, **what}
+        for name, summary in rows(asked).items():
+            index, kind = name[1:].split("_")
+            found[int(index)][kind] = summary
+    return [Point(case, runs) for case, runs in zip(cases, found, strict=True)]
+
+
+def _given_up(summary: dict[str, Any] | None) -> bool:
+    return summary is not None and summary["status"] in ("failed", "error")
+
+
+def _impact(case: Case) -> str:
+    """Name of the impact: the same for all stiffnesses."""
+    return f"w{case.speed:g}_a{case.angle:g}_d{case.density:g}_l{case.length:g}"
+
+
+def models(stop: float, span: float, beams: dict[str, tuple[int, int]]) -> dict[str, dict[str, Any]]:
+    """What selects each model, by its name; stop: stopping time of the rigid link (s)."""
+    finest = max(steps for _, steps in beams.values())
+    end = {"solver.end_time_s": span * stop}
+    reduced = {name: {**method(n), **end, "solver.step_s": stop / finest} for name, n in MODES.items()}
+    full = {
+        name: {"method": "engine", ELEMENTS: elements, **end, "solver.step_s": stop / steps, "solver.tolerance": 1e-6}
+        for name, (elements, steps) in beams.items()
+    }
+    return reduced | full
+
+
+def frequencies(case: Case, modes: int) -> NDArray[np.float64]:
+    """Angular frequencies (rad/s) of the link on its hinge, in vacuum, with so many modes."""
+    overrides = [f"{key}={value!r}" for key, value in case.values.items()]
+    built = scene.build(load(CONFIG, [*overrides, f"method={{reduced: {{modes: {modes}}}}}"]).scenario)
+    assert built.method is not None
+    record = world(reduce(built, built.method)).pendulum[0]
+    mass = record["m"] * np.eye(modes + 1)
+    mass[0, 0] = record["J"]
+    mass[0, 1:] = mass[1:, 0] = record["c"][:modes]
+    stiffness = np.diag([0.0, *record["k"][:modes]])
+    found: NDArray[np.float64] = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[1:])
+    return found
+
+
+def shortfall(case: Case, modes: int) -> float:
+    """Tip deflection of the link while a steady force at its tip turns it on its hinge, over that with 20 modes.
+
+    Inertia takes the force up along the link, so that little moment is left at the root of a light hub.
+    """
+    built = scene.build(
+        load(CONFIG, [*(f"{k}={v!r}" for k, v in case.values.items()), "method={reduced: {modes: 20}}"]).scenario
+    )
+    assert built.method is not None
+    record = world(reduce(built, built.method)).pendulum[0]
+    reach = HUB + case.length * LENGTH
+    parts = (1.0 - record["c"] * reach / record["J"]) / record["k"]
+    return float(parts[:modes].sum() / parts.sum())
