@@ -14,8 +14,8 @@ from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import term_names
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.bed import NOTHING
-from granular_contact.scene.types import Connection, Reduced, Scene, Vector
-from granular_contact.stopping import Stop, find_stop
+from granular_contact.scene.types import Reduced, Scene, Vector
+from granular_contact.stopping import Stop
 from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
 
 if TYPE_CHECKING:
@@ -135,6 +135,7 @@ def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajec
 def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
+    from granular_contact.multibody.stop import stop_after
 
     system, trajectory = _trajectory(scene, progress)
     observer = Observer(system, trajectory)
@@ -144,7 +145,7 @@ def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, 
         trajectory.status,
         trajectory.cost,
         *observer.columns(),
-        stop=lambda touch: engine_stop(observer, touch),
+        stop=lambda touch: stop_after(observer, touch.index),
         outlines=observer.outlines,
         pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
         loads={} if trajectory.load is None else _by_body(trajectory.load),
@@ -238,16 +239,6 @@ def _rows(time: Vector, interval: float | None) -> Any:
     return np.unique([0, *(np.flatnonzero(np.diff(passed)) + 1), len(time) - 1])
 
 
-def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
-    """When the mechanism stopped after the touch, with the measure that fits it; None where there is none."""
-    scene = observer.scene
-    if scene.drives:
-        return None
-    if scene.pivot is not None:
-        return _stop_about_pivot(observer, scene.pivot, touch)
-    return _stop_of_fall(observer, touch) if scene.floating is not None else None
-
-
 def _measure(scene: Scene) -> str | None:
     """What stopping means for a mechanism; None where it means nothing."""
     if scene.drives:
@@ -255,31 +246,3 @@ def _measure(scene: Scene) -> str | None:
     if scene.floating is not None:
         return FALL_MEASURE
     return None if scene.pivot is None else STOP_MEASURE
-
-
-def _stop_about_pivot(observer: Observer, pivot: Connection, touch: Touch) -> Stop | None:
-    """First zero of the mean rate after the touch, with the pivot's angle there."""
-    trajectory = observer.trajectory
-    rate, inertia = observer.mean_rate()
-    moment = observer.weight_moment()
-    if trajectory.load is not None:
-        fx, fy, about_origin = trajectory.load.terms.sum(axis=1).T
-        x, y = pivot.parent_point
-        moment = moment + about_origin - (x * fy - y * fx)
-    angle, angle_rate = observer.angle(pivot.child, pivot.child_point)
-    after = slice(touch.index, None)
-    return find_stop(trajectory.time[after], rate[after], (-moment / inertia)[after], -angle[after], -angle_rate[after])
-
-
-def _stop_of_fall(observer: Observer, touch: Touch) -> Stop | None:
-    """First zero of the vertical velocity of the lower end after the touch, with the angle of its body there."""
-    time, after = observer.trajectory.time, slice(touch.index, None)
-    if len(time[after]) < 3:
-        return None
-    body, point = observer.scene.tip
-    speed = observer.position(body, point)[1][after, 1]
-    angle, rate = observer.angle(body, point)
-    # Of the velocity itself, looking back only: at the stop the force of the medium jumps.
-    slope = np.diff(speed) / np.diff(time[after])
-    before = np.concatenate([slope[:1], slope[:1], slope[1:] + 0.5 * np.diff(slope)])[: len(speed)]
-    return find_stop(time[after], speed, before, -angle[after], -rate[after], hub=False)

@@ -40,6 +40,7 @@ MAY = {
         "polygon",
         "results",
         "series",
+        "stopping",
         "errors",
     },
     "frames": {"results"},

@@ -31,7 +31,8 @@ from granular_contact.config import load_scenario
 from granular_contact.multibody.build import build as build_system
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import settings, solve
-from granular_contact.run import engine_stop, run
+from granular_contact.multibody.stop import stop_after
+from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.summary import find_touch
 from validation.study import Claim, Outcome, script
@@ -137,7 +138,7 @@ def simulate(setting: Setting, *more: str) -> Path40:
     columns, table = observer.columns()
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     touch = find_touch(series["time_s"], series["depth_m"])
-    found = None if touch is None else engine_stop(observer, touch)
+    found = None if touch is None else stop_after(observer, touch.index)
     if touch is None or found is None:
         raise Failed("it does not stop within 40 ms")
     return _path(series, found.time - touch.time, float(np.degrees(found.angle)), trajectory.cost.solve_s)
