@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from granular_contact.media.floor import Floor
+from granular_contact.media.kinds import Kind
 from granular_contact.scene.bed import Bed
 
 
@@ -13,7 +14,7 @@ from granular_contact.scene.bed import Bed
 class Reach:
     """Extremes of all that was immersed: speed (m/s), depth, height of the lowest point, least and greatest x (m).
 
-    sizes: diameters and widths (m) of what was immersed.
+    sizes: kinds, with diameters and widths (m), of what was immersed.
     """
 
     speed: float
@@ -21,13 +22,14 @@ class Reach:
     lowest: float
     left: float
     right: float
-    sizes: tuple[float, ...]
+    sizes: tuple[tuple[Kind, float], ...]
 
 
 def warnings(bed: Bed, reach: Reach) -> Iterator[str]:
     """Sentences on all that a run left, by how much."""
-    for medium in dict.fromkeys(bed.media):
-        outside = list(medium.validity.departures(reach.speed, reach.depth, reach.sizes))
+    for medium in dict.fromkeys(layer.medium for layer in bed.layers if reach.depth > layer.top):
+        met = tuple(size for kind, size in reach.sizes if kind in medium.takes)
+        outside = list(medium.validity.departures(reach.speed, reach.depth, met)) if met else []
         if outside:
             yield f"outside the range that {medium.name} was measured in: {'; '.join(outside)}"
     if bed.floor is not None:

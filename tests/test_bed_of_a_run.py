@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,6 +26,21 @@ model:
 medium: {from: glass_beads_katsuragi_durian, stiffness_N_m: 80}
 initial: {joints: {flight: {vy_m_s: -1.0}}}
 solver: {step_s: 2e-5, end_time_s: 0.06}
+"""
+
+PLATE = """
+model:
+  name: plate
+  bodies:
+    plate:
+      type: rigid
+      density_kg_m3: 2700
+      shapes: [{type: plate, start_m: [-0.03, 0], end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005}]
+  joints:
+    flight: {type: free, parent: ground, child: plate}
+medium: poppy_seeds_loose
+initial: {joints: {flight: {vy_m_s: -1.0}}}
+solver: {step_s: 1e-4, end_time_s: 0.04}
 """
 
 
@@ -143,7 +159,7 @@ def test_validity_counts_both_ends_of_sizes() -> None:
 
 def test_nothing_is_said_of_a_bed_that_was_not_left() -> None:
     bed = scene_of("pendulum", "bed={depth_m: 0.05, container_x_m: [-1, 1]}").bed
-    assert list(warnings(bed, Reach(1.0, 0.01, -0.15, 0.1, 0.3, (0.00635,)))) == []
+    assert list(warnings(bed, Reach(1.0, 0.01, -0.15, 0.1, 0.3, (("round", 0.00635),)))) == []
 
 
 def test_a_ball_falls_as_the_closed_form_says() -> None:
@@ -177,6 +193,42 @@ def test_what_a_bed_refuses() -> None:
     )
     assert faults_of("pendulum", "bed.slope_deg=5", "method=reduced")[0][0] == "method"
     assert faults_of(BALL, "bed.layers=[{top_m: 0.01, medium: rft_generic}]")[0][0] == "bed.layers"
+
+
+def test_every_depth_has_a_law_for_what_can_get_there() -> None:
+    ((key, message),) = faults_of(PLATE, "bed.layers=[{top_m: 0.005, medium: play_sand}]")
+    assert key == "bed.layers.0.medium"
+    assert "plate can get that deep, but play_sand takes round bars" in message
+    assert "laws for plates (plate, arc or polyline with a width) are rft, drft, rft3d" in message
+    # What can't get to a layer need not fit it: this link hangs 0.28 m down at the most, 0.14 m below the surface.
+    law = "{law: linear_depth, stiffness_N_m: 1}"
+    scene_of("pendulum_rigid", "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.2, medium: {law}}}]")
+    assert faults_of("pendulum_rigid", "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.1, medium: {law}}}]")
+
+
+def test_a_medium_that_takes_nothing_of_the_mechanism_is_refused() -> None:
+    ((key, message),) = faults_of(PLATE, "medium=[poppy_seeds_loose, play_sand]")
+    assert key == "medium.1"
+    assert "play_sand takes round bars" in message
+    assert "laws for plates (plate, arc or polyline with a width) are rft, drft, rft3d" in message
+    # One for each kind of shape is what lists of media are for.
+    ball = "{type: sphere, center_m: [0, -0.02], diameter_m: 0.01}"
+    both = PLATE.replace("shapes: [", f"shapes: [{ball}, ")
+    scene_of(both, "medium=[poppy_seeds_loose, {law: linear_depth, stiffness_N_m: 1}]")
+
+
+def test_a_medium_is_judged_by_what_it_met() -> None:
+    bar = "{type: cylinder, start_m: [0, 0], end_m: [0, 0.01], diameter_m: 0.00635}"
+    bed = scene_of(PLATE.replace("shapes: [", f"shapes: [{bar}, "), "medium=[poppy_seeds_loose, play_sand]").bed
+    reach = Reach(1.0, 0.01, -0.15, 0.1, 0.3, (("flat", 0.05), ("round", 0.00635)))
+    assert list(warnings(bed, reach)) == []
+    (warning,) = warnings(bed, replace(reach, sizes=(*reach.sizes, ("round", 0.0127))))
+    assert "size 0.0127 m is 2.00 times the greatest stated" in warning
+    fast = replace(reach, speed=5.0)
+    assert len(list(warnings(bed, fast))) == 1
+    assert list(warnings(bed, replace(fast, sizes=(("flat", 0.05),)))) == []
+    deep = scene_of("pendulum_rigid", "medium=rft_generic", "bed.layers=[{top_m: 0.02, medium: play_sand}]").bed
+    assert list(warnings(deep, fast)) == []
 
 
 @pytest.mark.parametrize(

@@ -122,7 +122,7 @@ class Observer:
             lowest=float(points[..., 1].min()),
             left=float(x[under].min(initial=np.inf)),
             right=float(x[under].max(initial=-np.inf)),
-            sizes=tuple(sorted({bar.diameter for bar in met})),
+            sizes=tuple(sorted({("round", bar.diameter) for bar in met})),
         )
 
     # ---- energies ----

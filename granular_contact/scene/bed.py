@@ -69,7 +69,7 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
-    layers = tuple(_layers(scenario, spec, faults))
+    layers = tuple(_layers(scenario, faults))
     if scenario.load.form == "resultant" and not all(layer.whole for layer in layers):
         faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
     profile = _profile(scenario, spec, ends)
@@ -96,14 +96,19 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     return replace(placed, floor=floor)
 
 
-def _layers(scenario: schema.Scenario, spec: schema.Bed, faults: list[Fault]) -> Iterator[Layer]:
-    tops = [layer.top_m for layer in spec.layers]
-    bottoms = [*tops, math.inf]
+def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, float]]:
+    """The media of a scenario with the keys that they stand under, and the depths (m) that they lie between."""
+    layers = () if scenario.bed is None else scenario.bed.layers
+    bottoms = [*(layer.top_m for layer in layers), math.inf]
     several = isinstance(scenario.medium, tuple)
-    wanted = [
-        (one, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, one in enumerate(scenario.media)
-    ] + [(layer.medium, f"bed.layers.{i}.medium", layer.top_m, bottoms[i + 1]) for i, layer in enumerate(spec.layers)]
-    for one, key, top, bottom in wanted:
+    return [
+        *((one, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, one in enumerate(scenario.media)),
+        *((one.medium, f"bed.layers.{i}.medium", one.top_m, bottoms[i + 1]) for i, one in enumerate(layers)),
+    ]
+
+
+def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
+    for one, key, top, bottom in places(scenario):
         lacking = [
             Fault("", None, f"{key}.{name}", "got null: the source does not state it; give the number of your case")
             for name in missing(one)
