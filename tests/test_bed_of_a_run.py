@@ -231,9 +231,47 @@ def test_a_medium_is_judged_by_what_it_met() -> None:
     assert list(warnings(deep, fast)) == []
 
 
+FLOOR = "bed={depth_m: 0.05, floor: {stiffness_N_m2: 1e6, damping_s_m: 1}}"
+
+
+def test_a_floor_without_a_medium_is_refused() -> None:
+    ((key, message),) = faults_of(PLATE, "medium=null", FLOOR)
+    assert key == "bed.depth_m"
+    assert "a bed needs one" in message
+    assert faults_of(PLATE, "medium=null", "bed.container_x_m=[-1, 1]")[0][0] == "bed.container_x_m"
+    # What the message names in its place: the plate falls freely to the floor, which carries.
+    bare = simulate(PLATE, "medium={from: rft_generic, zeta: 1e-9}", FLOOR, "solver.end_time_s=0.06")
+    # m v^2 = k delta^2 with 40.5 g at 1.41 m/s and 60 kN/m: 1.16 mm, less by the damping.
+    assert 0.05 < bare.summary["max_depth_m"] < 0.0512
+    assert any("floor was reached" in warning for warning in bare.warnings)
+
+
+def test_a_floor_lies_below_all_of_a_profile() -> None:
+    profile = "bed={profile_m: [[-0.1, 0], [0.1, 0], [0.2, -0.06]], depth_m: 0.05}"
+    ((key, message),) = faults_of(PLATE, profile)
+    assert key == "bed.depth_m"
+    assert "the corner [0.2, -0.06]" in message
+    assert scene_of(PLATE, profile.replace("0.05}", "0.07}")).bed.floor.height == -0.07
+
+
+def test_a_slope_that_ran_into_its_floor_is_told() -> None:
+    bed = scene_of(PLATE, "bed={slope_deg: 10, height_m: 0, depth_m: 0.05}").bed
+    # The slope comes to the floor at 0.05 m / tan 10 deg to the left.
+    end = -0.05 / math.tan(math.radians(10))
+    reach = Reach(1.0, 0.01, -0.01, end + 0.001, 0.1, (("flat", 0.05),))
+    assert list(warnings(bed, reach)) == []
+    (warning,) = warnings(bed, replace(reach, left=end - 0.1))
+    assert f"{0.1 * math.tan(math.radians(10)):.4g} m below the floor" in warning
+
+
 @pytest.mark.parametrize(
     ("override", "key", "words"),
     [
+        (
+            "bed={depth_m: 0.01, layers: [{top_m: 0.02, medium: play_sand}]}",
+            "bed.layers.0.top_m",
+            "got 0.02, but the floor is at 0.01",
+        ),
         ("bed={profile_m: [[0, 0], [0, 1]]}", "bed.profile_m.1.0", "must rise"),
         ("bed={profile_m: [[0, 0], [1, 1]], slope_deg: 3}", "bed.profile_m", "one of the two"),
         ("bed={floor: {stiffness_N_m2: 1e5}}", "bed.floor", "needs depth_m"),

@@ -64,11 +64,12 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     """Bed of a scene; None without a medium and without a surface.
 
     ends: world positions (2,) m of what may meet the medium, at the start; faults: is told of media
-    that lack a number, of layers where there can be none, and of ends that lie below the floor.
+    that lack a number, of layers, floors and containers where there can be none, and of ends that lie below the floor.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
+    faults += _idle(scenario, spec)
     layers = tuple(_layers(scenario, faults))
     if scenario.load.form == "resultant" and not all(layer.whole for layer in layers):
         faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
@@ -82,6 +83,10 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
         None if contact is None else contact.stiffness_N_m2,
         0.0 if contact is None else contact.damping_s_m,
     )
+    if spec.profile_m is not None and profile[:, 1].min() <= floor.height:
+        x, y = profile[np.argmin(profile[:, 1])]
+        why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "
+        faults.append(Fault("", None, "bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
     lowest = min((float(end[1]) for end in ends), default=math.inf)
     if lowest < floor.height - NOTHING:
         faults.append(
@@ -94,6 +99,18 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
             )
         )
     return replace(placed, floor=floor)
+
+
+def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
+    """What neither carries nor reports without a medium, as only the medium's load looks where bodies are."""
+    if places(scenario):
+        return
+    bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
+    for key, value in (("depth_m", spec.depth_m), ("container_x_m", spec.container_x_m)):
+        if value is not None:
+            what = "a floor" if key == "depth_m" else "a container"
+            why = f"got {what}, but no medium, and a bed needs one; of one that is next to nothing take {bare}"
+            yield Fault("", None, f"bed.{key}", why)
 
 
 def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, float]]:

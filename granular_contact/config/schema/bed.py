@@ -72,6 +72,12 @@ class Bed(Strict):
             for i, (above, below) in enumerate(pairwise(tops))
             if not below > above
         ]
+        if self.depth_m is not None and self.profile_m is None and self.slope_deg == 0.0:
+            faults += [
+                (("layers", i, "top_m"), f"got {top:g}, but the floor is at {self.depth_m:g}; allowed is above it")
+                for i, top in enumerate(tops)
+                if top >= self.depth_m
+            ]
         if faults:
             raise refusal(faults)
         return self
