@@ -254,6 +254,18 @@ def test_a_floor_lies_below_all_of_a_profile() -> None:
     assert scene_of(PLATE, profile.replace("0.05}", "0.07}")).bed.floor.height == -0.07
 
 
+def test_a_plate_meets_a_peak_between_its_corners() -> None:
+    peak = "bed.profile_m=[[-0.02, -0.05], [0, 0], [0.02, -0.05]]"
+    run = simulate(PLATE, peak, "initial={joints: {flight: {y_m: 0.01, vy_m_s: -1.0}}}", "solver.end_time_s=0.02")
+    # Its middle, a station, falls 10 mm at 1 m/s and a little more; its corners stay above the ground beside.
+    fall = (math.sqrt(1.0 + 2 * 9.81 * 0.01) - 1.0) / 9.81
+    # Between the depths of two steps, 0.1 ms apart, the touch is on their chord: g h^2 / 8 of 1 m/s, 12 ns.
+    assert run.summary["touch_time_s"] == pytest.approx(fall, abs=2e-8)
+    assert 0.001 < run.summary["max_depth_m"] < 0.03
+    laid = simulate(PLATE, peak, "initial={joints: {flight: {y_m: -0.01}}}", "solver.end_time_s=0.001")
+    assert any("it starts 0.01 m below the surface" in warning for warning in laid.warnings)
+
+
 def test_a_slope_that_ran_into_its_floor_is_told() -> None:
     bed = scene_of(PLATE, "bed={slope_deg: 10, height_m: 0, depth_m: 0.05}").bed
     # The slope comes to the floor at 0.05 m / tan 10 deg to the left.
