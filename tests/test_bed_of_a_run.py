@@ -44,6 +44,9 @@ solver: {step_s: 1e-4, end_time_s: 0.04}
 """
 
 
+PLATE_END = "end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005"
+
+
 def faults_of(text_or_name: str, *overrides: str) -> list[tuple[str, str]]:
     with pytest.raises((SceneError, ConfigError)) as caught:
         scene_of(text_or_name, *overrides)
@@ -133,8 +136,34 @@ def test_a_floor_reports_and_carries() -> None:
 def test_a_container_reports_its_walls() -> None:
     results = simulate("pendulum_rigid", "bed.container_x_m=[0.0, 0.2]")
     (warning,) = [w for w in results.warnings if "container" in w]
-    x = results["tip_x_m"][results["depth_m"] > 0].max()
-    assert f"right wall of the container was passed by {x - 0.2:.4g} m" in warning
+    assert "right wall of the container was passed by" in warning
+
+
+def test_walls_are_met_by_the_sides_of_balls_and_round_bars() -> None:
+    ball = simulate(BALL, "bed.container_x_m=[-0.01, 0.0127]")
+    (warning,) = [w for w in ball.warnings if "container" in w]
+    # Its radius beyond the left wall, and no more than round-off beyond the right one.
+    assert "left wall of the container was passed by 0.0027 m" in warning
+    round_bar = "end_m: [0.03, 0], diameter_m: 0.01"
+    bar = PLATE.replace("type: plate", "type: cylinder").replace(PLATE_END, round_bar)
+    walls = "bed={height_m: 0.01, container_x_m: [-0.03, 0.03]}"
+    assert not [w for w in simulate(bar, walls, "solver.end_time_s=0.001").warnings if "container" in w]
+    upright = bar.replace("[-0.03, 0]", "[0, -0.03]").replace("[0.03, 0]", "[0, 0.03]")
+    hit = simulate(upright, "bed={height_m: 0.01, container_x_m: [-0.004, 0.006]}", "solver.end_time_s=0.001")
+    (warning,) = [w for w in hit.warnings if "container" in w]
+    assert "left wall of the container was passed by 0.001 m" in warning
+
+
+@pytest.mark.parametrize("method", ["engine: {}", "reduced: {modes: 0}", "minimal: {}"])
+def test_walls_are_the_same_for_every_method(method: str) -> None:
+    wall = "bed.container_x_m=[0.0, 0.2]"
+    results = simulate("pendulum_rigid", wall, *([] if method.startswith("engine") else [f"method={{{method}}}"]))
+    (warning,) = [w for w in results.warnings if "container" in w]
+    immersed = results["depth_m"] > 0
+    # The tip is the farthest right until it has passed below the pivot; the bar is 6.35 mm thick.
+    x, y = (results[f"tip_{axis}_m"][immersed] for axis in "xy")
+    beyond = float((x + 0.5 * 0.00635 * np.abs(y) / np.hypot(x, y)).max()) - 0.2
+    assert float(warning.split("passed by ")[1].split(" m")[0]) == pytest.approx(beyond, rel=2e-2)
 
 
 def test_leaving_the_range_says_by_how_much() -> None:
@@ -151,10 +180,18 @@ def test_leaving_the_range_says_by_how_much() -> None:
 
 def test_validity_counts_both_ends_of_sizes() -> None:
     validity = Validity(speed=(0.5, 1.0), size=(0.01, 0.02))
-    assert list(validity.departures(0.1, 5.0, (0.01, 0.02))) == []
-    small, large = validity.departures(0.1, 0.0, (0.005, 0.03))
+    assert list(validity.departures(0.9, 5.0, (0.01, 0.02))) == []
+    small, large = validity.departures(0.9, 0.0, (0.005, 0.03))
     assert "0.005 m below the least stated, 0.01 m" in small
     assert "1.50 times the greatest stated, 0.02 m" in large
+
+
+def test_a_run_that_never_came_up_to_the_range_is_told() -> None:
+    slow = Validity(speed=(0.5, 1.0), depth=(0.02, 0.05))
+    speed, depth = slow.departures(0.1, 0.005, ())
+    assert speed == "speed 0.1 m/s is 0.4 m/s below the least stated, 0.5 m/s"
+    assert depth == "depth 0.005 m is 0.015 m below the least stated, 0.02 m"
+    assert list(slow.departures(0.5, 0.02, ())) == []
 
 
 def test_nothing_is_said_of_a_bed_that_was_not_left() -> None:

@@ -32,6 +32,8 @@ class Run:
         self.run = np.zeros(1, RUN)
         for name, value in flags.items():
             self.run[name] = value
+        if kind in ("round", "ball"):  # the width of a plate or an outline is normal to the plane
+            self.run["beside"] = 0.5 * self.run["width"]
         self.body = ""
 
 
