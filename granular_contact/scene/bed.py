@@ -126,8 +126,15 @@ def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, f
 
 def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
     for one, key, top, bottom in places(scenario):
+        base = one.name or one.law
         lacking = [
-            Fault("", None, f"{key}.{name}", "got null: the source does not state it; give the number of your case")
+            Fault(
+                "",
+                None,
+                f"{key}.{name}",
+                f"got null: the source of {base} does not state it; give the number of your case, as "
+                f"{{from: {base}, {name}: ...}}",
+            )
             for name in missing(one)
         ]
         faults += lacking
