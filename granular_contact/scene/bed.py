@@ -13,6 +13,7 @@ from granular_contact.config import schema
 from granular_contact.errors import Fault
 from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import Medium
+from granular_contact.media.laws import WITH_RESULTANT
 from granular_contact.media.layer import Layer
 from granular_contact.scene.media import medium, missing
 
@@ -71,8 +72,8 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
         return None
     faults += _idle(scenario, spec)
     layers = tuple(_layers(scenario, faults))
-    if scenario.load.form == "resultant" and not all(layer.whole for layer in layers):
-        faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
+    if scenario.load.form == "resultant":
+        faults += _resultant(scenario, layers)
     profile = _profile(scenario, spec, ends)
     placed = Bed(profile, layers, container=spec.container_x_m)
     if spec.depth_m is None:
@@ -111,6 +112,17 @@ def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
             what = "a floor" if key == "depth_m" else "a container"
             why = f"got {what}, but no medium, and a bed needs one; of one that is next to nothing take {bare}"
             yield Fault("", None, f"bed.{key}", why)
+
+
+def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator[Fault]:
+    """What has no single force at the middle of the immersed part."""
+    if not all(layer.whole for layer in layers):
+        yield Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed")
+    others = dict.fromkeys(one.law for one, *_ in places(scenario) if one.law not in WITH_RESULTANT)
+    if others:
+        have = ", ".join(WITH_RESULTANT)
+        why = f"got resultant, but {', '.join(others)} has none; laws with one are {have}, else distributed is allowed"
+        yield Fault("", None, "load.form", why)
 
 
 def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, float]]:
