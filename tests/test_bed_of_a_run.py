@@ -300,7 +300,7 @@ def test_a_floor_lies_below_all_of_a_profile() -> None:
 
 
 def test_a_plate_meets_a_peak_between_its_corners() -> None:
-    peak = "bed.profile_m=[[-0.02, -0.05], [0, 0], [0.02, -0.05]]"
+    peak = "bed.profile_m=[[-0.02, -0.03], [0, 0], [0.02, -0.03]]"
     run = simulate(PLATE, peak, "initial={joints: {flight: {y_m: 0.01, vy_m_s: -1.0}}}", "solver.end_time_s=0.02")
     # Its middle, a station, falls 10 mm at 1 m/s and a little more; its corners stay above the ground beside.
     fall = (math.sqrt(1.0 + 2 * 9.81 * 0.01) - 1.0) / 9.81
@@ -330,6 +330,9 @@ def test_a_slope_that_ran_into_its_floor_is_told() -> None:
             "got 0.02, but the floor is at 0.01",
         ),
         ("bed={profile_m: [[0, 0], [0, 1]]}", "bed.profile_m.1.0", "must rise"),
+        ("bed={profile_m: [[0, 0]]}", "bed.profile_m", "got a list of 1 item; allowed is a list of 2 items or more"),
+        ("bed={profile_m: [[0, .nan], [1, 0]]}", "bed.profile_m.0.1", "allowed is a finite number"),
+        ("bed={profile_m: [[0, 0], [1, 0], [2, -2]]}", "bed.profile_m.2", "got -63.43 deg up to this corner"),
         ("bed={profile_m: [[0, 0], [1, 1]], slope_deg: 3}", "bed.profile_m", "one of the two"),
         ("bed={floor: {stiffness_N_m2: 1e5}}", "bed.floor", "needs depth_m"),
         ("bed={container_x_m: [1, 0]}", "bed.container_x_m", "left of"),
