@@ -32,7 +32,10 @@ solver: {end_time_s: 0.002}
     [
         ((), "load on arm: 1 of its 3 shapes cannot reach the surface"),
         ((), "load on arm: 1 of its 3 shapes meet no medium (in_sand: false)"),
-        (("medium.plunging.eta_v=0",), "terms of play_sand: plunging.eta_v, withdrawing.eta_v = 0, so they add nothing"),
+        (
+            ("medium.plunging.eta_v=0",),
+            "terms of play_sand: plunging.eta_v, withdrawing.eta_v = 0, so they add nothing",
+        ),
         (("medium={law: drft, lambda: 0, density_kg_m3: 1}",), "terms of drft: lambda = 0, so they add nothing"),
         (("medium=rft_generic", "load.end_cap=true"), "end caps: rft_generic have no force on end faces"),
     ],
