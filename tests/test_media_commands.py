@@ -82,6 +82,7 @@ def test_media_shows_one_with_its_figure(tmp_path: Path, capsys: pytest.CaptureF
     assert "not stated by the source" in capsys.readouterr().out
     assert not (tmp_path / "none").exists()
     assert main(["media", "quicksand"]) == 2
+    assert capsys.readouterr().err.startswith("medium: got 'quicksand', but")
 
 
 def test_compare_media(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

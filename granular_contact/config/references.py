@@ -92,16 +92,20 @@ class Resolver:
         root = read_file(shown(found), self._faults)
         if isinstance(root, Mapping):
             made = self._expand(root, library, found, (*chain, real))
-            return _left_open(made, node.position) if library is MEDIA else made
+            return _named_at(made, node.position) if library is MEDIA else made
         if isinstance(root, Broken):
             return root
         return self._refuse(root.position, (library.key,), f"got {got(root)}; a {library.noun} is a mapping")
 
 
-def _left_open(node: Node, at: Position) -> Node:
-    """A medium whose nulls stand where it is named: that is where the number has to be given."""
+def _named_at(node: Node, at: Position) -> Node:
+    """A medium that stands where it is named, for faults of it as a whole, and so do its nulls.
+
+    There it has to be another one, and there the number has to be given that its source leaves open.
+    """
     if not isinstance(node, Mapping):
         return node
+    node = Mapping(at, node.nodes, node.keys)
     for key, value in node.nodes.items():
         if isinstance(value, Scalar) and value.value is None:
             node = set_key(node, key, Scalar(at, None, value.text), at)

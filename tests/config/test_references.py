@@ -293,6 +293,9 @@ def test_what_a_preset_lacks_is_told_where_it_is_named(folder):
     scenario, sources = run(folder, START + "model: compound_pendulum\nmedium: hill_cylinders\n")
     assert scenario.medium.density_kg_m3 is None
     assert sources.locate("medium.density_kg_m3") == (str(config), 3)
+    # So is a medium that does not fit; what it says is where it says it.
+    assert sources.locate("medium") == (str(config), 3)
+    assert Path(sources.locate("medium.plunging.eta_v")[0]).name == "hill_cylinders.yaml"
 
 
 def test_a_law_is_no_medium_and_stays_under_from(folder):
