@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -52,9 +52,10 @@ def compare_media(
     """
     if not media:
         raise ConfigError([Fault("", None, "--media", "got none; allowed are names, as play_sand,rft_generic")])
+    if faults := list(_idle(overrides)):
+        raise ConfigError(faults)
     scenes = [(name, load(path, [*overrides, f"medium={_value(name)}"])) for name in media]
     built: list[tuple[str, Scene]] = []
-    faults: list[Fault] = []
     for name, loaded in scenes:
         try:
             built.append((name, build(loaded.scenario)))
@@ -68,6 +69,15 @@ def compare_media(
             progress(name)
         rows.append(Row(name, uninterrupted(run(scene, loaded.scenario))))
     return tuple(rows)
+
+
+def _idle(overrides: Sequence[str]) -> Iterator[Fault]:
+    """Overrides that the media compared would replace."""
+    for text in overrides:
+        key = text.partition("=")[0].strip()
+        if key.split(".")[0].strip() == "medium":
+            why = "is set by --media; write a medium with other numbers into a file, as {from: play_sand, eta_h: 80}, "
+            yield Fault(f"--set {text}", None, key, f"{why}and name the file there")
 
 
 def _value(name: str) -> str:

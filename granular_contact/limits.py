@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from granular_contact.media.floor import Floor
-from granular_contact.scene.bed import Bed
+from granular_contact.media.kinds import Kind
+from granular_contact.scene.bed import NOTHING, Bed
 
 
 @dataclass(frozen=True)
 class Reach:
     """Extremes of all that was immersed: speed (m/s), depth, height of the lowest point, least and greatest x (m).
 
-    sizes: diameters and widths (m) of what was immersed.
+    sizes: kinds, with diameters and widths (m), of what was immersed.
     """
 
     speed: float
@@ -21,26 +24,36 @@ class Reach:
     lowest: float
     left: float
     right: float
-    sizes: tuple[float, ...]
+    sizes: tuple[tuple[Kind, float], ...]
 
 
 def warnings(bed: Bed, reach: Reach) -> Iterator[str]:
     """Sentences on all that a run left, by how much."""
-    for medium in dict.fromkeys(bed.media):
-        outside = list(medium.validity.departures(reach.speed, reach.depth, reach.sizes))
+    for medium in dict.fromkeys(layer.medium for layer in bed.layers if reach.depth > layer.top):
+        met = tuple(size for kind, size in reach.sizes if kind in medium.takes)
+        outside = list(medium.validity.departures(reach.speed, reach.depth, met)) if met else []
         if outside:
             yield f"outside the range that {medium.name} was measured in: {'; '.join(outside)}"
     if bed.floor is not None:
         yield from _floor(bed.floor, reach)
+        yield from _bare_floor(bed, bed.floor, reach)
     if bed.container is not None:
         left, right = bed.container
         for wall, beyond in (("left", left - reach.left), ("right", reach.right - right)):
-            if beyond > 0.0:
+            if beyond > NOTHING:
                 yield f"the {wall} wall of the container was passed by {beyond:.4g} m; it carries nothing"
 
 
 def _floor(floor: Floor, reach: Reach) -> Iterator[str]:
     below = floor.height - reach.lowest
-    if below > 0.0:
+    if below > NOTHING:
         what = "it carries nothing" if floor.stiffness is None else "its contact carried"
         yield f"the floor was reached, the lowest point came {below:.4g} m below it; {what}"
+
+
+def _bare_floor(bed: Bed, floor: Floor, reach: Reach) -> Iterator[str]:
+    """Of a slope, which runs into a level floor sooner or later."""
+    for x in (reach.left, reach.right):
+        below = floor.height - float(bed.height(np.array([x]))[0])
+        if below > NOTHING:
+            yield f"the surface is {below:.4g} m below the floor at x = {x:.4g} m, where the run got"

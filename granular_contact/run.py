@@ -84,7 +84,7 @@ def run(
         terms=solved.terms,
         layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
         floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
-        sizes=() if solved.reach is None else solved.reach.sizes,
+        sizes=() if solved.reach is None else tuple(sorted({size for _, size in solved.reach.sizes})),
     )
 
 

@@ -92,7 +92,7 @@ def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, dept
     if deflection is not None:
         series["deflection_m"] = ("tip deflection across the axis of the link's root, clockwise positive", deflection)
     if depth is not None:
-        series["depth_m"] = ("depth of the deepest end or node below the surface", depth)
+        series["depth_m"] = ("depth of the deepest point below the surface", depth)
     return series
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,6 +27,24 @@ medium: {from: glass_beads_katsuragi_durian, stiffness_N_m: 80}
 initial: {joints: {flight: {vy_m_s: -1.0}}}
 solver: {step_s: 2e-5, end_time_s: 0.06}
 """
+
+PLATE = """
+model:
+  name: plate
+  bodies:
+    plate:
+      type: rigid
+      density_kg_m3: 2700
+      shapes: [{type: plate, start_m: [-0.03, 0], end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005}]
+  joints:
+    flight: {type: free, parent: ground, child: plate}
+medium: poppy_seeds_loose
+initial: {joints: {flight: {vy_m_s: -1.0}}}
+solver: {step_s: 1e-4, end_time_s: 0.04}
+"""
+
+
+PLATE_END = "end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005"
 
 
 def faults_of(text_or_name: str, *overrides: str) -> list[tuple[str, str]]:
@@ -117,8 +136,34 @@ def test_a_floor_reports_and_carries() -> None:
 def test_a_container_reports_its_walls() -> None:
     results = simulate("pendulum_rigid", "bed.container_x_m=[0.0, 0.2]")
     (warning,) = [w for w in results.warnings if "container" in w]
-    x = results["tip_x_m"][results["depth_m"] > 0].max()
-    assert f"right wall of the container was passed by {x - 0.2:.4g} m" in warning
+    assert "right wall of the container was passed by" in warning
+
+
+def test_walls_are_met_by_the_sides_of_balls_and_round_bars() -> None:
+    ball = simulate(BALL, "bed.container_x_m=[-0.01, 0.0127]")
+    (warning,) = [w for w in ball.warnings if "container" in w]
+    # Its radius beyond the left wall, and no more than round-off beyond the right one.
+    assert "left wall of the container was passed by 0.0027 m" in warning
+    round_bar = "end_m: [0.03, 0], diameter_m: 0.01"
+    bar = PLATE.replace("type: plate", "type: cylinder").replace(PLATE_END, round_bar)
+    walls = "bed={height_m: 0.01, container_x_m: [-0.03, 0.03]}"
+    assert not [w for w in simulate(bar, walls, "solver.end_time_s=0.001").warnings if "container" in w]
+    upright = bar.replace("[-0.03, 0]", "[0, -0.03]").replace("[0.03, 0]", "[0, 0.03]")
+    hit = simulate(upright, "bed={height_m: 0.01, container_x_m: [-0.004, 0.006]}", "solver.end_time_s=0.001")
+    (warning,) = [w for w in hit.warnings if "container" in w]
+    assert "left wall of the container was passed by 0.001 m" in warning
+
+
+@pytest.mark.parametrize("method", ["engine: {}", "reduced: {modes: 0}", "minimal: {}"])
+def test_walls_are_the_same_for_every_method(method: str) -> None:
+    wall = "bed.container_x_m=[0.0, 0.2]"
+    results = simulate("pendulum_rigid", wall, *([] if method.startswith("engine") else [f"method={{{method}}}"]))
+    (warning,) = [w for w in results.warnings if "container" in w]
+    immersed = results["depth_m"] > 0
+    # The tip is the farthest right; the bar, whose axis runs through the pivot, is 6.35 mm thick. Four digits are told.
+    x, y = (results[f"tip_{axis}_m"][immersed] for axis in "xy")
+    beyond = float((x + 0.5 * 0.00635 * np.abs(y) / np.hypot(x, y)).max()) - 0.2
+    assert float(warning.split("passed by ")[1].split(" m")[0]) == pytest.approx(beyond, rel=5e-4)
 
 
 def test_leaving_the_range_says_by_how_much() -> None:
@@ -135,15 +180,23 @@ def test_leaving_the_range_says_by_how_much() -> None:
 
 def test_validity_counts_both_ends_of_sizes() -> None:
     validity = Validity(speed=(0.5, 1.0), size=(0.01, 0.02))
-    assert list(validity.departures(0.1, 5.0, (0.01, 0.02))) == []
-    small, large = validity.departures(0.1, 0.0, (0.005, 0.03))
+    assert list(validity.departures(0.9, 5.0, (0.01, 0.02))) == []
+    small, large = validity.departures(0.9, 0.0, (0.005, 0.03))
     assert "0.005 m below the least stated, 0.01 m" in small
     assert "1.50 times the greatest stated, 0.02 m" in large
 
 
+def test_a_run_that_never_came_up_to_the_range_is_told() -> None:
+    slow = Validity(speed=(0.5, 1.0), depth=(0.02, 0.05))
+    speed, depth = slow.departures(0.1, 0.005, ())
+    assert speed == "speed 0.1 m/s is 0.4 m/s below the least stated, 0.5 m/s"
+    assert depth == "depth 0.005 m is 0.015 m below the least stated, 0.02 m"
+    assert list(slow.departures(0.5, 0.02, ())) == []
+
+
 def test_nothing_is_said_of_a_bed_that_was_not_left() -> None:
     bed = scene_of("pendulum", "bed={depth_m: 0.05, container_x_m: [-1, 1]}").bed
-    assert list(warnings(bed, Reach(1.0, 0.01, -0.15, 0.1, 0.3, (0.00635,)))) == []
+    assert list(warnings(bed, Reach(1.0, 0.01, -0.15, 0.1, 0.3, (("round", 0.00635),)))) == []
 
 
 def test_a_ball_falls_as_the_closed_form_says() -> None:
@@ -179,10 +232,107 @@ def test_what_a_bed_refuses() -> None:
     assert faults_of(BALL, "bed.layers=[{top_m: 0.01, medium: rft_generic}]")[0][0] == "bed.layers"
 
 
+def test_every_depth_has_a_law_for_what_can_get_there() -> None:
+    ((key, message),) = faults_of(PLATE, "bed.layers=[{top_m: 0.005, medium: play_sand}]")
+    assert key == "bed.layers.0.medium"
+    assert "plate can get that deep, but play_sand takes round bars" in message
+    assert "laws for plates (plate, arc or polyline with a width) are rft, drft, rft3d" in message
+    # What can't get to a layer need not fit it: this link hangs 0.28 m down at the most, 0.14 m below the surface.
+    law = "{law: linear_depth, stiffness_N_m: 1}"
+    scene_of("pendulum_rigid", "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.2, medium: {law}}}]")
+    assert faults_of("pendulum_rigid", "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.1, medium: {law}}}]")
+
+
+def test_a_medium_that_takes_nothing_of_the_mechanism_is_refused() -> None:
+    ((key, message),) = faults_of(PLATE, "medium=[poppy_seeds_loose, play_sand]")
+    assert key == "medium.1"
+    assert "play_sand takes round bars" in message
+    assert "laws for plates (plate, arc or polyline with a width) are rft, drft, rft3d" in message
+    # One for each kind of shape is what lists of media are for.
+    ball = "{type: sphere, center_m: [0, -0.02], diameter_m: 0.01}"
+    both = PLATE.replace("shapes: [", f"shapes: [{ball}, ")
+    scene_of(both, "medium=[poppy_seeds_loose, {law: linear_depth, stiffness_N_m: 1}]")
+
+
+def test_a_medium_is_judged_by_what_it_met() -> None:
+    bar = "{type: cylinder, start_m: [0, 0], end_m: [0, 0.01], diameter_m: 0.00635}"
+    bed = scene_of(PLATE.replace("shapes: [", f"shapes: [{bar}, "), "medium=[poppy_seeds_loose, play_sand]").bed
+    reach = Reach(1.0, 0.01, -0.15, 0.1, 0.3, (("flat", 0.05), ("round", 0.00635)))
+    assert list(warnings(bed, reach)) == []
+    (warning,) = warnings(bed, replace(reach, sizes=(*reach.sizes, ("round", 0.0127))))
+    assert "size 0.0127 m is 2.00 times the greatest stated" in warning
+    fast = replace(reach, speed=5.0)
+    assert len(list(warnings(bed, fast))) == 1
+    assert list(warnings(bed, replace(fast, sizes=(("flat", 0.05),)))) == []
+    deep = scene_of("pendulum_rigid", "medium=rft_generic", "bed.layers=[{top_m: 0.02, medium: play_sand}]").bed
+    assert list(warnings(deep, fast)) == []
+
+
+def test_only_laws_that_have_a_resultant_take_its_form() -> None:
+    for medium in ("rft_generic", "rft3d_sand", "[play_sand, rft_generic]"):
+        ((key, message),) = faults_of("pendulum_rigid", f"medium={medium}", "load.form=resultant")
+        assert key == "load.form"
+        assert "laws with one are lee_marghitu, albert, hill" in message
+    assert scene_of("pendulum_rigid", f"medium=[play_sand, {ALBERT}, {HILL}]", "load.form=resultant").load.resultant
+
+
+FLOOR = "bed={depth_m: 0.05, floor: {stiffness_N_m2: 1e6, damping_s_m: 1}}"
+
+
+def test_a_floor_without_a_medium_is_refused() -> None:
+    ((key, message),) = faults_of(PLATE, "medium=null", FLOOR)
+    assert key == "bed.depth_m"
+    assert "a bed needs one" in message
+    assert faults_of(PLATE, "medium=null", "bed.container_x_m=[-1, 1]")[0][0] == "bed.container_x_m"
+    # What the message names in its place: the plate falls freely to the floor, which carries.
+    bare = simulate(PLATE, "medium={from: rft_generic, zeta: 1e-9}", FLOOR, "solver.end_time_s=0.06")
+    # m v^2 = k delta^2 with 40.5 g at 1.41 m/s and 60 kN/m: 1.16 mm, less by the damping.
+    assert 0.05 < bare.summary["max_depth_m"] < 0.0512
+    assert any("floor was reached" in warning for warning in bare.warnings)
+
+
+def test_a_floor_lies_below_all_of_a_profile() -> None:
+    profile = "bed={profile_m: [[-0.1, 0], [0.1, 0], [0.2, -0.06]], depth_m: 0.05}"
+    ((key, message),) = faults_of(PLATE, profile)
+    assert key == "bed.depth_m"
+    assert "the corner [0.2, -0.06]" in message
+    assert scene_of(PLATE, profile.replace("0.05}", "0.07}")).bed.floor.height == -0.07
+
+
+def test_a_plate_meets_a_peak_between_its_corners() -> None:
+    peak = "bed.profile_m=[[-0.02, -0.03], [0, 0], [0.02, -0.03]]"
+    run = simulate(PLATE, peak, "initial={joints: {flight: {y_m: 0.01, vy_m_s: -1.0}}}", "solver.end_time_s=0.02")
+    # Its middle, a station, falls 10 mm at 1 m/s and a little more; its corners stay above the ground beside.
+    fall = (math.sqrt(1.0 + 2 * 9.81 * 0.01) - 1.0) / 9.81
+    # Between the depths of two steps, 0.1 ms apart, the touch is on their chord: g h^2 / 8 of 1 m/s, 12 ns.
+    assert run.summary["touch_time_s"] == pytest.approx(fall, abs=2e-8)
+    assert 0.001 < run.summary["max_depth_m"] < 0.03
+    laid = simulate(PLATE, peak, "initial={joints: {flight: {y_m: -0.01}}}", "solver.end_time_s=0.001")
+    assert any("it starts 0.01 m below the surface" in warning for warning in laid.warnings)
+
+
+def test_a_slope_that_ran_into_its_floor_is_told() -> None:
+    bed = scene_of(PLATE, "bed={slope_deg: 10, height_m: 0, depth_m: 0.05}").bed
+    # The slope comes to the floor at 0.05 m / tan 10 deg to the left.
+    end = -0.05 / math.tan(math.radians(10))
+    reach = Reach(1.0, 0.01, -0.01, end + 0.001, 0.1, (("flat", 0.05),))
+    assert list(warnings(bed, reach)) == []
+    (warning,) = warnings(bed, replace(reach, left=end - 0.1))
+    assert f"{0.1 * math.tan(math.radians(10)):.4g} m below the floor" in warning
+
+
 @pytest.mark.parametrize(
     ("override", "key", "words"),
     [
+        (
+            "bed={depth_m: 0.01, layers: [{top_m: 0.02, medium: play_sand}]}",
+            "bed.layers.0.top_m",
+            "got 0.02, but the floor is at 0.01",
+        ),
         ("bed={profile_m: [[0, 0], [0, 1]]}", "bed.profile_m.1.0", "must rise"),
+        ("bed={profile_m: [[0, 0]]}", "bed.profile_m", "got a list of 1 item; allowed is a list of 2 items or more"),
+        ("bed={profile_m: [[0, .nan], [1, 0]]}", "bed.profile_m.0.1", "allowed is a finite number"),
+        ("bed={profile_m: [[0, 0], [1, 0], [2, -2]]}", "bed.profile_m.2", "got -63.43 deg up to this corner"),
         ("bed={profile_m: [[0, 0], [1, 1]], slope_deg: 3}", "bed.profile_m", "one of the two"),
         ("bed={floor: {stiffness_N_m2: 1e5}}", "bed.floor", "needs depth_m"),
         ("bed={container_x_m: [1, 0]}", "bed.container_x_m", "left of"),

@@ -82,6 +82,7 @@ def test_media_shows_one_with_its_figure(tmp_path: Path, capsys: pytest.CaptureF
     assert "not stated by the source" in capsys.readouterr().out
     assert not (tmp_path / "none").exists()
     assert main(["media", "quicksand"]) == 2
+    assert capsys.readouterr().err.startswith("medium: got 'quicksand', but")
 
 
 def test_compare_media(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,3 +107,16 @@ def test_compare_media_names_what_does_not_fit(tmp_path: Path, capsys: pytest.Ca
     assert main(["compare-media", config, "--media", "play_sand,mud", "--out", str(tmp_path / "out")]) == 2
     assert main(["compare-media", config, "--media", ",", "--out", str(tmp_path / "out")]) == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_compare_media_refuses_overrides_of_what_it_compares(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    config, out = str(CONFIGS / "pendulum_rigid.yaml"), tmp_path / "out"
+    for text in ("medium.eta_h=80", "medium=play_sand"):
+        assert main(["compare-media", config, "--media", "play_sand", "--set", text, "--out", str(out)]) == 2
+        assert "{from: play_sand, eta_h: 80}" in capsys.readouterr().err
+    assert not out.exists()
+    with pytest.raises(SystemExit):
+        main(["compare-media", "--help"])
+    assert "medium.eta_h" not in capsys.readouterr().out

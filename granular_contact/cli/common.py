@@ -41,9 +41,9 @@ def worst(statuses: Iterable[str]) -> int:
     return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
 
 
-def add_set(parser: argparse.ArgumentParser) -> None:
-    """Add the argument --set."""
-    words = "replace a value, as medium.eta_h=9; repeatable"
+def add_set(parser: argparse.ArgumentParser, example: str = "medium.eta_h=9") -> None:
+    """Add the argument --set, with an example in its help."""
+    words = f"replace a value, as {example}; repeatable"
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
 
 

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     words = "presets or YAML files of media; a+b for media that act together"
     parser.add_argument("--media", metavar="A,B", type=_names, required=True, help=words)
-    add_set(parser)
+    add_set(parser, example="initial.impact_speed_rad_s=4")
     parser.add_argument("--no-plots", action="store_true", help="draw no figure")
     add_output(parser, "results/NAME_OF_CONFIG_media")
 

@@ -101,8 +101,10 @@ def _kind(schema: Schema) -> str:
     if kind in ("number", "integer"):
         return " ".join(filter(None, ("a whole number" if kind == "integer" else "a finite number", _range(schema))))
     if kind == "array":
-        size = len(schema.get("prefixItems", ()))
-        return f"a list of {size} numbers" if size else "a list of one item or more"
+        size, least = len(schema.get("prefixItems", ())), schema.get("minItems", 0)
+        if size:
+            return f"a list of {size} numbers"
+        return f"a list of {'one item' if least == 1 else f'{least} items'} or more" if least else "a list"
     if kind == "object":
         return f"a mapping with the keys {', '.join(keys(schema))}" if keys(schema) else "a mapping of one name or more"
     return {"boolean": "true or false", "string": "text"}.get(str(kind), "another value")

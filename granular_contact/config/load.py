@@ -23,6 +23,7 @@ from granular_contact.config.schema.base import FAULTS, refusal
 from granular_contact.config.schema.chain import names
 from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.sizes import too_large
+from granular_contact.config.standing import restated_each
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
@@ -111,7 +112,9 @@ class Template:
         """
         found = list(faults)
         node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
+        read = node
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
+        node = _restated(read, node)
         found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
         scenario = None
@@ -153,6 +156,18 @@ def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> S
     return load(path, overrides).scenario
 
 
+def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
+    """`node` with what its media say of their numbers put right where overrides changed some, see `standing`."""
+
+    def media(one: tree.Node, held: tree.Node | None) -> tree.Node:
+        return one if held is None else _under(one, "medium", partial(restated_each, tree.child(held, "medium")))
+
+    held, _ = tree.find(before, ("bed", "layers"))
+    if isinstance(held, tree.Items):
+        node = _under(node, "bed", lambda bed: _under(bed, "layers", lambda layers: _paired(layers, held, media)))
+    return media(node, before)
+
+
 def _under(node: tree.Node, key: str, change: Change) -> tree.Node:
     """`node` with what stands under a key changed, if it is there."""
     if not isinstance(node, tree.Mapping) or key not in node.nodes:
@@ -165,6 +180,13 @@ def _each(node: tree.Node, change: Change) -> tree.Node:
     if not isinstance(node, tree.Items):
         return change(node)
     return tree.Items(node.position, tuple(change(item) for item in node.nodes))
+
+
+def _paired(node: tree.Node, held: tree.Items, change: Callable[[tree.Node, tree.Node], tree.Node]) -> tree.Node:
+    """The items of a list changed, each with the one that was held in its place."""
+    if not isinstance(node, tree.Items) or len(node.nodes) != len(held.nodes):
+        return node
+    return tree.Items(node.position, tuple(map(change, node.nodes, held.nodes)))
 
 
 def _in_layer(change: Change) -> Change:
@@ -183,7 +205,7 @@ def load_medium(name: str, **values: Any) -> Medium:
         There is no such medium, or its file is at fault.
     """
     faults: list[Fault] = []
-    at = tree.Position("medium", None)
+    at = tree.Position("", None)
     node = Resolver(Path("medium"), faults).resolve(tree.Scalar(at, name, name), MEDIA)
     if not faults:
         try:

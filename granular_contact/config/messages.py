@@ -18,10 +18,20 @@ _LONGEST_VALUE = 60
 def faults_of(errors: Iterable[Mapping[str, Any]], tree: Node) -> list[Fault]:
     """Faults for the `errors()` of a pydantic ValidationError about `tree`.
 
-    Nothing is said about what is `Broken`, since the fault that broke it is known.
+    Nothing is said about what is `Broken`, since the fault that broke it is known, nor about a list that is too short
+    only for the items in it that are at fault themselves: pydantic counts those that are not.
     """
-    faults = [fault for error in errors for fault in _faults(error, tree)]
+    errors = list(errors)
+    faults = [fault for error in errors if not _is_short_of(error, errors) for fault in _faults(error, tree)]
     return [fault for fault in faults if fault is not None]
+
+
+def _is_short_of(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a list lacks no more than the items in it that have errors of their own."""
+    size = len(error["loc"])
+    return error["type"] == "too_short" and any(
+        len(other["loc"]) > size and other["loc"][:size] == error["loc"] for other in errors
+    )
 
 
 def got(node: Node) -> str:

@@ -10,11 +10,13 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from granular_contact.config.messages import got
-from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, drop_key, merge
+from granular_contact.config.schema.medium import LAWS
+from granular_contact.config.standing import restated
+from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
 
-FROM = "from"
+FROM, LAW = "from", "law"
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _PACKAGE = Path(__file__).parents[1]
 
@@ -64,7 +66,16 @@ class Resolver:
         if not isinstance(node, Mapping) or FROM not in node.nodes:
             return node
         base = self._load(node.nodes[FROM], library, (library.key, FROM), file, chain)
-        return base if isinstance(base, Broken) else merge(base, drop_key(node, FROM))
+        if isinstance(base, Broken):
+            return base
+        if library is not MEDIA:
+            return merge(base, drop_key(node, FROM))
+        law, wanted = child(base, LAW), child(node, LAW)
+        if law is not None and wanted is not None and plain(law) != plain(wanted):
+            why = f"got {got(wanted)}, but {plain(node.nodes[FROM])} is of the law {plain(law)}"
+            message = f"{why}, and law can't change under from: leave one of the two out"
+            return self._refuse(node.keys[LAW], (library.key, LAW), message)
+        return restated(base, merge(base, drop_key(node, FROM)))
 
     def _load(self, node: Node, library: Library, path: tuple[str, ...], file: Path, chain: tuple[Path, ...]) -> Node:
         if isinstance(node, Broken):
@@ -80,10 +91,25 @@ class Resolver:
             return self._refuse(node.position, path, f"got {node.value!r}, which leads back to itself: {names}")
         root = read_file(shown(found), self._faults)
         if isinstance(root, Mapping):
-            return self._expand(root, library, found, (*chain, real))
+            made = self._expand(root, library, found, (*chain, real))
+            return _named_at(made, node.position) if library is MEDIA else made
         if isinstance(root, Broken):
             return root
         return self._refuse(root.position, (library.key,), f"got {got(root)}; a {library.noun} is a mapping")
+
+
+def _named_at(node: Node, at: Position) -> Node:
+    """A medium that stands where it is named, for faults of it as a whole, and so do its nulls.
+
+    There it has to be another one, and there the number has to be given that its source leaves open.
+    """
+    if not isinstance(node, Mapping):
+        return node
+    node = Mapping(at, node.nodes, node.keys)
+    for key, value in node.nodes.items():
+        if isinstance(value, Scalar) and value.value is None:
+            node = set_key(node, key, Scalar(at, None, value.text), at)
+    return node
 
 
 def _forms(library: Library) -> str:
@@ -107,6 +133,8 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
     # The folder of the config itself holds configs mostly; to list them as models would mislead.
     listed = [folder for folder in folders if folder != file.parent]
     known = sorted({path.stem for folder in listed if folder.is_dir() for path in folder.glob("*.yaml")})
+    if library is MEDIA and name in LAWS:
+        return f"got {quoted}, which is a law and no medium; give its numbers, as medium: {{law: {name}, ...}}"
     near = get_close_matches(name, known, 1)
     hint = f"did you mean {near[0]}? " if near else ""
     return f"got {quoted}, but there is no such {library.noun}; {hint}there are {', '.join(known) or 'none'}"

@@ -21,13 +21,15 @@ TERMS = 3
 
 # A run: width (m) is the diameter of a round section or a ball, or the width of a plate normal to the plane. side: 0
 # where both faces can lead, else the outward normal of an outline lies to the left (+1) or right (-1) of its direction.
-# drop (m): how far below its stations a run reaches, the radius of a ball; mass (kg): of a ball. layered: the medium
-# lies between the depths top and bottom (m) only.
+# drop (m): how far below its stations a run reaches, the radius of a ball; beside (m): how far to their sides in the
+# plane, half the width of a round section or a ball; mass (kg): of a ball. layered: the medium lies between the depths
+# top and bottom (m) only.
 RUN = np.dtype(
     [
         ("width", "f8"),
         ("side", "f8"),
         ("drop", "f8"),
+        ("beside", "f8"),
         ("mass", "f8"),
         ("top", "f8"),
         ("bottom", "f8"),

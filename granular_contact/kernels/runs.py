@@ -25,8 +25,8 @@ from granular_contact.kernels.surface import height
 __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
-# speed (m/s), the least height and the least and greatest x (m). The bed lays out the rest; `columns` (3,) tells
-# `accept` where a run's power, the terms of its medium and the resultant of its body stand.
+# speed (m/s), the least height and the least and greatest x (m) that they reach. The bed lays out the rest; `columns`
+# (3,) tells `accept` where a run's power, the terms of its medium and the resultant of its body stand.
 TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, FIRST = 0, 1, 2, 3, 4, 5, 6
 
 
@@ -69,6 +69,15 @@ def immersed(P, run, profile):
 
 
 @njit(cache=True)
+def upright(P, i):
+    """Sine of the angle between the run at station i and the horizontal; 1 for a ball, which has no length."""
+    j = i + 1 if i + 1 < P.shape[0] else i - 1
+    x, y = P[j, 0] - P[i, 0], P[j, 1] - P[i, 1]
+    length = np.hypot(x, y)
+    return abs(y) / length if length > 0.0 else 1.0
+
+
+@njit(cache=True)
 def force(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
     stations(q, v, geometry, P, V)
@@ -95,7 +104,8 @@ def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, row, 
         if z > 0.0:
             row[SPEED] = max(row[SPEED], np.hypot(V[i, 0], V[i, 1]))
             row[LOWEST] = min(row[LOWEST], P[i, 1] - run.drop)
-            row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0]), max(row[RIGHT], P[i, 0])
+            beside = run.beside * upright(P, i)
+            row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0] - beside), max(row[RIGHT], P[i, 0] + beside)
     row[DEPTH] = max(row[DEPTH], deepest)
     if deepest <= 0.0:
         rest_anchors(P, anchors)

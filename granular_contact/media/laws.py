@@ -36,6 +36,9 @@ LAWS: dict[str, Any] = {
     )
 }
 
+# Those whose source gives a single force at the middle of the immersed part, as `load: {form: resultant}` applies it.
+WITH_RESULTANT = (LeeMarghitu.name, Albert.name, Hill.name)
+
 
 def laws_for(kind: str) -> Collection[str]:
     """Tags of the laws that take a kind of shape."""

@@ -19,10 +19,11 @@ class Validity:
     def departures(self, speed: float, depth: float, sizes: tuple[float, ...]) -> Iterator[str]:
         """Sentences on what lies outside: greatest speed and depth of a run, sizes of the parts that met the medium.
 
-        A run passes through all speeds and depths below its greatest, so of these only the upper ends count.
+        A run that stops passes through all speeds and depths below its greatest, inside the range or not, so a low end
+        is left only by a run whose greatest does not come up to it.
         """
-        yield from _beyond("speed", speed, "m/s", self.speed, lower=False)
-        yield from _beyond("depth", depth, "m", self.depth, lower=False)
+        yield from _beyond("speed", speed, "m/s", self.speed)
+        yield from _beyond("depth", depth, "m", self.depth)
         if sizes:
             yield from _beyond("size", min(sizes), "m", self.size, upper=False)
             yield from _beyond("size", max(sizes), "m", self.size, lower=False)

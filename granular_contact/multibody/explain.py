@@ -5,12 +5,21 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 
+from granular_contact.media.kinds import Medium
+from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
 from granular_contact.scene.build import LEAST_BOW
+from granular_contact.scene.reach import dips
 
 # What is imported only where it is used, and for what.
 PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "nothing is drawn"), ("scipy", "no use"))
+
+# Coefficients of media that a force is a multiple of.
+FACTORS = (
+    *("eta_d", "eta_h", "mu_surf", "lam"),
+    *("drag", "stiffness", "friction", "viscosity", "yield_force", "constant_force"),
+)
 
 
 def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
@@ -44,23 +53,37 @@ def _bed(system: System) -> Iterator[str]:
         else:
             yield "the bed: no shape of any body reaches the surface, however the joints turn"
         return
+    assert scene.bed is not None  # it was laid
     laid = {int(node) for run in bed.runs for node in run.nodes}
     for handle in system.rigid.values():
-        count = sum(int(handle.node) in map(int, run.nodes) for run in bed.runs)
-        spared = len(handle.body.shapes) - count
-        if spared > 0:
-            what = "cannot reach the surface, or meet no medium (in_sand: false)"
-            yield f"load on {handle.body.name}: {spared} of its {len(handle.body.shapes)} shapes {what}"
+        shapes = handle.body.shapes
+        out = [shape for shape in shapes if not shape.in_sand]
+        far = [shape for shape in shapes if shape.in_sand and not dips(scene.bed.top, handle.body, shape)]
+        for spared, why in ((far, "cannot reach the surface"), (out, "meet no medium (in_sand: false)")):
+            if spared:
+                yield f"load on {handle.body.name}: {len(spared)} of its {len(shapes)} shapes {why}"
     for link in system.links.values():
         bare = sum(not {a, b} <= laid for a, b in zip(link.nodes, link.nodes[1:], strict=False))
         if bare:
             yield f"load on {link.link.name}: {bare} of its {len(link.elements)} elements cannot reach the surface"
-    for medium, record in zip(bed.media, bed.records, strict=True):
-        names = [name for name in record.dtype.names if name.startswith("eta_") and record[name][0] == 0.0]
+    for medium in bed.media:
+        names = list(_nil(medium))
         if names:
-            yield f"terms of {medium.name}: {', '.join(names)} = 0, so they are not evaluated"
+            yield f"terms of {medium.name}: {', '.join(names)} = 0, so they add nothing"
+    if scene.load.end_cap and not any(isinstance(medium, LeeMarghitu) for medium in bed.media):
+        yield f"end caps: {', '.join(medium.name for medium in bed.media)} have no force on end faces"
     if bed.floor is None:
         yield "contact with a floor: there is none that carries"
+
+
+def _nil(medium: Medium) -> Iterator[str]:
+    """Coefficients of a medium that are 0, and with them a force; as YAML has them, less their units."""
+    for name, value in vars(medium).items():
+        if isinstance(value, VerticalResistance):
+            if value.eta_v == 0.0:
+                yield f"{name}.eta_v"
+        elif name in FACTORS and value == 0.0:
+            yield "lambda" if name == "lam" else name
 
 
 def _rest(system: System, trajectory: Trajectory) -> Iterator[str]:

@@ -164,7 +164,10 @@ class Observer:
         return deflection
 
     def depth(self) -> Vector | None:
-        """Depth (n,) m of the deepest shape or node, negative above the surface; None if nothing may get in."""
+        """Depth (n,) m of the deepest shape or node, negative above the surface; None if nothing may get in.
+
+        A surface with a peak meets a body between its corners too, at the stations where the bed looks.
+        """
         assert self.scene.bed is not None
         height = self.scene.bed.height
         depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
@@ -173,6 +176,8 @@ class Observer:
             for shape in (shape for shape in handle.body.shapes if shape.in_sand):
                 places = [self.position(name, point)[0] for point in shape.points]
                 depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
+        if self.trajectory.load is not None:
+            depths.append(self.trajectory.load.depth)
         return np.max(depths, axis=0) if depths else None
 
     def reach(self) -> Reach | None:

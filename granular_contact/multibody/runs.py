@@ -33,6 +33,8 @@ class Run:
         self.run = np.zeros(1, RUN)
         for name, value in flags.items():
             self.run[name] = value
+        if kind in ("round", "ball"):  # the width of a plate or an outline is normal to the plane
+            self.run["beside"] = 0.5 * self.run["width"]
         self.body = ""
 
 
@@ -52,6 +54,7 @@ class Group:
         columns: Sequence[Vector],
     ) -> None:
         self.nodes = [run.nodes for run in runs]
+        self.kinds = [run.kind for run in runs]
         self.profile, self.medium = profile, medium
         self.columns = np.array(columns)
         self.geometry = np.concatenate([run.geometry for run in runs])
@@ -111,10 +114,11 @@ class Group:
         """End of a step at this state, added to a history row."""
         self._accept(q, v, *self._all_sand, row, self.columns, self.reach)
 
-    def widths(self) -> list[float]:
-        """Widths (m) of the runs that were ever immersed."""
-        touched: list[float] = self.runs["width"][self.reach[:, kernels.EVER] > 0.0].tolist()
-        return touched
+    def widths(self) -> list[tuple[Kind, float]]:
+        """Kinds and widths (m) of the runs that were ever immersed."""
+        ever = self.reach[:, kernels.EVER] > 0.0
+        widths = zip(self.kinds, self.runs["width"].tolist(), ever, strict=True)
+        return [(kind, width) for kind, width, touched in widths if touched]
 
     def nearing(self) -> list[tuple[float, float]]:
         """Of each run after `accept`: depth of its deepest station (m), greatest speed at which one goes down (m/s)."""

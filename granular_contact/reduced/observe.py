@@ -116,13 +116,14 @@ class Observer:
         depth = self.scene.surface - points[..., 1]
         under = depth > 0.0
         x = points[..., 0]
+        beside = np.concatenate([_beside(bar, line) for (bar, _), line in zip(places, lines, strict=True)], axis=1)
         return Reach(
             speed=float(speeds[under].max(initial=0.0)),
             depth=float(depth.max()),
             lowest=float(points[..., 1].min()),
-            left=float(x[under].min(initial=np.inf)),
-            right=float(x[under].max(initial=-np.inf)),
-            sizes=tuple(sorted({bar.diameter for bar in met})),
+            left=float((x - beside)[under].min(initial=np.inf)),
+            right=float((x + beside)[under].max(initial=-np.inf)),
+            sizes=tuple(sorted({("round", bar.diameter) for bar in met})),
         )
 
     # ---- energies ----
@@ -149,3 +150,10 @@ class Observer:
             line = self.positions(bar, bar.places(POINTS if bar.bends else 2), now)[0]
             outlines.append(Outline(bar.part, line, bar.diameter))
         return tuple(outlines)
+
+
+def _beside(bar: Bar, line: Vector) -> Vector:
+    """How far (instants, points) m a bar reaches to the sides of the points (instants, points, 2) of its axis."""
+    along = np.diff(line, axis=1, append=2.0 * line[:, -1:] - line[:, -2:-1])
+    beside: Vector = 0.5 * bar.diameter * np.abs(along[..., 1]) / np.linalg.norm(along, axis=-1)
+    return beside

@@ -13,6 +13,7 @@ from granular_contact.config import schema
 from granular_contact.errors import Fault
 from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import Medium
+from granular_contact.media.laws import WITH_RESULTANT
 from granular_contact.media.layer import Layer
 from granular_contact.scene.media import medium, missing
 
@@ -64,14 +65,15 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     """Bed of a scene; None without a medium and without a surface.
 
     ends: world positions (2,) m of what may meet the medium, at the start; faults: is told of media
-    that lack a number, of layers where there can be none, and of ends that lie below the floor.
+    that lack a number, of layers, floors and containers where there can be none, and of ends that lie below the floor.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
-    layers = tuple(_layers(scenario, spec, faults))
-    if scenario.load.form == "resultant" and not all(layer.whole for layer in layers):
-        faults.append(Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed"))
+    faults += _idle(scenario, spec)
+    layers = tuple(_layers(scenario, faults))
+    if scenario.load.form == "resultant":
+        faults += _resultant(scenario, layers)
     profile = _profile(scenario, spec, ends)
     placed = Bed(profile, layers, container=spec.container_x_m)
     if spec.depth_m is None:
@@ -82,6 +84,10 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
         None if contact is None else contact.stiffness_N_m2,
         0.0 if contact is None else contact.damping_s_m,
     )
+    if spec.profile_m is not None and profile[:, 1].min() <= floor.height:
+        x, y = profile[np.argmin(profile[:, 1])]
+        why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "
+        faults.append(Fault("", None, "bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
     lowest = min((float(end[1]) for end in ends), default=math.inf)
     if lowest < floor.height - NOTHING:
         faults.append(
@@ -96,16 +102,51 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     return replace(placed, floor=floor)
 
 
-def _layers(scenario: schema.Scenario, spec: schema.Bed, faults: list[Fault]) -> Iterator[Layer]:
-    tops = [layer.top_m for layer in spec.layers]
-    bottoms = [*tops, math.inf]
+def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
+    """What neither carries nor reports without a medium, as only the medium's load looks where bodies are."""
+    if places(scenario):
+        return
+    bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
+    for key, value in (("depth_m", spec.depth_m), ("container_x_m", spec.container_x_m)):
+        if value is not None:
+            what = "a floor" if key == "depth_m" else "a container"
+            why = f"got {what}, but no medium, and a bed needs one; of one that is next to nothing take {bare}"
+            yield Fault("", None, f"bed.{key}", why)
+
+
+def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator[Fault]:
+    """What has no single force at the middle of the immersed part."""
+    if not all(layer.whole for layer in layers):
+        yield Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed")
+    others = dict.fromkeys(one.law for one, *_ in places(scenario) if one.law not in WITH_RESULTANT)
+    if others:
+        have = ", ".join(WITH_RESULTANT)
+        why = f"got resultant, but {', '.join(others)} has none; laws with one are {have}, else distributed is allowed"
+        yield Fault("", None, "load.form", why)
+
+
+def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, float]]:
+    """The media of a scenario with the keys that they stand under, and the depths (m) that they lie between."""
+    layers = () if scenario.bed is None else scenario.bed.layers
+    bottoms = [*(layer.top_m for layer in layers), math.inf]
     several = isinstance(scenario.medium, tuple)
-    wanted = [
-        (one, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, one in enumerate(scenario.media)
-    ] + [(layer.medium, f"bed.layers.{i}.medium", layer.top_m, bottoms[i + 1]) for i, layer in enumerate(spec.layers)]
-    for one, key, top, bottom in wanted:
+    return [
+        *((one, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, one in enumerate(scenario.media)),
+        *((one.medium, f"bed.layers.{i}.medium", one.top_m, bottoms[i + 1]) for i, one in enumerate(layers)),
+    ]
+
+
+def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
+    for one, key, top, bottom in places(scenario):
+        base = one.name or one.law
         lacking = [
-            Fault("", None, f"{key}.{name}", "got null: the source does not state it; give the number of your case")
+            Fault(
+                "",
+                None,
+                f"{key}.{name}",
+                f"got null: the source of {base} does not state it; give the number of your case, as "
+                f"{{from: {base}, {name}: ...}}",
+            )
             for name in missing(one)
         ]
         faults += lacking

@@ -29,11 +29,13 @@ def check_treelike(scene: Scene) -> None:
 def _mechanism(scene: Scene) -> Iterator[str]:
     if scene.links:
         yield f"{scene.links[0].name} is flexible"
+    others: dict[str, list[str]] = {}
     for joint in scene.connections:
-        if joint.closes:
-            yield f"{joint.name} closes a loop"
-        elif joint.kind != "hinge":
-            yield f"{joint.name} is a {joint.kind}"
+        if joint.closes or joint.kind != "hinge":
+            others.setdefault("loop" if joint.closes else joint.kind, []).append(joint.name)
+    for kind, names in others.items():
+        one, many = (f"is a {kind}", f"are of the kind {kind}") if kind != "loop" else ("closes a loop", "close loops")
+        yield f"{_named(names)} {one if len(names) == 1 else many}"
 
 
 def _extras(scene: Scene) -> Iterator[str]:
@@ -41,9 +43,15 @@ def _extras(scene: Scene) -> Iterator[str]:
         yield f"{scene.drives[0].joint} is driven"
     if scene.settle:
         yield "initial.settle is true"
-    for joint in scene.connections:
-        if not joint.law.is_idle:
-            yield f"{joint.name} has a spring, damper, stops or friction"
+    names = [joint.name for joint in scene.connections if not joint.law.is_idle]
+    if names:
+        yield f"{_named(names)} {'has' if len(names) == 1 else 'have'} a spring, damper, stops or friction"
+
+
+def _named(names: list[str]) -> str:
+    """Three names at the most, and how many more there are."""
+    shown = ", ".join(names[:3])
+    return f"{shown} and {len(names) - 3} more" if len(names) > 3 else shown
 
 
 def _bed(scene: Scene) -> Iterator[str]:

@@ -249,3 +249,63 @@ def test_shipped_configs_hold_the_published_numbers():
         "pendulum_rigid": (31, 6.24),
     }
     assert {name: (start[name].impact_angle_deg, start[name].impact_speed_rad_s) for name in published} == published
+
+
+CHANGED = {
+    ("medium.eta_d=3",): ("own", "changed from play_sand: eta_d"),
+    ("medium={from: play_sand, eta_d: 3}",): ("own", "changed from play_sand: eta_d"),
+    ("medium={from: play_sand, eta_d: 3}", "medium.plunging.eta_v=2"): (
+        "own",
+        "changed from play_sand: eta_d, plunging",
+    ),
+    ("medium.withdrawing={eta_v: 1, lambda: 1}",): ("own", "changed from play_sand: withdrawing"),
+    ("medium={from: play_sand, eta_d: 3, standing: of a friend}",): ("own", "of a friend"),
+    ("medium={from: play_sand, eta_d: 3, provenance: fitted}",): ("fitted", "changed from play_sand: eta_d"),
+    # A number as it was, and one that the source left open, change nothing.
+    ("medium.eta_d=6.5",): ("published", "read in the text of its source"),
+    ("medium={from: hill_cylinders, density_kg_m3: 2000}",): (
+        "published",
+        "agreed in two or more independent sources",
+    ),
+    ("medium=mine.yaml",): ("fitted", None),
+    ("medium=mine.yaml", "medium.eta_h=4"): ("own", "changed from mine: eta_h"),
+}
+
+
+@pytest.mark.parametrize("overrides", CHANGED)
+def test_a_medium_with_changed_numbers_says_so(folder, overrides):
+    mine = "{law: albert, name: mine, density_kg_m3: 2500, eta_h: 8, provenance: fitted}"
+    (folder / "configs" / "mine.yaml").write_text(mine)
+    medium = run(folder, START + "model: compound_pendulum\nmedium: play_sand\n", *overrides).scenario.medium
+    assert (medium.provenance, medium.standing) == CHANGED[overrides]
+
+
+def test_changed_numbers_are_told_in_lists_and_layers(folder):
+    bed = "bed: {layers: [{top_m: 0.01, medium: play_sand}, {top_m: 0.02, medium: rft_generic}]}\n"
+    text = START + "model: compound_pendulum\nmedium: [play_sand, rft_generic]\n" + bed
+    scenario = run(folder, text, "medium.1.zeta=2", "bed.layers.0.medium.eta_h=2").scenario
+    said = [one.provenance for one in (*scenario.media, *(layer.medium for layer in scenario.bed.layers))]
+    assert said == ["published", "own", "own", "published"]
+
+
+def test_what_a_preset_lacks_is_told_where_it_is_named(folder):
+    config = folder / "configs" / "run.yaml"
+    scenario, sources = run(folder, START + "model: compound_pendulum\nmedium: hill_cylinders\n")
+    assert scenario.medium.density_kg_m3 is None
+    assert sources.locate("medium.density_kg_m3") == (str(config), 3)
+    # So is a medium that does not fit; what it says is where it says it.
+    assert sources.locate("medium") == (str(config), 3)
+    assert Path(sources.locate("medium.plunging.eta_v")[0]).name == "hill_cylinders.yaml"
+
+
+def test_a_law_is_no_medium_and_stays_under_from(folder):
+    start = START + "model: compound_pendulum\nmedium: "
+    for medium, key, words in (
+        ("albert", "medium", "which is a law and no medium; give its numbers, as medium: {law: albert, ...}"),
+        ("{from: play_sand, law: rft}", "medium.law", "play_sand is of the law lee_marghitu, and law can't change"),
+    ):
+        with pytest.raises(ConfigError) as caught:
+            run(folder, start + medium + "\n")
+        [fault] = caught.value.faults
+        assert (fault.line, fault.key) == (3, key)
+        assert words in fault.message

@@ -6,6 +6,7 @@ Everything is drawn from a `random.Random`, so that a seed is a case.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from random import Random
 from typing import Any
 
@@ -70,7 +71,10 @@ def _bed(rng: Random, family: str) -> Tree:
         bed["slope_deg"] = rng.uniform(-50.0, 50.0)
     elif rng.random() < 0.4:
         x = sorted(rng.uniform(-0.5, 0.5) for _ in range(rng.randint(2, 6)))
-        bed["profile_m"] = [[at, -rng.uniform(0.0, 1.0)] for at in x]
+        y = [-rng.uniform(0.0, 1.0)]
+        for before, at in pairwise(x):  # 60 degrees are allowed
+            y.append(y[-1] + (at - before) * rng.uniform(-1.7, 1.7))
+        bed["profile_m"] = [list(corner) for corner in zip(x, y, strict=True)]
     if rng.random() < 0.5:
         bed["depth_m"] = rng.uniform(0.001, 0.5)
         if rng.random() < 0.7:
@@ -78,7 +82,7 @@ def _bed(rng: Random, family: str) -> Tree:
     if rng.random() < 0.3:
         bed["container_x_m"] = [-rng.uniform(0.0, 0.5), rng.uniform(0.0, 0.5)]
     if rng.random() < 0.3 and family != "ball":
-        tops = sorted(rng.uniform(0.001, 0.2) for _ in range(rng.randint(1, 3)))
+        tops = sorted(rng.uniform(0.001, min(0.2, bed.get("depth_m", 1.0))) for _ in range(rng.randint(1, 3)))
         bed["layers"] = [{"top_m": top, "medium": law(rng, family)} for top in tops]
     return bed
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Annotated
 
@@ -10,12 +11,20 @@ from pydantic import AfterValidator, Field, model_validator
 from granular_contact.config.schema.base import Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
 from granular_contact.config.schema.medium import Medium
 
+STEEPEST = 60  # deg: depth is vertical, and says little of how far the surface is on steeper ground
+
 
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    faults = [
+    faults: list[LocalFault] = [
         ((i, 0), f"got x = {b[0]:g} after {a[0]:g}; x must rise from corner to corner")
         for i, (a, b) in enumerate(pairwise(points), 1)
         if not b[0] > a[0]
+    ]
+    slopes = [] if faults else [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(points)]
+    faults += [
+        ((i,), f"got {math.degrees(slope):.4g} deg up to this corner; allowed is less than {STEEPEST} either way")
+        for i, slope in enumerate(slopes, 1)
+        if abs(slope) >= math.radians(STEEPEST)
     ]
     if faults:
         raise refusal(faults)
@@ -44,10 +53,10 @@ class Bed(Strict):
 
     height_m: float | None = None
     """Height of the surface above the ground joint at x = 0; null: so that the mechanism touches it at the start."""
-    slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
+    slope_deg: Annotated[float, Field(gt=-STEEPEST, lt=STEEPEST)] = 0.0
     """The surface rises to the right by this angle."""
     profile_m: Annotated[tuple[Point, ...], Listed, Field(min_length=2), AfterValidator(_rising)] | None = None
-    """Corners x, y of the surface in place of height and slope; level beyond them."""
+    """Corners x, y of the surface in place of height and slope, less than 60 degrees steep; level beyond them."""
     depth_m: Positive | None = None
     """Of the level floor below the surface at x = 0; null: none."""
     floor: FloorContact | None = None
@@ -72,6 +81,12 @@ class Bed(Strict):
             for i, (above, below) in enumerate(pairwise(tops))
             if not below > above
         ]
+        if self.depth_m is not None and self.profile_m is None and self.slope_deg == 0.0:
+            faults += [
+                (("layers", i, "top_m"), f"got {top:g}, but the floor is at {self.depth_m:g}; allowed is above it")
+                for i, top in enumerate(tops)
+                if top >= self.depth_m
+            ]
         if faults:
             raise refusal(faults)
         return self
