@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -98,7 +99,7 @@ def _show(found: Fit) -> None:
         table.add_column(head, justify="right")
     for one in found.uncertainty.estimates:
         label = one.parameter.label + (" (at its bound)" if one.at_bound else "")
-        table.add_row(label, f"{one.value:.6g}", *(f"{x:.4g}" for x in (one.error, one.low, one.high)))
+        table.add_row(label, f"{one.value:.6g}", *(_known(x, ".4g") for x in (one.error, one.low, one.high)))
     console.print(table)
     shared = [j for j, p in enumerate(found.problem.parameters) if p.shared]
     if 1 < len(shared) <= MOST_SHOWN:
@@ -124,5 +125,9 @@ def _correlation(found: Fit, shared: Sequence[int], table_of: type) -> object:
         table.add_column(found.problem.parameters[j].key[-1], justify="right")
     matrix = found.uncertainty.correlation
     for i in shared:
-        table.add_row(found.problem.parameters[i].label, *(f"{matrix[i, j]:+.3f}" for j in shared))
+        table.add_row(found.problem.parameters[i].label, *(_known(matrix[i, j], "+.3f") for j in shared))
     return table
+
+
+def _known(value: float, form: str) -> str:
+    return format(value, form) if isfinite(value) else "-"
