@@ -67,6 +67,7 @@ def summary(fit: Fit) -> dict[str, Any]:
                 "start": one.parameter.start,
                 "scale": "log" if one.parameter.log else "linear",
                 "at_bound": bool(one.at_bound),
+                "runs": [problem.runs[i].name for i in one.parameter.runs],
             }
             for one in known.estimates
         },
