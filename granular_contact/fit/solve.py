@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Future, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,24 +118,27 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
 
     lost: list[int] = []
     with local_processes(workers) as pool:
-        tasks: dict[Future[Start], int] = {}
-        for i, point in enumerate(points):
-            try:
-                tasks[pool.submit(descend, problem, point)] = i
-            except BrokenExecutor:
-                lost.append(i)
+        tasks = {_handed_to(pool, problem, point): i for i, point in enumerate(points)}
         for task in as_completed(tasks):
-            try:
-                yield tasks[task], task.result()
-            except BrokenExecutor:
+            if isinstance(task.exception(), BrokenExecutor):
                 lost.append(tasks[task])
+            else:
+                yield tasks[task], task.result()
     for i in sorted(lost):
-        try:
-            with local_processes(1) as alone:
-                start = alone.submit(descend, problem, points[i]).result()
-        except BrokenExecutor:
-            start = Start(points[i], np.inf, DIED)
-        yield i, start
+        with local_processes(1) as alone:
+            task = _handed_to(alone, problem, points[i])
+            died = isinstance(task.exception(), BrokenExecutor)
+        yield i, Start(points[i], np.inf, DIED) if died else task.result()
+
+
+def _handed_to(pool: Executor, problem: Problem, point: Vector) -> Future[Start]:
+    """A start in another process; of a pool that is broken already, one that was lost."""
+    try:
+        return pool.submit(descend, problem, point)
+    except BrokenExecutor as error:
+        lost: Future[Start] = Future()
+        lost.set_exception(error)
+        return lost
 
 
 def descend(problem: Problem, point: Vector) -> Start:
