@@ -93,8 +93,8 @@ class _Source:
         self.measured = select(table, known, wanted.columns, faults)
         if self.measured is not None:
             start, latest = _offsets(wanted)
-            self.early = max(0.0, latest - float(self.measured.time[0]))
-            faults += checks.against_run(self.measured, self.first, start, self.early)
+            self.early = checks.early_by(self.measured, latest)
+            faults += checks.against_run(self.measured, self.first, start, latest)
 
 
 def _offsets(wanted: RunWanted) -> tuple[float, float]:

@@ -73,7 +73,12 @@ def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
         for p, s, d, b in zip(problem.parameters, solution.scaled, deviation, solution.at_bound, strict=True)
     )
     directions = tuple(_directions(problem, solution, covariance))
-    words = (*_bound_words(estimates, covariance), *_words(directions), *_close_words(problem, correlation, directions))
+    words = (
+        *_bound_words(estimates, covariance),
+        *_words(directions),
+        *(f"{e.parameter.label} is not determined by these data" for e in estimates if _unmoved(e)),
+        *_close_words(problem, correlation, directions),
+    )
     return Uncertainty(estimates, covariance, correlation, directions, words, quantile)
 
 
@@ -136,6 +141,11 @@ def _estimate(parameter: Parameter, scaled: float, deviation: float, quantile: f
 def _unbounded(parameter: Parameter, scaled: float) -> float:
     """Value of an end of an interval, which may lie beyond the bounds of the search."""
     return float(np.exp(scaled)) if parameter.log else scaled * parameter.unit
+
+
+def _unmoved(one: Estimate) -> bool:
+    """Whether nothing is known of a parameter of one run alone, which the directions do not tell of."""
+    return not one.parameter.shared and not np.isfinite(one.error)
 
 
 def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Iterator[Direction]:

@@ -213,6 +213,25 @@ def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: s
     found = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
     assert found[0][:3] == ("data.csv", 2, "")
     assert "begins 0.002 s before the start" in found[0][3]
+    assert found[0][3].endswith("leave these rows out, or let the run start earlier")
+
+
+def test_bounds_of_the_clock_that_keep_it_after_the_start_are_named(faults, good) -> None:
+    more = "method: engine, model.joints.pivot.damping_Nm_s_per_rad: 1e-3"
+    text = FIT.replace("method.reduced.modes: 0", more) + "    time_offset_s: fit\n"
+    ((*_, words),) = faults(text, good)
+    assert words.endswith("narrower bounds in a fit file, as time_offset_s: {from: -0.02, to: 0}")
+
+
+@pytest.mark.parametrize(("shift", "more"), [(0.05, "time_offset_s: fit"), (12.3, "time_offset_s: 0.1"), (12.3, "")])
+def test_a_clock_outside_the_run(faults, good, shift: float, more: str) -> None:
+    rows = [line.partition(",") for line in good[1:]]
+    late = [good[0], *(f"{float(time) + shift!r},{rest}" for time, _, rest in rows)]
+    ((file, line, key, words),) = faults(f"{FIT}    {more}\n", late)
+    assert (file, line, key) == ("data.csv", 2, "")
+    earliest = {0.05: 0.03, 12.3: 12.2 if more else 12.3}[shift]  # an offset that is fitted goes to 20 ms
+    assert f"begins {earliest:.4g} s after the start of the run at the earliest" in words
+    assert "is the clock shifted" in words
 
 
 def test_default_bounds_go_as_far_as_the_schema(tmp_path: Path, good) -> None:
