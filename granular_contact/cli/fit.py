@@ -111,8 +111,9 @@ def _show(found: Fit) -> None:
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
     good = found.goodness
     words = "the residuals look like noise" if good.status == "fits" else "the residuals are no noise"
+    rest = f" ({good.without_outliers:.3g} without the outliers)" if good.outliers else ""
     print(
-        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g} of {good.degrees_of_freedom} "
+        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g}{rest} of {good.degrees_of_freedom} "
         f"degrees of freedom, {found.agreeing} of {len(found.solution.starts)} starts agree"
     )
     for warning in found.warnings:

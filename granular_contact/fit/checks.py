@@ -55,8 +55,8 @@ def _too_late(measured: Measured, first: Results, latest: float) -> Iterator[Fau
         if left > MOTION_LEFT * float(np.ptp(motion)):
             return
     words = (
-        f"begins {begin:.4g} s after the start of the run at the earliest, when the motion of the model is over: is the "
-        "clock shifted (--time-offset, time_offset_s in a fit file) or in another unit?"
+        f"begins {begin:.4g} s after the start of the run at the earliest, when the motion of the model is over: is "
+        "the clock shifted (--time-offset, time_offset_s in a fit file) or in another unit?"
     )
     yield Fault(measured.file, measured.lines[0], "", words)
 

@@ -34,6 +34,7 @@ def prepare(wanted: Specification) -> Problem:
     sources = [_Source(one, wanted.common, templates, faults) for one in wanted.runs]
     if faults:
         raise ConfigError(_in_order(faults))
+    faults += _twice(wanted.runs, sources)
     choices = choose(wanted.parameters, [s.simulator for s in sources], faults)
     for i, (one, source) in enumerate(zip(wanted.runs, sources, strict=True)):
         choices += own_choices(one, i, source.simulator, faults)
@@ -95,6 +96,19 @@ class _Source:
             start, latest = _offsets(wanted)
             self.early = checks.early_by(self.measured, latest)
             faults += checks.against_run(self.measured, self.first, start, latest)
+
+
+def _twice(runs: Sequence[RunWanted], sources: Sequence[_Source]) -> Iterator[Fault]:
+    """A fault for each run with the very numbers of another."""
+    seen: dict[tuple[object, ...], str] = {}
+    for run, source in zip(runs, sources, strict=True):
+        held = source.measured
+        assert held is not None  # or there was a fault
+        numbers = (held.columns, held.time.tobytes(), held.values.tobytes())
+        if numbers in seen:
+            words = f"{held.file} has the numbers of {seen[numbers]} again; a measurement counts once"
+            yield run.at_data.fault((), words)
+        seen.setdefault(numbers, held.file)
 
 
 def _offsets(wanted: RunWanted) -> tuple[float, float]:

@@ -79,7 +79,7 @@ def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
         *(f"{e.parameter.label} is not determined by these data" for e in estimates if _unmoved(e)),
         *_close_words(problem, correlation, directions),
     )
-    return Uncertainty(estimates, covariance, correlation, directions, words, quantile)
+    return Uncertainty(estimates, covariance, correlation, directions, tuple(dict.fromkeys(words)), quantile)
 
 
 def degrees_of_freedom(problem: Problem) -> int:

@@ -78,6 +78,7 @@ def summary(fit: Fit) -> dict[str, Any]:
             "reduced_chi_square": good.reduced_chi_square,
             "ljung_box_probability": good.ljung_box,
             "outlier_share": good.outliers,
+            "reduced_chi_square_without_outliers": good.without_outliers,
             "columns": {
                 one.column: {
                     "noise": one.noise,
