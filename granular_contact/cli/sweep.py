@@ -156,6 +156,8 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folde
     for one in found:
         if one.refused:
             complain(f"no Sobol indices of {one.output}: {one.refused}")
+        for words in sensitivity.doubts(one):
+            complain(f"warning: {words}")
     if failed:
         complain(f"{failed} of {count} cases failed; saved in {folder}")
     return FAILED if failed else FINE
