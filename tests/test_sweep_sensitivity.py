@@ -69,7 +69,7 @@ def test_too_few_points_are_told(tmp_path):
 @pytest.mark.parametrize(
     ("first", "total", "width", "why"),
     [(0.3, 0.4, 0.2, ""), (-0.02, 0.01, 0.2, ""), (0.3, 0.4, 0.6, "wide"), (0.3, 0.4, math.nan, "wide"),
-     (-0.1, 0.4, 0.2, "outside"), (0.3, 1.1, 0.2, "outside"), (0.5, 0.4, 0.2, "above the total")],
+     (-0.15, 0.4, 0.2, "outside"), (0.3, 1.2, 0.2, "outside"), (0.55, 0.4, 0.2, "above the total")],
 )  # fmt: skip
 def test_what_makes_indices_doubtful(first, total, width, why):
     ends = np.array([[0.0], [width]])

@@ -23,7 +23,7 @@ CONFIDENCE = 0.95
 RESAMPLES = 999
 MOST_NAMED = 3  # cases
 WIDEST = 0.5  # interval of an index that says something
-ASTRAY = 0.05  # how far an index may lie where none can: outside 0 to 1, the first order above the total
+ASTRAY = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
 Vector = NDArray[np.float64]
