@@ -10,14 +10,23 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, add_output, add_set, complain, folder_problem
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    add_output,
+    add_set,
+    complain,
+    folder_problem,
+    reason,
+    worker_count,
+)
 from granular_contact.cli.fit_options import wanted
 
 if TYPE_CHECKING:
     from granular_contact.fit import Fit
 
 HELP = "find coefficients from measured runs, with their errors"
-MOST_WORKERS = 256
 MOST_SHOWN = 12  # parameters in the matrix of correlations
 
 
@@ -37,16 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--loss", metavar="soft_l1|linear", help="linear: no row may be an outlier (soft_l1)")
     parser.add_argument("--starts", metavar="N", help="points to start from (8)")
     parser.add_argument("--seed", metavar="N", help="of the choice of these points (0)")
-    parser.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    parser.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
     add_set(parser)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
     add_output(parser, "results/NAME_OF_FIRST_FILE_fit")
-
-
-def _worker_count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
-        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
-    return int(text)
 
 
 def act(chosen: argparse.Namespace) -> int:
@@ -67,7 +70,7 @@ def act(chosen: argparse.Namespace) -> int:
     try:
         write(found, folder, figures=not chosen.no_plots)
     except OSError as error:
-        complain(f"the fit can't be saved in {folder}: {error}")
+        complain(f"the fit can't be saved in {folder}: {reason(error)}")
         return FAULTY_INPUT
     if not chosen.quiet:
         _show(found)

@@ -103,16 +103,22 @@ def _steps(problem: Problem) -> list[float]:
 
 
 def _dependent(problem: Problem, f: Sequence[Vector], tiny: NDArray[np.bool_]) -> Iterator[str]:
-    """Columns of a run, and the same column of two runs, whose noise is the same."""
-    told: dict[str, None] = {}
+    """Columns of a run, and columns of two runs, whose noise is the same."""
+    groups: list[set[str]] = []
+    runs: dict[tuple[str, str], list[str]] = {}
     for pair in _pairs(problem, tiny):
         (i, name), (j, other) = pair
         first, second = (f[run][:, problem.runs[run].measured.columns.index(column)] for run, column in pair)
-        if len(first) == len(second) and abs(_correlation(first, second)) > _most(len(first)):
-            told[
-                f"{name} and {other}" if i == j else f"{name} of {problem.runs[i].name} and {problem.runs[j].name}"
-            ] = None
-    for words in told:
+        if len(first) != len(second) or abs(_correlation(first, second)) <= _most(len(first)):
+            continue
+        if i == j:
+            touched = [one for one in groups if one & {name, other}]
+            groups = [one for one in groups if one not in touched] + [{name, other}.union(*touched)]
+        else:
+            runs.setdefault((problem.runs[i].name, problem.runs[j].name), []).append(name)
+    named = [" and ".join(name for name in problem.columns if name in group) for group in groups]
+    named += [f"{' and '.join(names)} in {one} and {other}" for (one, other), names in runs.items()]
+    for words in named:
         yield (
             f"the noise of {words} is the same for the most part, so they are no independent measurements: the errors "
             "are too small"

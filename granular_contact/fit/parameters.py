@@ -51,7 +51,7 @@ def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, fault
         start = wanted.start if wanted.start is not None else numbers[runs[0]]
         if wanted.start is None and len(set(numbers.values())) > 1:
             shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
-            problem = f"the runs have different values, {shown}: give it a start"
+            problem = f"the runs have different values, {shown}: give it a start in a fit file"
         else:
             found = _bounded(wanted, start, [simulators[i] for i in runs])
             if isinstance(found, str):
@@ -114,7 +114,7 @@ def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> t
     Where the config's own value lies outside given bounds, the start is in the middle of them.
     """
     if start == 0.0 and (wanted.low is None or wanted.high is None):
-        return "starts at 0, from which no bounds follow: give it from and to"
+        return "starts at 0, from which no bounds follow: give it bounds, from and to in a fit file"
     low = wanted.low if wanted.low is not None else _default(wanted, start, -1, simulators)
     high = wanted.high if wanted.high is not None else _default(wanted, start, +1, simulators)
     for name, value, given in (("from", low, wanted.low), ("to", high, wanted.high), ("start", start, wanted.start)):

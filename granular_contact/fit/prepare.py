@@ -168,9 +168,15 @@ def _problem(
 
 
 def _noise(wanted: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:
+    said: dict[str, str] = {}
     for name, (value, at) in wanted.noise.items():
         hit = recognise(name, columns)
         if hit is None:
             faults.append(at.fault(("noise", name), f"no data have such a column; allowed are {in_words(columns)}"))
+        elif hit[0] in said:
+            faults.append(
+                at.fault(("noise", name), f"is the column that {said[hit[0]]} names already; once is allowed")
+            )
         else:
+            said[hit[0]] = name
             yield hit[0], value * hit[1]

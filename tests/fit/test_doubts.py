@@ -50,6 +50,12 @@ def test_a_column_made_of_another_is_found_under_a_pattern(two: Problem) -> None
     assert words.startswith("the noise of tip_y_m and pivot_angle_deg is the same for the most part")
 
 
+def test_columns_with_the_same_noise_are_named_once(two: Problem) -> None:
+    f = [np.repeat(one[:, :1], 3, axis=1) for one in residuals(0)]
+    (words,) = doubts(two, f, SIGMA)
+    assert words.startswith("the noise of tip_x_m and tip_y_m and pivot_angle_deg is the same")
+
+
 def test_a_pattern_in_two_columns_is_no_common_noise(two: Problem) -> None:
     smooth = 2.0 * np.sin(np.linspace(0.0, 3.0, 50))[:, None]
     assert doubts(two, [0.5 * one + smooth for one in residuals(0)], SIGMA) == []
@@ -59,7 +65,7 @@ def test_runs_with_the_same_noise_are_found(two: Problem) -> None:
     f = residuals(0)
     f[1][:, 0] = -f[0][:, 0]
     (words,) = doubts(two, f, SIGMA)
-    assert words.startswith("the noise of tip_x_m of 0 and 1 is the same")
+    assert words.startswith("the noise of tip_x_m in 0 and 1 is the same")
 
 
 def test_the_same_numbers_twice_are_refused(tmp_path: Path) -> None:
