@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from granular_contact.config.export import scenario_to_dict
+from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.messages import unknown
 from granular_contact.config.overrides import Override
 from granular_contact.config.tree import Scalar
@@ -43,7 +43,7 @@ def own_choices(wanted: RunWanted, index: int, simulator: Simulator, faults: lis
 
 def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, faults: list[Fault]) -> Choice | None:
     plains = {i: scenario_to_dict(one.load(()).scenario) for i, one in simulators.items()}
-    values = {i: _at(plain, wanted.key) for i, plain in plains.items()}
+    values = {i: value_at(plain, wanted.key, _MISSING) for i, plain in plains.items()}
     numbers = {i: float(v) for i, v in values.items() if isinstance(v, float)}
     problem = _refused(wanted, list(values.values()), list(plains.values()))
     if problem is None:
@@ -81,18 +81,6 @@ def _refused(wanted: Wanted, values: Sequence[Any], plains: Sequence[dict[str, A
 
 
 _MISSING = object()
-
-
-def _at(plain: Any, key: Sequence[str]) -> Any:
-    """Value under a key of a resolved scenario."""
-    for part in key:
-        if isinstance(plain, list) and part.isdecimal() and int(part) < len(plain):
-            plain = plain[int(part)]
-        elif isinstance(plain, dict) and part in plain:
-            plain = plain[part]
-        else:
-            return _MISSING
-    return plain
 
 
 def _keys(plain: Any, path: str = "") -> Iterator[str]:

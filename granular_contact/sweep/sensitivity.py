@@ -10,12 +10,12 @@ import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
+from granular_contact.config.sweep_range import is_number
 from granular_contact.report import FIGURES, SENSITIVITY
 from granular_contact.sweep.journal import Row
 
@@ -66,11 +66,6 @@ def doubts(one: Indices) -> list[str]:
     """Of each input whose indices are not known well enough, a sentence."""
     named = ((name, doubt(one, i)) for i, name in enumerate(one.inputs))
     return [f"Sobol indices of {one.output} to {name}: {why}" for name, why in named if why]
-
-
-def is_number(value: Any) -> bool:
-    """Whether a cell of a summary can be an output."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def of_sweep(sweep: Sweep, rows: Iterable[Row]) -> list[Indices]:
