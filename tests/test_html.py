@@ -433,6 +433,12 @@ def test_pages_fit_the_window_and_show_every_picture(
     assert all(shown)
     asked = browser.run("return performance.getEntriesByType('resource').map(e => e.name.slice(0, 5))")
     assert set(asked) <= {"data:"}
+    # What a table is of is read without moving it.
+    ends = browser.run(
+        "return [...document.querySelectorAll('caption span')].map(e => e.getBoundingClientRect().right)"
+    )
+    assert ends
+    assert max(ends) <= width
     # Words are large enough to read, and links to hit.
     assert browser.run("return parseFloat(getComputedStyle(document.body).fontSize)") >= 16
     assert min(browser.run("return [...document.links].map(a => a.getBoundingClientRect().height)")) >= 24

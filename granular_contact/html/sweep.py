@@ -165,7 +165,7 @@ def _statistics(table: _Table) -> Markup | None:
 
 
 def _figures(folder: Folder, table: _Table) -> Markup | None:
-    shown = [parts.figure(path, path.stem.replace("_", " ")) for path in folder.figures()]
+    shown = [parts.figure(path, _caption(path.stem)) for path in folder.figures()]
     columns = [(name, table.numbers(name)) for name in table.varied]
     varied = [(name, values) for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
     if varied and table.found:
@@ -178,6 +178,11 @@ def _figures(folder: Folder, table: _Table) -> Markup | None:
                 words = f"{label(name).capitalize()} of every case that came to an end against what varies."
                 shown.append(parts.figure(Path(place, "overview.png"), words))
     return tag("div", *shown, class_="figures") if shown else None
+
+
+def _caption(stem: str) -> str:
+    kind, _, output = stem.partition("_")
+    return f"Sobol indices of {label(output)}." if kind == "sensitivity" else stem.replace("_", " ")
 
 
 def _drawn(table: _Table) -> list[str]:
@@ -196,7 +201,8 @@ def _sensitivity(folder: Folder) -> Markup | None:
     if not folder.has(SENSITIVITY):
         return None
     head, rows = folder.table(SENSITIVITY)
-    return parts.keyed_table(f"{SENSITIVITY}.", head, rows)
+    caption = "Part of the variance of an output that an input explains: alone (first order), and with others (total)."
+    return parts.keyed_table(caption, head, rows)
 
 
 def _failed(table: _Table) -> Markup | None:
