@@ -48,9 +48,10 @@ def _outliers(problem: Problem, f: Sequence[Vector]) -> Iterator[str]:
     for run, one in zip(problem.runs, f, strict=True):
         rows = np.flatnonzero(np.any(np.abs(one) > OUTLIER, axis=1))
         if len(rows):
-            lines = [str(run.measured.lines[i]) for i in rows[:MOST_LINES]]
-            more = " and more" if len(rows) > MOST_LINES else ""
-            places.append(f"{run.measured.file} line{'s' * (len(rows) > 1)} {', '.join(lines)}{more}")
+            numbers = run.measured.lines or range(1, len(one) + 1)  # data that are of no file have rows
+            kind = ("line" if run.measured.lines else "row") + "s" * (len(rows) > 1)
+            shown = ", ".join(str(numbers[i]) for i in rows[:MOST_LINES])
+            places.append(f"{run.measured.file} {kind} {shown}{' and more' * (len(rows) > MOST_LINES)}")
     said = "1 value is an outlier" if count == 1 else f"{count} values are outliers"
     yield f"{said}, farther than {OUTLIER:g} times the noise from the model: {'; '.join(places)}"
 
@@ -76,6 +77,7 @@ def _of_column(problem: Problem, f: Sequence[Vector], name: str) -> Vector:
 
 
 def _rounded(problem: Problem, sigma: Vector) -> Iterator[str]:
+    """Columns whose noise is that of their rounding."""
     for name, size, step in zip(problem.columns, sigma, _steps(problem), strict=True):
         if _mostly_rounding(step, size):
             yield (

@@ -152,8 +152,7 @@ def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Ite
     """Axes of the ellipsoid of the shared parameters, relative to their values: loosest first."""
     shared = [j for j, p in enumerate(problem.parameters) if p.shared]
     own = [j for j in shared if np.isfinite(covariance[j, j])]
-    for j in set(shared) - set(own):
-        yield np.inf, {problem.parameters[j].label: 1.0}
+    yield from ((np.inf, {problem.parameters[j].label: 1.0}) for j in shared if j not in own)
     relative = np.array([_relative(problem.parameters[j], float(solution.scaled[j])) for j in own])
     if not own:
         return

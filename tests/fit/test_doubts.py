@@ -95,6 +95,8 @@ def test_outliers_are_named_by_file_and_line(two: Problem) -> None:
     # line 1 holds the names
     assert words.startswith("2 values are outliers, farther than 4 times the noise from the model: ")
     assert words.endswith("1.csv lines 12, 13")
+    bare = [replace(run, measured=replace(run.measured, lines=())) for run in two.runs]
+    assert doubts(replace(two, runs=tuple(bare)), f, SIGMA)[0].endswith("1.csv rows 11, 12")
     assert doubts(two, [100.0 * one for one in residuals(0)], SIGMA) == []  # all of them are no exceptions
 
 
