@@ -196,6 +196,42 @@ def test_failed_cases_of_a_sweep_are_named(tmp_path: Path) -> None:
     assert "1 came to rest, 1 crashed" in page
 
 
+HEAD = "case,initial.impact_speed_rad_s,status,message,stopping_time_s,energy.imbalance_relative,warnings"
+
+
+def test_numbers_of_a_sweep_are_of_cases_that_came_to_an_end(tmp_path: Path) -> None:
+    lines = [
+        HEAD,
+        "a,1,rest,fine,0.02,1e-5,",
+        "b,2,end_time,fine,0.03,2e-5,",
+        "c,3,failed,broke off,0.9,7e3,",
+        "d,4,time_limit,too late,0.8,6e3,",
+    ]
+    (tmp_path / "table.csv").write_text("\n".join(lines))
+    text = "".join(Outline(html.html(tmp_path)).text)
+    assert "2 cases that did not come to an end are left out" in text
+    key, audit = (
+        text.split("Key numbers")[-1].split("Figures")[0],
+        text.split("Energy audit")[-1].split("Cases, what")[0],
+    )
+    assert "30 ms" in key
+    assert "900 ms" not in key
+    assert "0.002 % at most, in case b" in audit
+
+
+def test_warnings_that_differ_in_numbers_are_one_kind(tmp_path: Path) -> None:
+    same = [f"s{i},1,rest,fine,0.02,1e-5,faster than 1.{i} m/s" for i in range(40)]
+    others = [f"o{i},1,rest,fine,0.02,1e-5,kind {'x' * i}" for i in range(14)]
+    (tmp_path / "table.csv").write_text("\n".join([HEAD, *same, *others]))
+    page = html.html(tmp_path)
+    box = re.search(r'class="warning".*?</ul>', page, re.DOTALL)
+    assert box is not None
+    shown = re.findall("<li>(.*?)</li>", box[0])
+    assert shown[0] == "faster than 1.0 m/s (40 of 54 cases, in other cases with other numbers)"
+    assert len(shown) == 11
+    assert shown[-1] == "... and 5 more kinds, in table.csv"
+
+
 def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> None:
     one = make()
     more = {
@@ -397,6 +433,12 @@ def test_pages_fit_the_window_and_show_every_picture(
     assert all(shown)
     asked = browser.run("return performance.getEntriesByType('resource').map(e => e.name.slice(0, 5))")
     assert set(asked) <= {"data:"}
+    # What a table is of is read without moving it.
+    ends = browser.run(
+        "return [...document.querySelectorAll('caption span')].map(e => e.getBoundingClientRect().right)"
+    )
+    assert ends
+    assert max(ends) <= width
     # Words are large enough to read, and links to hit.
     assert browser.run("return parseFloat(getComputedStyle(document.body).fontSize)") >= 16
     assert min(browser.run("return [...document.links].map(a => a.getBoundingClientRect().height)")) >= 24

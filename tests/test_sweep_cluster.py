@@ -165,6 +165,16 @@ def test_a_scheduler_that_does_not_answer_is_named(listening, tmp_path, monkeypa
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_nothing_of_distributed_writes_to_the_terminal():
+    import logging
+
+    client = logging.getLogger("distributed.client")
+    client.setLevel(logging.WARNING)  # as distributed does when it is imported
+    cluster._silence()
+    assert not client.isEnabledFor(logging.ERROR)
+    assert not logging.getLogger("distributed.of_later").isEnabledFor(logging.ERROR)
+
+
 def test_the_answer_is_awaited_for_less_than_ten_seconds():
     assert cluster.ANSWER_SECONDS < 9.0
 

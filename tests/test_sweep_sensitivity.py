@@ -52,6 +52,33 @@ def test_a_linear_function(tmp_path):
     within(found.total, found.total_interval, exact, 0.3)
 
 
+def test_too_few_points_are_told(tmp_path):
+    slopes = np.array([1.0, 2.0, 4.0])
+    for count, told in ((2, True), (8, True), (512, False)):
+        sweep = design(tmp_path, count, (1.0, 2.0))
+        found = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
+        said = sensitivity.doubts(found[0])
+        assert bool(said) == told
+        sensitivity.write(found, tmp_path, figures=False)
+        with (tmp_path / "sensitivity.csv").open(encoding="utf-8") as file:
+            notes = [row["note"] for row in csv.DictReader(file) if row["note"]]
+        assert [words.partition(": ")[2] for words in said] == notes
+        assert all(words.endswith("take a greater count") for words in said)
+
+
+@pytest.mark.parametrize(
+    ("first", "total", "width", "why"),
+    [(0.3, 0.4, 0.2, ""), (-0.02, 0.01, 0.2, ""), (0.3, 0.4, 0.6, "wide"), (0.3, 0.4, math.nan, "wide"),
+     (-0.15, 0.4, 0.2, "outside"), (0.3, 1.2, 0.2, "outside"), (0.55, 0.4, 0.2, "above the total")],
+)  # fmt: skip
+def test_what_makes_indices_doubtful(first, total, width, why):
+    ends = np.array([[0.0], [width]])
+    one = sensitivity.Indices(OUTPUT, KEYS[:1], np.array([first]), np.array([total]), ends, ends)
+    found = sensitivity.doubt(one, 0)
+    assert why in found
+    assert bool(found) == bool(why)
+
+
 def test_ishigami(tmp_path):
     """Its third input does nothing alone and a quarter together with the first (Ishigami and Homma 1990)."""
     a, b = 7.0, 0.1
@@ -139,7 +166,10 @@ def test_as_users_run_it(tmp_path):
     done = command("sweep", path, "--out", tmp_path / "out")
     assert done.returncode == 0
     none = "64 of 64 cases have no max_deflection_m (case_01, case_02, case_03, ...)"
-    assert done.stderr == f"no Sobol indices of max_deflection_m: {none}\n"
+    # 16 points are too few for this, and it is said.
+    vague, refused = done.stderr.splitlines()
+    assert vague.startswith(f"warning: Sobol indices of stopping_time_s to {SPEED}: too few points, an interval")
+    assert refused == f"no Sobol indices of max_deflection_m: {none}"
     assert "Sobol indices of stopping_time_s" in done.stdout
     names = sorted(str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*"))
     figure = "figures/sensitivity_stopping_time_s.png"

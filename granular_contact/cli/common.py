@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from granular_contact.scene import Scene
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
+MOST_WORKERS = 256
 ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
@@ -39,6 +40,20 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
 def worst(statuses: Iterable[str]) -> int:
     """Exit code of several runs by how they ended: of a failure rather than of one that was out of time."""
     return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
+
+
+def worker_count(text: str) -> int:
+    """Number of processes that was asked for."""
+    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
+    return int(text)
+
+
+def reason(error: Exception) -> str:
+    """What went wrong, without the system's numbers."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+    return str(error)
 
 
 def add_set(parser: argparse.ArgumentParser, example: str = "medium.eta_h=9") -> None:

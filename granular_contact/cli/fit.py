@@ -6,17 +6,27 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, add_output, add_set, complain, folder_problem
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    add_output,
+    add_set,
+    complain,
+    folder_problem,
+    reason,
+    worker_count,
+)
 from granular_contact.cli.fit_options import wanted
 
 if TYPE_CHECKING:
     from granular_contact.fit import Fit
 
 HELP = "find coefficients from measured runs, with their errors"
-MOST_WORKERS = 256
 MOST_SHOWN = 12  # parameters in the matrix of correlations
 
 
@@ -36,16 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--loss", metavar="soft_l1|linear", help="linear: no row may be an outlier (soft_l1)")
     parser.add_argument("--starts", metavar="N", help="points to start from (8)")
     parser.add_argument("--seed", metavar="N", help="of the choice of these points (0)")
-    parser.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    parser.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
     add_set(parser)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
     add_output(parser, "results/NAME_OF_FIRST_FILE_fit")
-
-
-def _worker_count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
-        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
-    return int(text)
 
 
 def act(chosen: argparse.Namespace) -> int:
@@ -66,7 +70,7 @@ def act(chosen: argparse.Namespace) -> int:
     try:
         write(found, folder, figures=not chosen.no_plots)
     except OSError as error:
-        complain(f"the fit can't be saved in {folder}: {error}")
+        complain(f"the fit can't be saved in {folder}: {reason(error)}")
         return FAULTY_INPUT
     if not chosen.quiet:
         _show(found)
@@ -98,7 +102,7 @@ def _show(found: Fit) -> None:
         table.add_column(head, justify="right")
     for one in found.uncertainty.estimates:
         label = one.parameter.label + (" (at its bound)" if one.at_bound else "")
-        table.add_row(label, f"{one.value:.6g}", *(f"{x:.4g}" for x in (one.error, one.low, one.high)))
+        table.add_row(label, f"{one.value:.6g}", *(_known(x, ".4g") for x in (one.error, one.low, one.high)))
     console.print(table)
     shared = [j for j, p in enumerate(found.problem.parameters) if p.shared]
     if 1 < len(shared) <= MOST_SHOWN:
@@ -110,8 +114,9 @@ def _show(found: Fit) -> None:
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
     good = found.goodness
     words = "the residuals look like noise" if good.status == "fits" else "the residuals are no noise"
+    rest = f" ({good.without_outliers:.3g} without the outliers)" if good.outliers else ""
     print(
-        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g} of {good.degrees_of_freedom} "
+        f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g}{rest} of {good.degrees_of_freedom} "
         f"degrees of freedom, {found.agreeing} of {len(found.solution.starts)} starts agree"
     )
     for warning in found.warnings:
@@ -124,5 +129,9 @@ def _correlation(found: Fit, shared: Sequence[int], table_of: type) -> object:
         table.add_column(found.problem.parameters[j].key[-1], justify="right")
     matrix = found.uncertainty.correlation
     for i in shared:
-        table.add_row(found.problem.parameters[i].label, *(f"{matrix[i, j]:+.3f}" for j in shared))
+        table.add_row(found.problem.parameters[i].label, *(_known(matrix[i, j], "+.3f") for j in shared))
     return table
+
+
+def _known(value: float, form: str) -> str:
+    return format(value, form) if isfinite(value) else "-"

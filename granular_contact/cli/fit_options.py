@@ -47,6 +47,8 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
         if texts:
             pairs = [_pair(f"--{key}", text, faults) for text in texts]
             found = {name: value for name, value in pairs if name}
+            if key != "set":  # of which a later one replaces an earlier one in every command
+                _refuse_repeats(f"--{key}", [name for name, _ in pairs if name], faults)
             nodes[key] = _mapping(f"--{key}", found, faults, read=key != "columns")
     options = {"time_offset_s": "time_offset", "loss": "loss", "starts": "starts", "seed": "seed"}
     for key, option in options.items():
@@ -86,6 +88,8 @@ def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
 def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:
     names = [name.strip() for name in chosen.parameters.split(",") if name.strip()]
     nodes: dict[str, tree.Node] = {name: tree.Scalar(tree.Position("--parameters", None), None, "") for name in names}
+    named = [text.partition("=")[0].strip() for text in chosen.bounds]
+    _refuse_repeats("--bounds", named, faults)
     for text in chosen.bounds:
         key, value = _pair("--bounds", text, faults)
         low, colon, high = value.partition(":")
@@ -100,6 +104,11 @@ def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:
             nodes[key] = tree.Mapping(at, held, dict.fromkeys(held, at))
     at = tree.Position("--parameters", None)
     return tree.Mapping(at, nodes, {name: node.position for name, node in nodes.items()})
+
+
+def _refuse_repeats(option: str, names: Sequence[str], faults: list[Fault]) -> None:
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    faults += [Fault(option, None, name, "is given twice; once is allowed") for name in twice]
 
 
 def _pair(option: str, text: str, faults: list[Fault]) -> tuple[str, str]:

@@ -12,7 +12,17 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, add_output, complain, folder_problem
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    INTERRUPTED,
+    add_output,
+    complain,
+    folder_problem,
+    reason,
+    worker_count,
+)
 from granular_contact.cli.sweep_progress import progress
 from granular_contact.config import Sweep, load_sweep
 from granular_contact.config.messages import unknown
@@ -25,7 +35,6 @@ if TYPE_CHECKING:
     from granular_contact.sweep.sensitivity import Indices
 
 HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
-MOST_WORKERS = 256
 MOST_SHOWN = 40  # rows; the rest is in the table
 # Summary key, heading, factor, format.
 _SHOWN = (
@@ -40,19 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases, vary or sample")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=_worker_count, help="processes to run in (one a core)")
+    where.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
     words = "run on the workers of a Dask cluster, as tcp://host:8786"
     where.add_argument("--scheduler", metavar="ADDRESS", help=words)
     parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
     words = "run all cases, also those that an earlier sweep has finished, and replace its results"
     parser.add_argument("--restart", action="store_true", help=words)
     add_output(parser, "results/NAME_OF_FILE")
-
-
-def _worker_count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= MOST_WORKERS:
-        raise argparse.ArgumentTypeError(f"got {text!r}; allowed is a whole number from 1 to {MOST_WORKERS}")
-    return int(text)
 
 
 def act(chosen: argparse.Namespace) -> int:
@@ -105,13 +108,13 @@ def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
                     complain(f"interrupted; {kept}")
                     return INTERRUPTED
                 if kept and isinstance(error, OSError | CrewError):
-                    complain(f"the sweep can't go on: {_reason(error)}; {kept}")
+                    complain(f"the sweep can't go on: {reason(error)}; {kept}")
                     return FAULTY_INPUT
                 if not kept or isinstance(error, ConfigError):
                     part.discard()
                 raise
     except OSError as error:
-        complain(f"the sweep can't go on, or can't be saved in {folder}: {_reason(error)}")
+        complain(f"the sweep can't go on, or can't be saved in {folder}: {reason(error)}")
         return FAULTY_INPUT
 
 
@@ -156,6 +159,8 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folde
     for one in found:
         if one.refused:
             complain(f"no Sobol indices of {one.output}: {one.refused}")
+        for words in sensitivity.doubts(one):
+            complain(f"warning: {words}")
     if failed:
         complain(f"{failed} of {count} cases failed; saved in {folder}")
     return FAILED if failed else FINE
@@ -176,12 +181,6 @@ def _kept(part: Part, count: int) -> str:
     return (
         f"{saved} of {count} cases are kept in {part.folder}, and the same command goes on from there" if saved else ""
     )
-
-
-def _reason(error: Exception) -> str:
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.strerror}: {error.filename}" if error.filename else error.strerror
-    return str(error)
 
 
 def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from typing import Any
 
 from granular_contact.config import allowed
@@ -18,6 +19,18 @@ def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
     Written with `yaml.safe_dump(..., sort_keys=False)` and loaded again, it gives an equal scenario.
     """
     return scenario.model_dump(mode="json", by_alias=True)
+
+
+def value_at(plain: Any, key: Sequence[str], missing: Any = None) -> Any:
+    """Value under a key of a scenario as plain data, by the names and numbers on the way to it."""
+    for part in key:
+        if isinstance(plain, list) and part.isdecimal() and int(part) < len(plain):
+            plain = plain[int(part)]
+        elif isinstance(plain, dict) and part in plain:
+            plain = plain[part]
+        else:
+            return missing
+    return plain
 
 
 def _single(whole: dict[str, Any]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from typing import Any
 
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
-from granular_contact.config.export import scenario_to_dict
+from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.load import Loaded, Template, by_place
 from granular_contact.config.messages import got, unknown
 from granular_contact.config.overrides import Override, effective
@@ -80,7 +80,7 @@ class Sweep:
         if len(given) == len(self.keys):
             return {key: given[key] for key in self.keys}
         resolved = scenario_to_dict(scenario)
-        return {key: given[key] if key in given else _at(resolved, key) for key in self.keys}
+        return {key: given[key] if key in given else value_at(resolved, key.split(".")) for key in self.keys}
 
     def changes(self, case: Case) -> dict[str, Any]:
         """The same case as dotted keys on `base`, complete without any other file."""
@@ -232,18 +232,6 @@ def _listed(faults: Iterable[Fault]) -> list[Fault]:
         return ordered
     rest = len(ordered) - MOST_FAULTS
     return [*ordered[:MOST_FAULTS], Fault(ordered[-1].file, None, "", f"has {rest} more faults, not shown here")]
-
-
-def _at(resolved: Any, key: str) -> Any:
-    """Value under a dotted key; None where the scenario has none."""
-    for part in key.split("."):
-        if isinstance(resolved, list) and part.isdecimal() and int(part) < len(resolved):
-            resolved = resolved[int(part)]
-        elif isinstance(resolved, dict):
-            resolved = resolved.get(part)
-        else:
-            return None
-    return resolved
 
 
 def _difference(base: Any, other: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:

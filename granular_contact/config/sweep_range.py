@@ -96,10 +96,11 @@ def read_range(
 
 
 def _number(node: tree.Mapping, path: tree.Path, key: str, faults: list[Fault]) -> Any:
-    return read_value(node, path, key, "a finite number", _is_number, faults)
+    return read_value(node, path, key, "a finite number", is_number, faults)
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
+    """Whether a value is a finite number, and neither true nor false."""
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
 
 

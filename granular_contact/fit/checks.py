@@ -20,6 +20,7 @@ Vector = NDArray[np.float64]
 
 FARTHEST = 10.0  # times what the mechanism reaches: no length of this run
 STILL_MOVING = 0.25  # of the greatest speed in the data
+MOTION_LEFT = 0.01  # of the range of a column: less is no motion that a parameter could be found from
 PROBE = 0.1  # share of the way between the bounds by which a parameter is moved to see whether it moves anything
 # Joints of mechanisms whose flight is the same backwards, and what may be said of such joints.
 FREE_JOINTS = {"hinge", "weld"}
@@ -27,12 +28,37 @@ JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "ang
 IMPACT_KEYS = {"impact_angle_deg", "impact_speed_rad_s"}
 
 
-def against_run(measured: Measured, first: Results, offset: float, early: float) -> Iterator[Fault]:
-    """What a first run says of data whose clock is `offset` (s) ahead, and that begin `early` (s) before the start."""
+def against_run(measured: Measured, first: Results, offset: float, latest: float) -> Iterator[Fault]:
+    """What a first run says of data whose clock is `offset` (s) ahead, by `latest` (s) at most."""
     yield from _too_far(measured, first)
-    yield from _too_early(measured, first, early)
+    late = list(_too_late(measured, first, latest))
+    if late:
+        yield from late
+        return
+    yield from _too_early(measured, first, offset, latest)
     yield from _too_long(measured, first, offset)
     yield from _too_short(measured, first, offset)
+
+
+def early_by(measured: Measured, latest: float) -> float:
+    """How long before the start of the run data begin (s) whose clock may be ahead by `latest` (s)."""
+    return max(0.0, latest - float(measured.time[0]))
+
+
+def _too_late(measured: Measured, first: Results, latest: float) -> Iterator[Fault]:
+    """A fault of data that begin when next to nothing of the motion is left, however the clock is set."""
+    begin = float(measured.time[0]) - latest
+    after = first["time_s"] >= begin
+    for name in measured.columns:
+        motion = first[name]
+        left = float(np.ptp(motion[after])) if np.any(after) else 0.0
+        if left > MOTION_LEFT * float(np.ptp(motion)):
+            return
+    words = (
+        f"begins {begin:.4g} s after the start of the run at the earliest, when the motion of the model is over: is "
+        "the clock shifted (--time-offset, time_offset_s in a fit file) or in another unit?"
+    )
+    yield Fault(measured.file, measured.lines[0], "", words)
 
 
 def _too_far(measured: Measured, first: Results) -> Iterator[Fault]:
@@ -48,11 +74,16 @@ def _too_far(measured: Measured, first: Results) -> Iterator[Fault]:
             yield Fault(measured.file, measured.lines[over[0]], name, words)
 
 
-def _too_early(measured: Measured, first: Results, early: float) -> Iterator[Fault]:
+def _too_early(measured: Measured, first: Results, offset: float, latest: float) -> Iterator[Fault]:
+    early, begin = early_by(measured, latest), float(measured.time[0])
     if early > 0.0 and not _reversible(measured, first):
+        remedy = "leave these rows out, or let the run start earlier"
+        if latest > offset:  # it is to be found
+            span = f"{{from: {begin - (latest - offset):.4g}, to: {begin:.4g}}}"
+            remedy += f"; or give the offset narrower bounds in a fit file, as time_offset_s: {span}"
         words = (
             f"begins {early:.4g} s before the start of the run (or may, by its offset), where this model can't be "
-            "followed back: leave these rows out, or let the run start earlier"
+            f"followed back: {remedy}"
         )
         yield Fault(measured.file, measured.lines[0], "", words)
 

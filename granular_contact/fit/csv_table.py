@@ -1,6 +1,7 @@
 """A CSV file -> its cells as text, or what is wrong with its form.
 
-The first line that is not empty and does not start with # holds the names; commas, semicolons or tabs separate.
+The first line that is not empty and does not start with # or % holds the names; commas, semicolons or tabs separate.
+Separators at the end of lines, as spreadsheets leave them, are no cells.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ def read_table(path: Path, faults: list[Fault]) -> Table | None:
 
 
 def _table(text: str, file: str, faults: list[Fault]) -> Table | None:
-    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
+    numbered = ((i, line) for i, line in enumerate(text.splitlines(), 1))
+    lines = [(i, line) for i, line in numbered if line.strip() and not line.lstrip().startswith(("#", "%"))]
     if not lines:
         faults.append(Fault(file, 1, "", "is empty; a line with the names of the columns is needed"))
         return None
@@ -62,19 +64,28 @@ def _table(text: str, file: str, faults: list[Fault]) -> Table | None:
     if len(cells) != len(lines):
         faults.append(Fault(file, lines[0][0], "", "has a quoted text over several lines; numbers only are allowed"))
         return None
+    cells = _without_empty_ends(cells)
     (first, _), header = lines[0], cells[0]
     if all(number(cell) is not None for cell in header):
         words = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
         faults.append(Fault(file, first, "", words))
         return None
-    twice = sorted({name for name in header if header.count(name) > 1})
+    nameless = [i for i, name in enumerate(header, 1) if not name]
+    twice = sorted({name for name in header if name and header.count(name) > 1})
     ragged = [(line, len(row)) for (line, _), row in zip(lines, cells, strict=True) if len(row) != len(header)]
+    faults += [Fault(file, first, "", f"has no name for column {i}") for i in nameless]
     faults += [Fault(file, first, name, "is the name of two columns; each needs its own") for name in twice]
     words = f"cells; {len(header)} are allowed, as in the header of line {first}"
     faults += few(file, [Fault(file, line, "", f"has {count} {words}") for line, count in ragged])
-    if twice or ragged:
+    if nameless or twice or ragged:
         return None
     return Table(file, header, first, tuple(cells[1:]), tuple(line for line, _ in lines[1:]))
+
+
+def _without_empty_ends(cells: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """The lines cut to as many cells as the longest of them fills, so that holes stay what they are."""
+    width = max((i for row in cells for i, cell in enumerate(row, 1) if cell), default=0)
+    return [row[: max(width, 1)] for row in cells]
 
 
 def number(cell: str) -> float | None:
@@ -90,4 +101,5 @@ def few(file: str, faults: list[Fault]) -> list[Fault]:
     """The first faults of a kind, and how many more there are."""
     if len(faults) <= MOST_SHOWN:
         return faults
-    return [*faults[:MOST_SHOWN], Fault(file, None, "", f"has {len(faults) - MOST_SHOWN} more such lines")]
+    more = f"has {len(faults) - MOST_SHOWN} more such lines from here on"
+    return [*faults[:MOST_SHOWN], Fault(file, faults[MOST_SHOWN].line, "", more)]

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.fit import media_of_runs
 from granular_contact.fit.goodness import Goodness, goodness
 from granular_contact.fit.jacobian import jacobian
 from granular_contact.fit.problem import Problem
-from granular_contact.fit.solve import NOTHING, SAME, Progress, Solution, solve
+from granular_contact.fit.solve import DIED, NOTHING, SAME, Progress, Solution, solve
 from granular_contact.fit.uncertainty import Uncertainty, band, uncertainty
 
 Vector = NDArray[np.float64]
@@ -58,10 +59,14 @@ class Fit:
             found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")
         if not self.solution.converged:
             found.append("the fit did not settle: try more starts, narrower bounds or fewer parameters")
-        found += self.uncertainty.words
+        found += [*self.goodness.doubts, *self.uncertainty.words]
+        found += media_of_runs.words(self.problem, self.values)
         count = len(self.solution.starts)
         if count > 1 and self.agreeing == 1:
             found.append(f"only 1 of {count} starting points led to this fit; there may be a better one: more starts")
+        died = sum(start.problem == DIED for start in self.solution.starts)
+        if died:
+            found.append(f"{died} of {count} starting points came to nothing: {DIED}, by a lack of memory perhaps")
         return tuple(found)
 
 

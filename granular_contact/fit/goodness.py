@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from granular_contact.fit import noise
+from granular_contact.fit.doubts import OUTLIER, doubts, outliers, rounded
 from granular_contact.fit.problem import Problem
 from granular_contact.fit.solve import Solution
 from granular_contact.fit.uncertainty import degrees_of_freedom
@@ -49,6 +50,8 @@ class ColumnFit:
 class Goodness:
     """status: `fits` or `misfit`; words: why; ljung_box: probability that noise is so correlated; outliers: values
     farther than four times the noise from the model, as a share of all.
+
+    without_outliers: the reduced chi-square of the others. doubts: what else speaks against the errors.
     """
 
     status: Literal["fits", "misfit"]
@@ -58,6 +61,8 @@ class Goodness:
     reduced_chi_square: float
     ljung_box: float
     outliers: float
+    without_outliers: float
+    doubts: tuple[str, ...]
 
 
 def goodness(problem: Problem, solution: Solution) -> Goodness:
@@ -67,9 +72,12 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
     columns = tuple(_columns(problem, solution, f))
     tiny = noise.at_floor(problem, solution.sigma)
     named = zip(_series(problem, f), _names(problem), strict=True)
-    series = [one for one, name in named if not tiny[problem.columns.index(name)]]
+    unordered = tiny | rounded(problem, solution.sigma)
+    series = [one for one, name in named if not unordered[problem.columns.index(name)]]
     probability = ljung_box(series, free)
     told = [one for one, small in zip(columns, tiny, strict=True) if not small]
+    inside = f[np.abs(f) <= OUTLIER]
+    blocks = _blocks(problem, f)
     words = [*_size_words(told, free), *_order_words(probability, series)]
     return Goodness(
         status="misfit" if words else "fits",
@@ -78,17 +86,22 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
         degrees_of_freedom=degrees,
         reduced_chi_square=float(np.sum(f**2)) / degrees,
         ljung_box=probability,
-        outliers=float(np.mean(np.abs(f) > 4.0)),
+        outliers=outliers(blocks),
+        without_outliers=float(np.sum(inside**2)) / max(len(inside) - free, 1),
+        doubts=tuple(doubts(problem, blocks, solution.sigma)),
     )
+
+
+def _blocks(problem: Problem, f: Vector) -> list[Vector]:
+    """Residuals (n, columns) of each run."""
+    ends = np.cumsum([run.measured.values.size for run in problem.runs])[:-1]
+    parts = zip(np.split(f, ends), problem.runs, strict=True)
+    return [part.reshape(run.measured.values.shape) for part, run in parts]
 
 
 def _series(problem: Problem, f: Vector) -> Iterator[Vector]:
     """Residuals of one column of one run after another, in order of time."""
-    start = 0
-    for run in problem.runs:
-        count = run.measured.values.size
-        block = f[start : start + count].reshape(run.measured.values.shape)
-        start += count
+    for block in _blocks(problem, f):
         yield from block.T
 
 

@@ -18,6 +18,7 @@ Vector = NDArray[np.float64]
 
 FEWEST_ROWS = 6
 LARGEST_ANGLE = 400.0  # deg
+MAYBE = ("deflection_m",)  # columns that a run has if its mechanism bends
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,9 @@ def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | 
     """Columns by their own names. What a run of ours has besides is left out; any other name is a fault."""
     found = {name: hit for name in table.header if (hit := recognise(name, [TIME, *known])) is not None}
     ours = (*known, TIME)
-    strange = [name for name in table.header if name not in found and not _is_of_a_run(name)]
+    # A run of ours has forces and energies, and may have been more than this one, as a link that bends.
+    own_table = any(_is_of_a_run(name) for name in table.header)
+    strange = [n for n in table.header if n not in found and not _is_of_a_run(n) and not (own_table and n in MAYBE)]
     hint = "(or say which to take: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
     faults += [
         Fault(table.file, table.header_line, name, f"unknown column; {_nearest(name, ours)} {hint}") for name in strange
@@ -110,7 +113,9 @@ def _mapped(
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
-    hint = unknown(name, spellings(known))
+    names = spellings(known)
+    folded = {one.casefold(): one for one in names}
+    hint = unknown(folded.get(name.casefold(), name), names)
     return hint if hint.startswith("did") else f"allowed are {in_words(known)}"
 
 

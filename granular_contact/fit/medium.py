@@ -7,28 +7,31 @@ from typing import Any
 import numpy as np
 
 from granular_contact.fit.fitting import Fit
+from granular_contact.fit.media_of_runs import MEDIUM, carrier, fitted
 from granular_contact.fit.problem import Run
 from granular_contact.fit.tracks import Key
 from granular_contact.results import Results
 
-MEDIUM, PROVENANCE = "medium", "fitted"
+PROVENANCE = "fitted"
 
 
 def media(fit: Fit, program: str) -> dict[str, dict[str, Any]]:
-    """Media of the first run with the fitted values, as configs have them, by the names of their files.
+    """Media of the run that has all the fitted coefficients, as configs have them, by the names of their files.
 
     Of several media that add up, those of which something was fitted.
     """
-    shared = [p.key for p in fit.problem.parameters if p.key[0] == "medium" and p.shared]
+    held = carrier(fit.problem)
+    shared = [p.key for p in fitted(fit.problem) if held in p.runs]
     if not shared:
         return {}
-    runs = [(run, results_of(fit, run)) for run in fit.problem.runs]
-    held = runs[0][1].scenario["medium"]
-    if not isinstance(held, list):
-        return {f"{MEDIUM}.yaml": _described(fit, held, [key[1:] for key in shared], runs, program)}
+    acting = sorted({i for p in fitted(fit.problem) for i in p.runs})
+    runs = [(fit.problem.runs[i], results_of(fit, fit.problem.runs[i])) for i in acting]
+    found = runs[acting.index(held)][1].scenario[MEDIUM]
+    if not isinstance(found, list):
+        return {f"{MEDIUM}.yaml": _described(fit, found, [key[1:] for key in shared], runs, program)}
     return {
         f"{MEDIUM}_{index}.yaml": _described(
-            fit, held[int(index)], [k[2:] for k in shared if k[1] == index], runs, program
+            fit, found[int(index)], [k[2:] for k in shared if k[1] == index], runs, program
         )
         for index in sorted({key[1] for key in shared})
     }

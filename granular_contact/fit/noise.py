@@ -14,6 +14,7 @@ CUT = 2.0
 # E psi^2 of a standard normal residual; psi = f / sqrt(1 + (f / CUT)^2), the slope of soft_l1 with that f_scale.
 _EXPECTED = 0.6290461656955636
 FLOOR = 1e-5  # of the range of the data: what interpolation and integration leave uncertain
+WHOLE = 1e-3  # how far from whole numbers multiples of a step may be
 _MAD = 1.4826  # standard deviation over median absolute value, of a normal distribution
 
 
@@ -47,12 +48,25 @@ def scale(residuals: Vector, loss: Loss, share: float) -> float:
 def roughness(values: Vector) -> float | None:
     """Standard deviation of what changes from row to row, of values (n,) at even times: from third differences.
 
-    A smooth motion adds little to it, so it is the noise or a little more. None for fewer rows than tell.
+    A smooth motion adds little to it, so it is the noise or a little more; at least that of rounding, which may leave
+    most rows alike. None for fewer rows than tell.
     """
     if len(values) < 10:
         return None
     third = np.diff(values, 3)  # of noise of variance s^2 it has 20 s^2
-    return float(_MAD * np.median(np.abs(third)) / np.sqrt(20.0))
+    return max(float(_MAD * np.median(np.abs(third)) / np.sqrt(20.0)), rounding(values) / float(np.sqrt(12.0)))
+
+
+def rounding(values: Vector) -> float:
+    """Step that values (n,) are rounded to; 0 where the smallest one between them is not that of all."""
+    levels = np.unique(values)
+    steps = np.diff(levels)
+    steps = steps[steps > 1e-9 * np.ptp(values)]  # less is the arithmetic of who wrote them
+    if len(steps) < 2:
+        return 0.0
+    step = float(np.min(steps))
+    multiples = (levels - levels[0]) / step
+    return step if float(np.max(np.abs(multiples - np.round(multiples)))) < WHOLE else 0.0
 
 
 def roughness_of(problem: Problem, column: str) -> float | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from granular_contact.config.export import scenario_to_dict
+from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.messages import unknown
 from granular_contact.config.overrides import Override
 from granular_contact.config.tree import Scalar
@@ -43,7 +43,7 @@ def own_choices(wanted: RunWanted, index: int, simulator: Simulator, faults: lis
 
 def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, faults: list[Fault]) -> Choice | None:
     plains = {i: scenario_to_dict(one.load(()).scenario) for i, one in simulators.items()}
-    values = {i: _at(plain, wanted.key) for i, plain in plains.items()}
+    values = {i: value_at(plain, wanted.key, _MISSING) for i, plain in plains.items()}
     numbers = {i: float(v) for i, v in values.items() if isinstance(v, float)}
     problem = _refused(wanted, list(values.values()), list(plains.values()))
     if problem is None:
@@ -51,7 +51,7 @@ def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, fault
         start = wanted.start if wanted.start is not None else numbers[runs[0]]
         if wanted.start is None and len(set(numbers.values())) > 1:
             shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
-            problem = f"the runs have different values, {shown}: give it a start"
+            problem = f"the runs have different values, {shown}: give it a start in a fit file"
         else:
             found = _bounded(wanted, start, [simulators[i] for i in runs])
             if isinstance(found, str):
@@ -83,18 +83,6 @@ def _refused(wanted: Wanted, values: Sequence[Any], plains: Sequence[dict[str, A
 _MISSING = object()
 
 
-def _at(plain: Any, key: Sequence[str]) -> Any:
-    """Value under a key of a resolved scenario."""
-    for part in key:
-        if isinstance(plain, list) and part.isdecimal() and int(part) < len(plain):
-            plain = plain[int(part)]
-        elif isinstance(plain, dict) and part in plain:
-            plain = plain[part]
-        else:
-            return _MISSING
-    return plain
-
-
 def _keys(plain: Any, path: str = "") -> Iterator[str]:
     """Dotted keys of all that could be fitted, but the places of the mechanism's parts."""
     items = plain.items() if isinstance(plain, dict) else enumerate(plain) if isinstance(plain, list) else ()
@@ -114,7 +102,7 @@ def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> t
     Where the config's own value lies outside given bounds, the start is in the middle of them.
     """
     if start == 0.0 and (wanted.low is None or wanted.high is None):
-        return "starts at 0, from which no bounds follow: give it from and to"
+        return "starts at 0, from which no bounds follow: give it bounds, from and to in a fit file"
     low = wanted.low if wanted.low is not None else _default(wanted, start, -1, simulators)
     high = wanted.high if wanted.high is not None else _default(wanted, start, +1, simulators)
     for name, value, given in (("from", low, wanted.low), ("to", high, wanted.high), ("start", start, wanted.start)):

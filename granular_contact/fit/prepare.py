@@ -34,6 +34,7 @@ def prepare(wanted: Specification) -> Problem:
     sources = [_Source(one, wanted.common, templates, faults) for one in wanted.runs]
     if faults:
         raise ConfigError(_in_order(faults))
+    faults += _twice(wanted.runs, sources)
     choices = choose(wanted.parameters, [s.simulator for s in sources], faults)
     for i, (one, source) in enumerate(zip(wanted.runs, sources, strict=True)):
         choices += own_choices(one, i, source.simulator, faults)
@@ -93,8 +94,21 @@ class _Source:
         self.measured = select(table, known, wanted.columns, faults)
         if self.measured is not None:
             start, latest = _offsets(wanted)
-            self.early = max(0.0, latest - float(self.measured.time[0]))
-            faults += checks.against_run(self.measured, self.first, start, self.early)
+            self.early = checks.early_by(self.measured, latest)
+            faults += checks.against_run(self.measured, self.first, start, latest)
+
+
+def _twice(runs: Sequence[RunWanted], sources: Sequence[_Source]) -> Iterator[Fault]:
+    """A fault for each run with the very numbers of another."""
+    seen: dict[tuple[object, ...], str] = {}
+    for run, source in zip(runs, sources, strict=True):
+        held = source.measured
+        assert held is not None  # or there was a fault
+        numbers = (held.columns, held.time.tobytes(), held.values.tobytes())
+        if numbers in seen:
+            words = f"{held.file} has the numbers of {seen[numbers]} again; a measurement counts once"
+            yield run.at_data.fault((), words)
+        seen.setdefault(numbers, held.file)
 
 
 def _offsets(wanted: RunWanted) -> tuple[float, float]:
@@ -154,9 +168,15 @@ def _problem(
 
 
 def _noise(wanted: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:
+    said: dict[str, str] = {}
     for name, (value, at) in wanted.noise.items():
         hit = recognise(name, columns)
         if hit is None:
             faults.append(at.fault(("noise", name), f"no data have such a column; allowed are {in_words(columns)}"))
+        elif hit[0] in said:
+            faults.append(
+                at.fault(("noise", name), f"is the column that {said[hit[0]]} names already; once is allowed")
+            )
         else:
+            said[hit[0]] = name
             yield hit[0], value * hit[1]

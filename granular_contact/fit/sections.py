@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from math import isfinite
 from typing import Any
 
 from granular_contact.config import tree
 from granular_contact.config.messages import got, unknown
 from granular_contact.config.overrides import split
+from granular_contact.config.sweep_range import is_number
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 from granular_contact.fit.wanted import Wanted
@@ -51,7 +51,7 @@ def _wanted(key: tuple[str, ...], at: Position, node: tree.Node | None, path: tr
         faults.append(node.position.fault(path, words))
         return Wanted(key, at)
     refuse_unknown(node, path, PARAMETER_KEYS, faults)
-    low, high, start = (value(node, path, k, "a finite number", _is_number, faults, None) for k in PARAMETER_KEYS[:3])
+    low, high, start = (value(node, path, k, "a finite number", is_number, faults, None) for k in PARAMETER_KEYS[:3])
     scale = value(node, path, "scale", "one of log, linear", lambda v: v in ("log", "linear"), faults, None)
     if low is not None and high is not None and low >= high:
         faults.append(at.fault(path, f"got bounds from {low:g} to {high:g}; the first must be below the second"))
@@ -77,7 +77,7 @@ def columns(holder: tree.Mapping, path: tree.Path, faults: list[Fault]) -> dict[
 def offset(holder: tree.Mapping, path: tree.Path, faults: list[Fault]) -> float | Wanted:
     """A known offset (s), or the bounds of one to be found."""
     node, path = holder.nodes["time_offset_s"], (*path, "time_offset_s")
-    if isinstance(node, tree.Scalar) and _is_number(node.value):
+    if isinstance(node, tree.Scalar) and is_number(node.value):
         return float(tree.plain(node))
     if isinstance(node, tree.Scalar) and node.value == "fit":
         return Wanted(("time_offset_s",), node.position, *OFFSET_RANGE, 0.0, "linear")
@@ -104,7 +104,7 @@ def noise(root: tree.Mapping, faults: list[Fault]) -> Iterator[tuple[str, tuple[
         return
     for name, held in node.nodes.items():
         size = tree.plain(held)
-        if _is_number(size) and size > 0:
+        if is_number(size) and size > 0:
             yield name, (float(size), node.keys[name])
         elif not isinstance(held, tree.Broken):
             faults.append(held.position.fault(("noise", name), f"got {got(held)}; allowed is a number above 0"))
@@ -143,10 +143,6 @@ def value(
     return None
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-
-
 def is_text(value: Any) -> bool:
     """Whether a value is text that says something."""
     return isinstance(value, str) and bool(value.strip())
@@ -154,8 +150,3 @@ def is_text(value: Any) -> bool:
 
 def _is_text_node(node: tree.Node) -> bool:
     return isinstance(node, tree.Scalar) and is_text(node.value)
-
-
-def count(least: int, most: int) -> Callable[[Any], bool]:
-    """Whether a value is a whole number from `least` to `most`."""
-    return lambda value: isinstance(value, int) and not isinstance(value, bool) and least <= value <= most

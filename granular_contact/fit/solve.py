@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import as_completed
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ SETTLED = 1e-3  # relative change of the noise that ends them
 ROUGHLY, FINELY = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
 FAR = 1e6  # residual of parameters for which the model fails
 SAME = 0.02  # relative difference of cost between starts that came to the same end
+DIED = "the process died"
 NOTHING = 1e-7  # cost for each value of data that are met but for the errors of the computation
 
 
@@ -103,13 +103,42 @@ def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list
         for i, point in enumerate(points):
             keep(i, descend(problem, point))
     else:
-        from granular_contact.sweep.pool import local_processes
-
-        with local_processes(workers) as pool:
-            tasks = {pool.submit(partial(descend, problem), point): i for i, point in enumerate(points)}
-            for task in as_completed(tasks):
-                keep(tasks[task], task.result())
+        for i, start in _from_processes(problem, points, workers):
+            keep(i, start)
     return [found[i] for i in range(len(points))]
+
+
+def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Iterator[tuple[int, Start]]:
+    """Index and end of each start, as they come.
+
+    A process that dies takes all starts that are under way with it. Each is tried once more in a process of its own,
+    so that none pays for another; never in this one, which would die of it as well.
+    """
+    from granular_contact.sweep.pool import local_processes
+
+    lost: list[int] = []
+    with local_processes(workers) as pool:
+        tasks = {_handed_to(pool, problem, point): i for i, point in enumerate(points)}
+        for task in as_completed(tasks):
+            if isinstance(task.exception(), BrokenExecutor):
+                lost.append(tasks[task])
+            else:
+                yield tasks[task], task.result()
+    for i in sorted(lost):
+        with local_processes(1) as alone:
+            task = _handed_to(alone, problem, points[i])
+            died = isinstance(task.exception(), BrokenExecutor)
+        yield i, Start(points[i], np.inf, DIED) if died else task.result()
+
+
+def _handed_to(pool: Executor, problem: Problem, point: Vector) -> Future[Start]:
+    """A start in another process; of a pool that is broken already, one that was lost."""
+    try:
+        return pool.submit(descend, problem, point)
+    except BrokenExecutor as error:
+        lost: Future[Start] = Future()
+        lost.set_exception(error)
+        return lost
 
 
 def descend(problem: Problem, point: Vector) -> Start:

@@ -26,6 +26,7 @@ from granular_contact.config import tree
 from granular_contact.config.load import by_place
 from granular_contact.config.messages import got
 from granular_contact.config.sweep_cases import read_set
+from granular_contact.config.sweep_range import whole
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.fit import sections
@@ -72,11 +73,11 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
             (),
             "starts",
             f"a whole number from 1 to {MOST_STARTS}",
-            sections.count(1, MOST_STARTS),
+            whole(1, MOST_STARTS),
             faults,
             DEFAULT_STARTS,
         ),
-        seed=sections.value(root, (), "seed", "a whole number from 0 to 999999", sections.count(0, 999_999), faults, 0),
+        seed=sections.value(root, (), "seed", "a whole number from 0 to 999999", whole(0, 999_999), faults, 0),
     )
     if not found.parameters and not any(run.parameters for run in found.runs) and not faults:
         at = root.keys.get("parameters", root.position)

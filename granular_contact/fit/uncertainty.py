@@ -22,11 +22,15 @@ LEVEL = 0.95
 LOOSE = 0.10  # relative error from which on a parameter counts as not determined
 CLOSE = 0.95  # correlation of parameters that are hard to tell apart
 LEAST = 1e-9  # of the largest singular value: less is nothing
+UNTOLD = 100.0  # half width of an interval, as a power of e or in lengths of the scale, that says nothing any more
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter as found, with standard error and 95 % interval; at_bound: -1 or 1 where it stands at one, else 0."""
+    """A parameter as found, with standard error and 95 % interval; at_bound: -1 or 1 where it stands at one, else 0.
+
+    Infinite where the data say nothing of it.
+    """
 
     parameter: Parameter
     value: float
@@ -60,15 +64,22 @@ def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
     """
     covariance = _covariance(problem, solution)
     deviation = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(deviation, deviation)
+    known = np.isfinite(deviation)
+    product = np.outer(deviation, deviation)
+    correlation = np.divide(covariance, product, out=np.full_like(product, np.nan), where=np.outer(known, known))
     quantile = float(student.ppf(0.5 + 0.5 * LEVEL, degrees_of_freedom(problem)))
     estimates = tuple(
         _estimate(p, float(s), float(d), quantile, int(b))
         for p, s, d, b in zip(problem.parameters, solution.scaled, deviation, solution.at_bound, strict=True)
     )
     directions = tuple(_directions(problem, solution, covariance))
-    words = (*_bound_words(estimates, covariance), *_words(directions), *_close_words(problem, correlation, directions))
-    return Uncertainty(estimates, covariance, correlation, directions, words, quantile)
+    words = (
+        *_bound_words(estimates, covariance),
+        *_words(directions),
+        *(f"{e.parameter.label} is not determined by these data" for e in estimates if _unmoved(e)),
+        *_close_words(problem, correlation, directions),
+    )
+    return Uncertainty(estimates, covariance, correlation, directions, tuple(dict.fromkeys(words)), quantile)
 
 
 def degrees_of_freedom(problem: Problem) -> int:
@@ -77,35 +88,71 @@ def degrees_of_freedom(problem: Problem) -> int:
 
 
 def _covariance(problem: Problem, solution: Solution) -> Vector:
-    """Of M-estimates: (J^T J)^-1 E psi^2 / (E psi')^2, which is the usual one where the loss is linear."""
-    sigma = solution.sigma[problem.column_of()]
-    f = solution.residuals / sigma
+    """Of M-estimates: A^-1 B A^-1, A the sum of E psi' J^T J over the columns, B that of E psi^2 J^T J.
+
+    J in units of the noise. Each column has means of its own: pooled, the residuals of one whose noise was given far
+    too large, next to nothing in units of it, would take the scatter out of all others. With a linear loss and noise
+    that was estimated it is (J^T J)^-1.
+    """
+    column = problem.column_of()
+    sigma = solution.sigma[column]
+    slope, pull = _slopes_and_pulls(problem, solution)
+    rows = solution.jacobian * (np.sqrt(slope[column]) / sigma)[:, None]
     # Columns of unit length, so that what counts as nothing does not depend on units.
-    weighted = solution.jacobian / sigma[:, None]
-    length = np.maximum(np.linalg.norm(weighted, axis=0), 1e-300)
-    _, singular, right = np.linalg.svd(weighted / length, full_matrices=False)
-    inverse = (right.T / np.maximum(singular, LEAST * singular[0]) ** 2) @ right
-    pull = float(np.sum(noise.psi(f, problem.loss) ** 2)) / degrees_of_freedom(problem)
-    factor = pull / float(np.mean(noise.psi_slope(f, problem.loss))) ** 2
-    if np.any(noise.at_floor(problem, solution.sigma)):  # then the residuals are smaller than what can be believed
-        factor = max(factor, 1.0)
-    return np.asarray(factor * inverse / np.outer(length, length))
+    length = np.linalg.norm(rows, axis=0)
+    moved = np.flatnonzero(length > 0.0)
+    covariance = np.diag(np.where(length > 0.0, 0.0, np.inf))  # of what moves nothing, nothing is known
+    if len(moved):
+        left, singular, right = np.linalg.svd(rows[:, moved] / length[moved], full_matrices=False)
+        # Of rows = left S right, A is rows^T rows, and B the same with each row weighted by pull / slope.
+        middle = left.T @ (left * (pull / slope)[column][:, None])
+        outer = right.T / np.maximum(singular, LEAST * singular[0])
+        inside = outer @ middle @ outer.T / np.outer(length[moved], length[moved])
+        covariance[np.ix_(moved, moved)] = inside
+    return covariance
+
+
+def _slopes_and_pulls(problem: Problem, solution: Solution) -> tuple[Vector, Vector]:
+    """E psi' and E psi^2 (columns,), the latter for as many degrees of freedom as the fit has left.
+
+    Where residuals are smaller than a noise that was given, or than the errors of the computation, that noise counts.
+    """
+    column = problem.column_of()
+    f = solution.residuals / solution.sigma[column]
+    left = degrees_of_freedom(problem) / len(f)
+    each = range(len(problem.columns))
+    slope = np.array([np.mean(noise.psi_slope(f[column == k], problem.loss)) for k in each])
+    pull = np.array([np.mean(noise.psi(f[column == k], problem.loss) ** 2) / left for k in each])
+    given = np.array([one is not None for one in problem.noise.values()])
+    believed = given | noise.at_floor(problem, solution.sigma)
+    return slope, np.where(believed, np.maximum(pull, slope**2), pull)
 
 
 def _estimate(parameter: Parameter, scaled: float, deviation: float, quantile: float, bound: int) -> Estimate:
     value = parameter.value(scaled)
-    low, high = (_unbounded(parameter, scaled + sign * quantile * deviation) for sign in (-1, 1))
+    reach = quantile * deviation
+    if reach > UNTOLD:
+        low, high = (0.0 if parameter.log else -np.inf), np.inf
+    else:
+        low, high = (_unbounded(parameter, scaled + sign * reach) for sign in (-1, 1))
     return Estimate(parameter, value, abs(parameter.slope(value)) * deviation, low, high, bound)
 
 
 def _unbounded(parameter: Parameter, scaled: float) -> float:
     """Value of an end of an interval, which may lie beyond the bounds of the search."""
-    return float(np.exp(np.clip(scaled, -700, 700))) if parameter.log else scaled * parameter.unit
+    return float(np.exp(scaled)) if parameter.log else scaled * parameter.unit
+
+
+def _unmoved(one: Estimate) -> bool:
+    """Whether nothing is known of a parameter of one run alone, which the directions do not tell of."""
+    return not one.parameter.shared and not np.isfinite(one.error)
 
 
 def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Iterator[Direction]:
     """Axes of the ellipsoid of the shared parameters, relative to their values: loosest first."""
-    own = [j for j, p in enumerate(problem.parameters) if p.shared]
+    shared = [j for j, p in enumerate(problem.parameters) if p.shared]
+    own = [j for j in shared if np.isfinite(covariance[j, j])]
+    yield from ((np.inf, {problem.parameters[j].label: 1.0}) for j in shared if j not in own)
     relative = np.array([_relative(problem.parameters[j], float(solution.scaled[j])) for j in own])
     if not own:
         return
@@ -174,5 +221,6 @@ def _close_words(problem: Problem, correlation: Vector, directions: Directions) 
 
 def band(uncertainty: Uncertainty, derivatives: Vector) -> Vector:
     """Half width (values,) of the 95 % band of the model, from its derivatives (values, p) by scaled parameters."""
-    variance = np.einsum("ij,jk,ik->i", derivatives, uncertainty.covariance, derivatives)
+    covariance = np.where(np.isfinite(uncertainty.covariance), uncertainty.covariance, 0.0)  # it moves none of these
+    variance = np.einsum("ij,jk,ik->i", derivatives, covariance, derivatives)
     return np.asarray(uncertainty.quantile * np.sqrt(np.maximum(variance, 0.0)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,7 @@ import numpy as np
 from granular_contact.fit.fitting import Fit
 from granular_contact.fit.medium import media
 from granular_contact.fit.problem import Parameter
-from granular_contact.report import FIGURES, PROGRAM, version, whole_folder, yaml_text
+from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, yaml_text
 from granular_contact.summary import versions
 
 SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
@@ -28,8 +26,7 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
         The disk refuses, or the folder holds something else.
     """
     with whole_folder(directory, "fit") as folder:
-        text = json.dumps(_plain(summary(fit)), indent=2, allow_nan=False, ensure_ascii=False)
-        (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+        (folder / SUMMARY).write_text(json_text(summary(fit)), encoding="utf-8")
         for name, found in media(fit, f"{PROGRAM} {version()}").items():
             (folder / name).write_text(_header(fit, name) + yaml_text(found), encoding="utf-8")
         with (folder / RESIDUALS).open("w", encoding="utf-8") as file:
@@ -67,6 +64,7 @@ def summary(fit: Fit) -> dict[str, Any]:
                 "start": one.parameter.start,
                 "scale": "log" if one.parameter.log else "linear",
                 "at_bound": bool(one.at_bound),
+                "runs": [problem.runs[i].name for i in one.parameter.runs],
             }
             for one in known.estimates
         },
@@ -77,6 +75,7 @@ def summary(fit: Fit) -> dict[str, Any]:
             "reduced_chi_square": good.reduced_chi_square,
             "ljung_box_probability": good.ljung_box,
             "outlier_share": good.outliers,
+            "reduced_chi_square_without_outliers": good.without_outliers,
             "columns": {
                 one.column: {
                     "noise": one.noise,
@@ -108,15 +107,6 @@ def summary(fit: Fit) -> dict[str, Any]:
         },
         "versions": versions(),
     }
-
-
-def _plain(value: Any) -> Any:
-    """`value` with None for what JSON has no number for."""
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _residual_lines(fit: Fit) -> Iterator[str]:

@@ -16,7 +16,7 @@ def shown(name: str, value: Any) -> Iterator[Markup | None]:
         yield from _mapping(name, value)
     elif isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
         head = list(dict.fromkeys(key for one in value for key in one))
-        yield parts.keyed_table(f"{name}.", head, [[flat(one.get(key)) for key in head] for one in value])
+        yield parts.keyed_table(_caption(name), head, [[flat(one.get(key)) for key in head] for one in value])
     elif isinstance(value, list) and value:
         yield tag("ul", *(tag("li", str(flat(one))) for one in value))
     elif value is not None and value != []:
@@ -27,13 +27,18 @@ def _mapping(name: str, value: dict[str, Any]) -> Iterator[Markup | None]:
     if value and all(isinstance(one, dict) for one in value.values()):
         head = list(dict.fromkeys(key for one in value.values() for key in one))
         rows = [[key, *(flat(one.get(column)) for column in head)] for key, one in value.items()]
-        yield parts.keyed_table(f"{name}.", [name, *head], rows)
+        yield parts.keyed_table(_caption(name), [name, *head], rows)
         return
     simple = {k: flat(v) for k, v in value.items() if not _is_deep(v)}
-    yield parts.listing(f"{name}.", simple)
+    yield parts.listing(_caption(name), simple)
     for key, deeper in value.items():
         if key not in simple:
             yield join(tag("h3", label(key)), *shown(label(key), deeper))
+
+
+def _caption(name: str) -> str:
+    """A sentence of a name, which is all that is known."""
+    return f"{name[:1].upper()}{name[1:]}, as recorded."
 
 
 def _is_deep(value: Any) -> bool:

@@ -54,7 +54,7 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> M
     """A table with a caption; numbers stand right."""
     columns = tag("tr", *(tag("th", name, scope="col") for name in head))
     body = [tag("tr", *(_cell(value, first=i == 0) for i, value in enumerate(row))) for row in rows]
-    whole = tag("table", tag("caption", caption), tag("thead", columns), tag("tbody", *body))
+    whole = tag("table", tag("caption", tag("span", caption)), tag("thead", columns), tag("tbody", *body))
     return tag("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption)
 
 
@@ -70,7 +70,7 @@ def _cell(value: Any, *, first: bool) -> Markup:
 def listing(caption: str, values: Mapping[str, Any]) -> Markup | None:
     """A table of two columns: names in words, and values with their units."""
     rows = [tag("tr", tag("th", label(k), scope="row"), tag("td", quantity(k, v))) for k, v in values.items()]
-    whole = tag("table", tag("caption", caption), tag("tbody", *rows), class_="listing")
+    whole = tag("table", tag("caption", tag("span", caption)), tag("tbody", *rows), class_="listing")
     return tag("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption) if rows else None
 
 

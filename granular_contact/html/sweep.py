@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,8 @@ _NOT_KEY = ("cost.", "versions.", "energy.")
 _FIRST = ("stopping_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m")  # are drawn before all others
 _NOT_DRAWN = ("hub_stopping_time_s",)
 SENSITIVITY = "sensitivity.csv"
+MOST_WARNINGS = 10  # kinds
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
 Values = NDArray[np.float64]
 
 
@@ -37,6 +40,12 @@ class _Table:
     rows: Rows
     varied: list[str]
     found: list[str]
+
+    @property
+    def finished(self) -> _Table:
+        """The cases alone that came to an end: numbers of any other are those of where it broke off."""
+        rows = [row for row, status in zip(self.rows, self.column("status"), strict=True) if status in FINISHED]
+        return replace(self, rows=rows)
 
     def column(self, name: str) -> list[Any]:
         """Values of a column, in the order of the cases."""
@@ -53,13 +62,14 @@ def page(folder: Folder) -> str:
     table = _read(folder)
     counts = Counter(str(status) for status in table.column("status"))
     bad = sum(count for status, count in counts.items() if status not in FINISHED)
+    ended = table.finished
     sections = [
-        parts.warnings([f"{warning} ({count} of {len(table.rows)} cases)" for warning, count in _warnings(table)]),
-        parts.section("Key numbers", _statistics(table)),
-        parts.section("Figures", _figures(folder, table)),
+        parts.warnings([*_warnings(table), *_vague(folder)]),
+        parts.section("Key numbers", _left_out(bad), _statistics(ended)),
+        parts.section("Figures", _figures(folder, ended)),
         parts.section("Sensitivity", _sensitivity(folder)),
         parts.section("Cases that failed", _failed(table)),
-        parts.section("Energy audit", _energy(table)),
+        parts.section("Energy audit", _energy(ended)),
         parts.section("Cases", _cases(table)),
         parts.section("Scenario", _scenario(folder)),
         parts.section("Computation", *_computation(table)),
@@ -74,10 +84,11 @@ def _read(folder: Folder) -> _Table:
     head, rows = folder.table(TABLE)
     begin = next((i for i, name in enumerate(head) if name in ("name", "status")), len(head))
     table = _Table(head, rows, head[1:begin], [])
+    finished = table.finished
     found = [
         name
         for name in head[begin:]
-        if not name.startswith(_NOT_KEY) and np.isfinite(table.numbers(name)).any() and name != "touch_time_s"
+        if not name.startswith(_NOT_KEY) and np.isfinite(finished.numbers(name)).any() and name != "touch_time_s"
     ]
     return _Table(head, rows, head[1:begin], found)
 
@@ -99,8 +110,47 @@ def _told(table: _Table, name: str) -> list[Any]:
     return list(dict.fromkeys(v for v in table.column(name) if v is not None)) if name in table.head else []
 
 
-def _warnings(table: _Table) -> list[tuple[str, int]]:
-    return Counter(v for v in table.column("warnings") if v).most_common() if "warnings" in table.head else []
+def _warnings(table: _Table) -> list[str]:
+    """Warnings of the cases, those that differ in their numbers alone as one kind; the most frequent first."""
+    if "warnings" not in table.head:
+        return []
+    kinds: dict[str, list[str]] = {}
+    for warning in table.column("warnings"):
+        if warning:
+            kinds.setdefault(_NUMBER.sub("#", str(warning)), []).append(str(warning))
+    ordered = sorted(kinds.values(), key=len, reverse=True)
+    shown = [_counted(alike, len(table.rows)) for alike in ordered[:MOST_WARNINGS]]
+    more = len(ordered) - MOST_WARNINGS
+    return [*shown, f"... and {more} more kind{'s' * (more > 1)}, in {TABLE}"] if more > 0 else shown
+
+
+def _counted(alike: list[str], count: int) -> str:
+    """The first warning of a kind, and how many cases have one."""
+    other = ", in other cases with other numbers" if len(set(alike)) > 1 else ""
+    return f"{alike[0]} ({len(alike)} of {count} cases{other})"
+
+
+def _vague(folder: Folder) -> list[str]:
+    """Sensitivities that are not known well enough."""
+    if not folder.has(SENSITIVITY):
+        return []
+    head, rows = folder.table(SENSITIVITY)
+    if not {"output", "input", "note", "first_order"} <= set(head):
+        return []
+    cells = (dict(zip(head, row, strict=True)) for row in rows)
+    return [
+        f"sensitivity of {label(str(one['output']))} to {label(str(one['input']))}: {one['note']}"
+        for one in cells
+        if one["note"] and one["first_order"] is not None
+    ]
+
+
+def _left_out(bad: int) -> Markup | None:
+    """What the numbers, figures and energies are not of."""
+    if not bad:
+        return None
+    cases = "1 case that did not come to an end is" if bad == 1 else f"{bad} cases that did not come to an end are"
+    return tag("p", f"Of the cases that came to an end; {cases} left out here, in the figures and in the energy audit.")
 
 
 def _statistics(table: _Table) -> Markup | None:
@@ -115,7 +165,7 @@ def _statistics(table: _Table) -> Markup | None:
 
 
 def _figures(folder: Folder, table: _Table) -> Markup | None:
-    shown = [parts.figure(path, path.stem.replace("_", " ")) for path in folder.figures()]
+    shown = [parts.figure(path, _caption(path.stem)) for path in folder.figures()]
     columns = [(name, table.numbers(name)) for name in table.varied]
     varied = [(name, values) for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
     if varied and table.found:
@@ -125,9 +175,14 @@ def _figures(folder: Folder, table: _Table) -> Markup | None:
             for name in _drawn(table)[:MOST]:
                 across = dict(_axis(*one) for one in varied)
                 draw(across, _axis(name, table.numbers(name)), Path(place, "overview.png"))
-                words = f"{label(name).capitalize()} of every case against what varies."
+                words = f"{label(name).capitalize()} of every case that came to an end against what varies."
                 shown.append(parts.figure(Path(place, "overview.png"), words))
     return tag("div", *shown, class_="figures") if shown else None
+
+
+def _caption(stem: str) -> str:
+    kind, _, output = stem.partition("_")
+    return f"Sobol indices of {label(output)}." if kind == "sensitivity" else stem.replace("_", " ")
 
 
 def _drawn(table: _Table) -> list[str]:
@@ -146,7 +201,8 @@ def _sensitivity(folder: Folder) -> Markup | None:
     if not folder.has(SENSITIVITY):
         return None
     head, rows = folder.table(SENSITIVITY)
-    return parts.keyed_table(f"{SENSITIVITY}.", head, rows)
+    caption = "Part of the variance of an output that an input explains: alone (first order), and with others (total)."
+    return parts.keyed_table(caption, head, rows)
 
 
 def _failed(table: _Table) -> Markup | None:

@@ -41,7 +41,7 @@ def cluster_crew(address: str, folder: Path | None = None) -> Crew:
         distributed: Any = importlib.import_module("distributed")
     except ImportError:
         raise CrewError(MISSING) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it has to tell comes as an error
+    _silence()
     begin = time.monotonic()
     try:
         # A client that finds nobody takes as long again to give up; so one plain question comes first.
@@ -56,6 +56,15 @@ def cluster_crew(address: str, folder: Path | None = None) -> Crew:
         client.close()
         raise
     return _ClusterCrew(client, address, workers)
+
+
+def _silence() -> None:
+    """Let distributed's loggers say nothing: what they have to tell comes as an error.
+
+    It gives some of those below its own a level, which then counts there.
+    """
+    for name in ("distributed", *(n for n in logging.root.manager.loggerDict if n.startswith("distributed."))):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 async def _identity(address: str) -> None:

@@ -10,18 +10,20 @@ import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
+from granular_contact.config.sweep_range import is_number
 from granular_contact.report import FIGURES, SENSITIVITY
 from granular_contact.sweep.journal import Row
 
 CONFIDENCE = 0.95
 RESAMPLES = 999
 MOST_NAMED = 3  # cases
+WIDEST = 0.5  # interval of an index that says something
+ASTRAY = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
 Vector = NDArray[np.float64]
@@ -43,9 +45,27 @@ class Indices:
     refused: str = ""
 
 
-def is_number(value: Any) -> bool:
-    """Whether a cell of a summary can be an output."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def doubt(one: Indices, i: int) -> str:
+    """Why the indices of an input are not known well enough to be used; empty if they are."""
+    if one.refused:
+        return ""
+    width = max(float(np.ptp(ends[:, i])) for ends in (one.first_interval, one.total_interval))
+    first, total = float(one.first[i]), float(one.total[i])
+    if not width <= WIDEST:  # or it is no number at all
+        why = f"an interval {width:.2g} wide"
+    elif max(-first, -total, first - 1.0, total - 1.0) > ASTRAY:
+        why = "an index outside 0 to 1"
+    elif first - total > ASTRAY:
+        why = "a first order above the total"
+    else:
+        return ""
+    return f"too few points, {why}: take a greater count"
+
+
+def doubts(one: Indices) -> list[str]:
+    """Of each input whose indices are not known well enough, a sentence."""
+    named = ((name, doubt(one, i)) for i, name in enumerate(one.inputs))
+    return [f"Sobol indices of {one.output} to {name}: {why}" for name, why in named if why]
 
 
 def of_sweep(sweep: Sweep, rows: Iterable[Row]) -> list[Indices]:
@@ -130,7 +150,7 @@ def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
         for one in found:
             for i, name in enumerate(one.inputs):
                 numbers = [""] * 6 if one.refused else [repr(float(value)) for value in _numbers(one, i)]
-                writer.writerow([one.output, name, *numbers, one.refused])
+                writer.writerow([one.output, name, *numbers, one.refused or doubt(one, i)])
     drawn = [one for one in found if figures and not one.refused]
     if drawn:
         from granular_contact.plots.sensitivity import Bars, draw_sensitivity

@@ -115,8 +115,12 @@ REFUSED = {
     "column": ([str(CONFIG), "DATA", *KEYS, "--columns", "time_s=t,tip_x_m=tip_x_m"], "got 't', but"),
     "pair": ([str(CONFIG), "DATA", *KEYS, "--columns", "time_s"], "--columns time_s: is no NAME=VALUE"),
     "starts": ([str(CONFIG), "DATA", *KEYS, "--starts", "many"], "--starts: starts: got the text 'many'"),
+    "noise twice": ([str(CONFIG), "DATA", *KEYS, "--noise", "tip_x_mm=1", "--noise", "tip_x_mm=2"],
+                    "--noise: tip_x_mm: is given twice"),
+    "bounds twice": ([str(CONFIG), "DATA", *KEYS, "--bounds", "medium.eta_d=1:40", "--bounds", "medium.eta_d=6:7"],
+                     "--bounds: medium.eta_d: is given twice"),
     "no such file": (["nowhere.yaml"], "nowhere.yaml: no such file"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", REFUSED)

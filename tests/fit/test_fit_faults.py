@@ -79,6 +79,8 @@ DATA = {
     "no time": (lambda g: ["mean_rate_rad_s,tip_x_m,tip_y_m", *g[1:]], 1, "", "has no column of times"),
     "time alone": (lambda g: ["time_s,drag_force_x_N,kinetic_J", *g[1:]], 1, "", "has nothing to compare a run with"),
     "two of one": (lambda g: ["time_s,tip_x_m,tip_x_mm", *g[1:]], 1, "tip_x_m", "is measured by two columns"),
+    "capitals": (lambda g: ["time_s,Tip_X_m,tip_y_m", *g[1:]], 1, "Tip_X_m", "did you mean tip_x_m?"),
+    "no name": (lambda g: ["time_s,,tip_y_m", *g[1:]], 1, "", "has no name for column 2"),
     "name twice": (lambda g: ["time_s,tip_x_m,tip_x_m", *g[1:]], 1, "tip_x_m", "is the name of two columns"),
 }  # fmt: skip
 
@@ -102,7 +104,7 @@ def test_all_faulty_rows_at_once_and_not_too_many(faults, good) -> None:
         spoilt = cell(spoilt, line, 1, "")
     found = faults(lines=spoilt)
     assert len(found) == 10 + 1 + 1 + 1
-    assert any("40 more such lines" in message for *_, message in found)
+    assert ("data.csv", 12, "", "has 40 more such lines from here on") in found
 
 
 def test_names_units_separators_and_comments(tmp_path: Path) -> None:
@@ -123,6 +125,31 @@ def test_names_units_separators_and_comments(tmp_path: Path) -> None:
     np.testing.assert_allclose(measured.values[:, 1], np.degrees(0.5 + 0.01 * np.arange(8)))
     assert measured.unused == ("frame",)
     assert measured.lines[0] == 4
+
+
+@pytest.mark.parametrize("form", ["{0},\n", "  # by hand\n{0}\n", "% by a machine\n{0}\n"])
+def test_ends_of_spreadsheets_and_comments_of_others(tmp_path: Path, good, form: str) -> None:
+    file = tmp_path / "data.csv"
+    body = "".join(f"{row},\n" if form.startswith("{0},") else f"{row}\n" for row in good[1:])
+    found: list[Fault] = []
+    for head in (form, "{0}\n"):  # cells too many in all rows, or but in the header
+        file.write_text(head.format(good[0]) + body, encoding="utf-8")
+        table = read_table(file, found)
+        assert found == []
+        assert table is not None
+        assert table.header == ("time_s", "tip_x_m", "tip_y_m")
+        assert {len(row) for row in table.rows} == {3}
+
+
+def test_a_table_of_a_link_that_bends_is_data_of_one_that_does_not(tmp_path: Path) -> None:
+    for names, refused in (("time_s,tip_x_m,deflection_m,drag_force_x_N", 0), ("time_s,tip_x_m,deflection_m", 1)):
+        found: list[Fault] = []
+        rows = [",".join([str(i)] * (names.count(",") + 1)) for i in range(9)]
+        (tmp_path / "t.csv").write_text("\n".join([names, *rows]), encoding="utf-8")
+        table = read_table(tmp_path / "t.csv", found)
+        assert table is not None
+        select(table, ["tip_x_m"], {}, found)
+        assert len(found) == refused
 
 
 def test_a_runs_own_table_is_data(tmp_path: Path) -> None:
@@ -175,6 +202,8 @@ TEXTS = {
     "noise": (("runs:", "noise: {tip_x_m: 0}\nruns:"), "fit.yaml", 3, "noise.tip_x_m", "a number above 0"),
     "noise of nothing": (("runs:", "noise: {deflection_mm: 1}\nruns:"), "fit.yaml", 3, "noise.deflection_mm",
                          "no data have such a column"),
+    "noise of one column twice": (("runs:", "noise: {tip_x_mm: 0.1, tip_x_m: 5}\nruns:"), "fit.yaml", 3,
+                                  "noise.tip_x_m", "is the column that tip_x_mm names already"),
     "loss": (("runs:", "loss: cauchy\nruns:"), "fit.yaml", 3, "loss", "one of soft_l1, linear"),
     "starts": (("runs:", "starts: 0\nruns:"), "fit.yaml", 3, "starts", "from 1 to 1024"),
     "faulty config": (("modes: 0", "modes: 99"), "fit.yaml", 2, "method.reduced.modes", "from 0 to 20"),
@@ -213,6 +242,25 @@ def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: s
     found = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
     assert found[0][:3] == ("data.csv", 2, "")
     assert "begins 0.002 s before the start" in found[0][3]
+    assert found[0][3].endswith("leave these rows out, or let the run start earlier")
+
+
+def test_bounds_of_the_clock_that_keep_it_after_the_start_are_named(faults, good) -> None:
+    more = "method: engine, model.joints.pivot.damping_Nm_s_per_rad: 1e-3"
+    text = FIT.replace("method.reduced.modes: 0", more) + "    time_offset_s: fit\n"
+    ((*_, words),) = faults(text, good)
+    assert words.endswith("narrower bounds in a fit file, as time_offset_s: {from: -0.02, to: 0}")
+
+
+@pytest.mark.parametrize(("shift", "more"), [(0.05, "time_offset_s: fit"), (12.3, "time_offset_s: 0.1"), (12.3, "")])
+def test_a_clock_outside_the_run(faults, good, shift: float, more: str) -> None:
+    rows = [line.partition(",") for line in good[1:]]
+    late = [good[0], *(f"{float(time) + shift!r},{rest}" for time, _, rest in rows)]
+    ((file, line, key, words),) = faults(f"{FIT}    {more}\n", late)
+    assert (file, line, key) == ("data.csv", 2, "")
+    earliest = {0.05: 0.03, 12.3: 12.2 if more else 12.3}[shift]  # an offset that is fitted goes to 20 ms
+    assert f"begins {earliest:.4g} s after the start of the run at the earliest" in words
+    assert "is the clock shifted" in words
 
 
 def test_default_bounds_go_as_far_as_the_schema(tmp_path: Path, good) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +13,8 @@ from support_fit import CONFIG, NOISE, RIGID, TRUE, fitted, four, measure, near,
 
 from granular_contact.errors import SolveError
 from granular_contact.fit import fit
-from granular_contact.fit.solve import starting_points
+from granular_contact.fit.solve import DIED, Start, starting_points
+from granular_contact.sweep import pool
 
 ALL = "\n".join(f"  {key}: {{start: {1.3 * value}}}" for key, value in TRUE.items())
 # Beyond four standard errors normal noise takes an estimate once in 16 000 times; the seeds are fixed anyway.
@@ -196,6 +200,39 @@ def test_workers_change_nothing(tmp_path: Path) -> None:
     alone, both = fit(made), fit(made, workers=2, progress=lambda done, count: told.append((done, count)))
     np.testing.assert_array_equal(alone.solution.scaled, both.solution.scaled)
     assert told == [(1, 2), (2, 2)]
+
+
+class Dying(ThreadPoolExecutor):
+    """Workers that die with the next start, so many times over."""
+
+    lives = 0
+
+    def submit(self, *arguments: Any, **keywords: Any) -> Any:
+        if Dying.lives == 0:
+            return super().submit(*arguments, **keywords)
+        Dying.lives -= 1
+        future: Future[Any] = Future()
+        future.set_exception(BrokenExecutor("a child process terminated abruptly"))
+        return future
+
+
+@pytest.mark.parametrize("deaths", [1, 4])
+def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, deaths: int) -> None:
+    measure(tmp_path / "data.csv")
+    made = problem(tmp_path, one_run("starts: 2"))
+    monkeypatch.setattr(pool, "local_processes", Dying)
+    monkeypatch.setattr(Dying, "lives", deaths)
+    if deaths == 4:  # both starts, and both again
+        with pytest.raises(SolveError, match="every starting point; at the first: the process died"):
+            fit(made, workers=2)
+    else:
+        np.testing.assert_array_equal(fit(made, workers=2).values, fit(made).values)
+
+
+def test_a_start_whose_process_died_is_told(recovered) -> None:
+    dead = Start(recovered.solution.scaled, np.inf, DIED)
+    some = replace(recovered, solution=replace(recovered.solution, starts=(*recovered.solution.starts, dead)))
+    assert "1 of 2 starting points came to nothing: the process died" in some.warnings[-1]
 
 
 def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> None:

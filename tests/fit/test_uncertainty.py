@@ -13,8 +13,8 @@ from support_fit import NOISE, TRUE, four, problem
 from granular_contact.fit import noise
 from granular_contact.fit.goodness import ljung_box
 from granular_contact.fit.jacobian import STEP, jacobian
-from granular_contact.fit.problem import Problem
-from granular_contact.fit.solve import minimise, solve
+from granular_contact.fit.problem import Loss, Problem
+from granular_contact.fit.solve import Solution, minimise, solve
 from granular_contact.fit.uncertainty import uncertainty
 
 KEYS = "parameters: {medium.eta_d: , medium.plunging.eta_v: , medium.plunging.lambda: {from: 0.5, to: 2}}"
@@ -53,12 +53,15 @@ def test_a_small_noise_moves_the_estimates_as_linear_theory_says(exact: Problem,
 
 def test_covariance_is_that_of_linear_least_squares(exact: Problem) -> None:
     made, _ = noisy(exact, 0)
-    made = replace(made, noise=dict.fromkeys(made.noise, NOISE))
     solution = solve(made)
     found = uncertainty(made, solution)
-    slopes = solution.jacobian
-    variance = np.sum(solution.residuals**2) / (len(solution.residuals) - 3)
-    np.testing.assert_allclose(found.covariance, variance * np.linalg.inv(slopes.T @ slopes), rtol=1e-6)
+    # Noise of each column as the residuals have it, with as many degrees of freedom as the fit has left it.
+    free = 1.0 - 3 / len(solution.residuals)
+    column = made.column_of()
+    sizes = np.array([np.sqrt(np.mean(solution.residuals[column == k] ** 2) / free) for k in range(2)])
+    slopes = solution.jacobian / sizes[column][:, None]
+    # The noise that the fit weighed with is that of its last round but one, settled to 1e-3.
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(slopes.T @ slopes), rtol=3e-3)
     for one, row in zip(found.estimates, found.covariance.diagonal(), strict=True):
         value, unit = one.value, one.parameter.value(one.parameter.scaled(one.value)) if one.parameter.log else 1.5
         assert one.error == pytest.approx(unit * np.sqrt(row), rel=1e-9)
@@ -69,6 +72,42 @@ def test_covariance_is_that_of_linear_least_squares(exact: Problem) -> None:
             else (np.array([one.low, one.high]) - value) / 1.5
         )
         np.testing.assert_allclose(ends, [-1.966 * np.sqrt(row), 1.966 * np.sqrt(row)], rtol=1e-3)
+
+
+def at_truth(made: Problem, added: np.ndarray, slopes: np.ndarray) -> Solution:
+    """The solution where a fit has left just this noise; each column weighed by the noise that was given."""
+    given = np.array([size or NOISE for size in made.noise.values()])
+    return Solution(made.start, given, added, slopes, np.zeros(3, dtype=np.int64), (), True)
+
+
+@pytest.mark.parametrize("loss", ["linear", "soft_l1"])
+def test_a_noise_given_far_too_large_leaves_the_errors_of_the_other_column(exact: Problem, loss: Loss) -> None:
+    made, added = noisy(exact, 1)
+    made = replace(made, noise={"tip_x_m": 50.0 * NOISE, "tip_y_m": None}, loss=loss)
+    slopes = jacobian(made, made.start, made.times())
+    stated = np.sqrt(np.diag(uncertainty(made, at_truth(made, added, slopes)).covariance))
+    # x says next to nothing, being 50 times as rough: the errors are those of y alone, with its 202 values.
+    own = slopes[made.column_of() == 1]
+    alone = NOISE * np.sqrt(np.diag(np.linalg.inv(own.T @ own)))
+    # A scatter of 202 values is known to 1 in sqrt(404), 5 %; three of these. Pooled, errors would be 0.7 of this.
+    np.testing.assert_allclose(stated, alone, rtol=0.15)
+
+
+def test_what_the_data_do_not_move_is_not_determined(exact: Problem) -> None:
+    made, added = noisy(exact, 2)
+    slopes = jacobian(made, made.start, made.times())
+    slopes[:, 1] = 0.0
+    with np.errstate(all="raise"):
+        found = uncertainty(made, at_truth(made, added, slopes))
+    assert found.words[0] == "medium.plunging.eta_v is not determined by these data: its error is of any size"
+    one = found.estimates[1]
+    assert (one.error, one.low, one.high) == (np.inf, 0.0, np.inf)
+    # and the others are as if it were not there
+    without = np.delete(slopes, 1, axis=1)
+    sizes = np.array([np.std(added[made.column_of() == k]) for k in range(2)])[made.column_of()][:, None]
+    rest = np.linalg.inv((without / sizes).T @ (without / sizes))
+    np.testing.assert_allclose(found.covariance[np.ix_([0, 2], [0, 2])], rest, rtol=0.1)
+    assert np.isnan(found.correlation[0, 1])
 
 
 @pytest.mark.parametrize("modes", [0, 1])

@@ -1,0 +1,58 @@
+"""The medium written is one that has the coefficients found; what else differs between the runs is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support_fit import CONFIG, RIGID, fitted, measure, problem
+
+from granular_contact.fit.media_of_runs import carrier, words
+from granular_contact.fit.medium import media
+from granular_contact.fit.writing import summary
+
+ALBERT = "medium: {law: albert, density_kg_m3: 2500, eta_h: 8}"
+
+
+def two(folder: Path, first: str, second: str = "", keys: str = "medium.plunging.eta_v") -> str:
+    """A fit of two runs with settings of their own, which the data of both do not have."""
+    lines = [f"parameters: [{keys}]", "runs:"]
+    for i, more in enumerate((first, second)):
+        measure(folder / f"{i}.csv", RIGID, seed=i)
+        lines.append(f"  - {{config: {CONFIG}, data: {i}.csv, name: run_{i}, set: {{{more}}}}}")
+    return "\n".join(lines)
+
+
+def test_the_medium_is_that_of_a_run_that_has_the_coefficient(tmp_path: Path) -> None:
+    found = fitted(tmp_path, two(tmp_path, ALBERT))
+    (medium,) = media(found, "test").values()
+    assert medium["law"] == "lee_marghitu"
+    assert medium["plunging"]["eta_v"] == found.values[0]
+    assert "to 1 run (" in medium["source"]
+    assert any("differ in law, " in one and one.endswith("that of run_1") for one in found.warnings)
+    assert summary(found)["parameters"]["medium.plunging.eta_v"]["runs"] == ["run_1"]
+
+
+def test_what_the_run_of_the_medium_does_not_have_is_said_to_be_left_out(tmp_path: Path) -> None:
+    other = "medium: {law: rft}"
+    made = problem(tmp_path, two(tmp_path, "", other, "medium.plunging.eta_v, medium.zeta"))
+    said = list(words(made, made.values(made.start)))
+    assert said[0].endswith("the medium written is that of run_0, without medium.zeta")
+    assert carrier(made) == 0
+
+
+@pytest.mark.parametrize("more", ["medium.eta_h: 9", "medium: null"])
+def test_unfitted_keys_that_differ_are_told(tmp_path: Path, more: str) -> None:
+    found = fitted(tmp_path, two(tmp_path, "", more))
+    key = "law" if more == "medium: null" else "eta_h"
+    assert any(f"differ in {key}" in one and one.endswith("that of run_0") for one in found.warnings)
+
+
+def test_media_that_are_alike_are_no_matter(tmp_path: Path) -> None:
+    found = fitted(
+        tmp_path,
+        two(tmp_path, "medium.plunging.eta_v: 20", "medium.name: mine", "medium.plunging.eta_v").replace(
+            "[medium.plunging.eta_v]", "{medium.plunging.eta_v: {start: 20}}"
+        ),
+    )
+    assert found.warnings == ()
