@@ -8,9 +8,12 @@ import hashlib
 import json
 import os
 import signal
+import struct
 import subprocess
+import sys
+import threading
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import psutil
@@ -32,6 +35,7 @@ from granular_contact import sweep
 from granular_contact.cli import main
 from granular_contact.cli import sweep as cli
 from granular_contact.config import load_sweep
+from granular_contact.sweep import Crew, pool
 from granular_contact.sweep import journal as journals
 from granular_contact.sweep import local_processes as local
 from granular_contact.sweep.journal import Journal, Row
@@ -321,3 +325,27 @@ def test_rows_that_are_there_are_not_run(tmp_path):
 
 def test_the_checkout_is_the_package_under_test():
     assert Path(sweep.__file__).is_relative_to(ROOT)
+
+
+# ---- a worker that is lost in mid-sentence ----
+
+
+def dies_in_mid_sentence() -> None:
+    """Be killed with the pipe's lock taken and half a result in the pipe."""
+    frame = sys._getframe()
+    while frame is not None and "result_queue" not in frame.f_locals:
+        frame = frame.f_back
+    results = frame.f_locals["result_queue"]
+    results._wlock.acquire()
+    os.write(results._writer.fileno(), struct.pack("!i", 100_000) + b"half")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_worker_killed_while_it_writes_does_not_keep_the_pool_waiting(monkeypatch) -> None:
+    monkeypatch.setattr(pool, "_HEARS_S", 0.2)
+    with Crew(2) as crew:
+        lost = crew.pool().submit(dies_in_mid_sentence)
+        assert isinstance(lost.exception(timeout=30), BrokenExecutor)
+        crew.dismiss()
+        assert crew.pool().submit(os.getpid).result(30) > 0
+    assert not [thread for thread in threading.enumerate() if "Executor" in type(thread).__name__]

@@ -18,6 +18,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLI
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic", "yaml"]
 # Far more than a pool takes to close its pipes; on Python 3.10 one that still has work to hand over never does.
 _LEAVE_S = 10.0
+_HEARS_S = 5.0  # a pool hears of a lost worker in milliseconds
 
 
 def cores() -> int:
@@ -29,10 +30,19 @@ def cores() -> int:
 class _Processes(ProcessPoolExecutor):
     """A pool whose workers start with one thread and without Ctrl-C, which is for the process that has the rows."""
 
+    _watched: threading.Thread | None = None
+
     def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
         # Workers start in here; they inherit the environment and the blocked signals.
         with _no_interrupt(), _one_thread():
-            return super().submit(*arguments, **keywords)
+            future = super().submit(*arguments, **keywords)
+        # There is no public way to what follows.
+        manager: Any = self._executor_manager_thread
+        if manager is not self._watched:
+            self._watched = manager
+            inside = manager, self._processes, self._result_queue
+            threading.Thread(target=_watch, args=inside, daemon=True).start()
+        return future
 
     def __exit__(self, kind: Any, *rest: Any) -> bool | None:
         if kind is None:
@@ -55,6 +65,27 @@ class _Processes(ProcessPoolExecutor):
             if manager is not None:
                 # It closes the pipe that the interpreter writes to at its exit, and does not look whether it does.
                 manager.join(_LEAVE_S)
+
+
+def _watch(manager: threading.Thread, processes: dict[int, Any], results: Any) -> None:
+    """Let a pool hear of a lost worker that keeps it waiting.
+
+    Who is killed while it writes a result leaves half of it in the pipe, and the pipe's lock taken; the thread that
+    manages the pool then reads for ever. With nobody left who could write, it comes to the end of the pipe.
+    """
+    try:
+        while manager.is_alive():
+            if not await_any([process.sentinel for process in list(processes.values())], timeout=1.0):
+                continue
+            manager.join(_HEARS_S)
+            if manager.is_alive():
+                for process in list(processes.values()):
+                    process.kill()
+                    process.join()
+                results._writer.close()
+                return
+    except (OSError, ValueError):  # it was dismissed meanwhile
+        return
 
 
 def local_processes(workers: int) -> Executor:
