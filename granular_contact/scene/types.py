@@ -303,11 +303,15 @@ class Scene:
 
     @property
     def length(self) -> float:
-        """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body."""
+        """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body.
+
+        At least the radius of every rigid body: the tip of a ball is its centre.
+        """
         tip = self.tip_position
+        far = [tip - body.motion.position for body in self.bodies]
         if self.pivot is not None:
-            return math.hypot(*(tip - self.pivot.parent_point))
-        return max(math.hypot(*(body.motion.position - tip)) for body in self.bodies)
+            far = [tip - self.pivot.parent_point]
+        return max(*(math.hypot(*arm) for arm in far), *map(self.radius, self.rigid), 0.0)
 
     @property
     def speed(self) -> float:
