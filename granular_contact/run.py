@@ -61,7 +61,9 @@ def run(
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
     }
-    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
+    least = scene.force_scale * scene.least_way
+    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene), least)
+    summary |= solved.more
     summary["warnings"] += [*solved.doubts, *_limits(scene, solved.reach), *_buried(scene, series)]
     if scene.stiff:
         summary["too_stiff_to_bend"] = list(scene.stiff)
@@ -228,7 +230,7 @@ def _rows(time: Vector, interval: float | None) -> Any:
 def engine_stop(observer: Observer, touch: Touch) -> Stop | None:
     """When the mechanism stopped after the touch, with the measure that fits it; None where there is none."""
     scene = observer.scene
-    if scene.drives:
+    if scene.drives or observer.way <= scene.least_way:
         return None
     if scene.pivot is not None:
         return _stop_about_pivot(observer, scene.pivot, touch)

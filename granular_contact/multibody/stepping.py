@@ -83,14 +83,13 @@ class StepControl:
         beta = abs(self.solver.newmarkBeta - 1.0 / 6.0)
         drift = step * (beta * float(np.abs(self.change).max()) + self._greatest(self.change) / 12.0)
         kick = 0.5 * step * jump * min(1.0, 2.0 * speed / fastest)
-        need = max(math.sqrt(drift / (self.accuracy * fastest)), kick / (self.accuracy * fastest))
+        need: float = max(math.sqrt(drift / (self.accuracy * fastest)), kick / (self.accuracy * fastest))
         return need if math.isfinite(need) else math.inf
 
     def _greatest(self, change: Vector) -> float:
         """Greatest size of changes (m,) of bodies' accelerations, of links' means."""
-        return max(
-            float(np.abs(change[self.rigid]).max(initial=0.0)), *(abs(change[i].mean()) for i in self.links), 0.0
-        )
+        means = [abs(float(change[places].mean())) for places in self.links]
+        return max(float(np.abs(change[self.rigid]).max(initial=0.0)), *means, 0.0)
 
     def accept(self, mbs: Any, v: Vector) -> None:
         """Set the step to come; after the accepted step that ended with the rates v (m,)."""

@@ -314,6 +314,15 @@ class Scene:
         return max(*(math.hypot(*arm) for arm in far), *map(self.radius, self.rigid), 0.0)
 
     @property
+    def least_way(self) -> float:
+        """Way (m) up to which nothing counts as moved: 1e-4 of the size, or ten yield displacements of the bristles.
+
+        What lies in sand and only leans on its bristles moves by some of these.
+        """
+        static = self.load.static
+        return max(1e-4 * self.length, 10.0 * static.yield_displacement if isinstance(static, Elastoplastic) else 0.0)
+
+    @property
     def speed(self) -> float:
         """Greatest speed (m/s) at the start: of the tip, and of bodies that slide or fly."""
         motion = self.body(self.tip[0]).motion

@@ -8,8 +8,10 @@ from support_runs import scenario_of, scene_of, simulate, tip_error
 
 from granular_contact.errors import ConfigError
 from granular_contact.multibody.build import build
-from granular_contact.multibody.doubts import step_error
+from granular_contact.multibody.doubts import jump_error, step_error
+from granular_contact.multibody.ending import status
 from granular_contact.multibody.explain import left_out
+from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import force_noise, unresolved
 from granular_contact.multibody.solve import solve
 from granular_contact.run import run
@@ -157,10 +159,44 @@ def test_wall_time_ends_a_run_with_its_results(config: str, more: tuple[str, ...
 
 
 def test_step_error_of_a_known_motion() -> None:
-    """x = t^3: a changes by 6 h a step, and the way is 1 m."""
+    """x = t^3: a changes by 6 h a step."""
     time = np.linspace(0.0, 1.0, 1001)
     speeds = 3.0 * time[:, None] ** 2
     assert step_error(time, speeds) == pytest.approx(6e-6 / 9.0, rel=0.01)
+
+
+def test_jump_error_of_a_known_motion() -> None:
+    """Half of the first step of a decelerating mass counts as decelerated, so that it is J h / 2 too fast."""
+    h, jump = 1e-3, 0.1
+    time = h * np.arange(1001)
+    v = 2.0 - jump * np.maximum(0.0, time - 1.5 * h)[:, None]
+    # Fades by e^(-jump t / v), 5 % after a second; a way of nearly a second.
+    expected = 0.5 * jump * h * (1.0 - 0.5 * jump / 2.0) / np.sqrt(3.0)
+    assert jump_error(time, v, np.eye(1), v[:, 0]) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("text", "more"),
+    [
+        (BALL, ("solver.step_s=2e-3",)),  # 4 % off
+        (BALL, ("solver.step_s=5e-3",)),  # 10 %
+        ("free_link", ("initial.joints.fall.angle_deg=0", "solver.end_time_s=0.05")),  # 4 %, at the default step
+        ("free_link", ("medium=rft3d_sand", "initial.joints.fall.angle_deg=30", "solver.step_s=2e-3")),  # 5 %
+    ],
+)
+def test_a_jump_of_the_force_that_the_steps_miss_is_said(text: str, more: tuple[str, ...]) -> None:
+    assert any("the steps are too long" in warning for warning in simulate(text, *more).warnings)
+
+
+@pytest.mark.parametrize(
+    ("friction", "key"), [("yield_displacement_m=1e-9", "a larger"), ("damping_time_s=1", "a smaller")]
+)
+def test_a_run_that_its_bristles_fail_names_them(friction: str, key: str) -> None:
+    scene = scene_of("free_link", f"load.friction.{friction}")
+    recorder = Recorder(build(scene), None)
+    recorder.rows, recorder.reason = 1, "crowd"
+    told = status(recorder, False, "", 1e-8).message
+    assert told.endswith(f"take {key} load.friction.{friction.replace('=', ' (now ').replace('1e-9', '1e-09')})")
 
 
 @pytest.mark.parametrize(
