@@ -52,6 +52,10 @@ class SolveError(GranularContactError):
     """The engine could not be set up or started for this scene."""
 
 
+class OutOfTimeError(SolveError):
+    """The time that a run was given was over before it began: there is nothing to keep."""
+
+
 def scene_error(key: str, message: str) -> SceneError:
     """A scene error of one fault."""
     return SceneError([Fault(file="", line=None, key=key, message=message)])

@@ -61,7 +61,9 @@ def run(
         "deepest": int(np.argmax(series["depth_m"])) if "depth_m" in series else len(time) - 1,
         "end": len(time) - 1,
     }
-    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene)) | solved.more
+    least = scene.force_scale * scene.least_way
+    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene), least)
+    summary |= solved.more
     summary["warnings"] += [
         *solved.doubts,
         *_limits(scene, solved.reach),

@@ -51,12 +51,13 @@ def summarise(
     touch: Touch | None,
     stop: Stop | None,
     measure: str | None = STOP_MEASURE,
+    least_energy: float = 0.0,
 ) -> dict[str, Any]:
     """Key numbers of a run from all its accepted steps; series by column name, (n,) each.
 
-    measure: what stopping means for this mechanism.
+    measure: what stopping means for this mechanism; least_energy (J): that an imbalance is measured against at least.
     """
-    imbalance = _relative_imbalance(series)
+    imbalance = _relative_imbalance(series, least_energy)
     return {
         "name": name,
         "status": status.code,
@@ -85,9 +86,9 @@ def _energy(series: dict[str, Vector]) -> dict[str, float]:
     } | {name: float(series[name][-1]) for name in WORKS if name in series}
 
 
-def _relative_imbalance(series: dict[str, Vector]) -> float:
-    """Largest imbalance over the largest single energy."""
-    scale = max(float(np.max(np.abs(series[name]))) for name in (*STORED, *WORKS) if name in series)
+def _relative_imbalance(series: dict[str, Vector], least: float) -> float:
+    """Largest imbalance over the largest single energy, or over the least (J) that counts."""
+    scale = max(least, *(float(np.max(np.abs(series[name]))) for name in (*STORED, *WORKS) if name in series))
     return float(np.max(np.abs(series["energy_imbalance_J"]))) / scale if scale > 0.0 else 0.0
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from support_runs import simulate
+from support_runs import CONFIGS, simulate
+
+from granular_contact.cli.main import main
 
 LAID = "as if it had been laid there without moving a grain"
 RIGID = ("method={reduced: {modes: 0, static: true_sign, rtol: 1e-10}}", "output.interval_s=null")
@@ -60,3 +64,46 @@ def test_what_touches_or_settles_is_not_told_so() -> None:
     for results in (simulate("pendulum"), settled):
         assert not any(LAID in warning for warning in results.warnings)
     assert settled["depth_m"][0] > 0.0
+
+
+PENDULUM = ("pendulum", "initial={settle: true, joints: {pivot: {angle_deg: 31}}}")
+ONE_BODY = """
+model:
+  name: one
+  bodies:
+    body: {{type: rigid, density_kg_m3: {}, shapes: [{}]}}
+  joints:
+    fall: {{type: free, parent: ground, child: body}}
+medium: {}
+initial: {{settle: true}}
+solver: {{end_time_s: 0.1}}
+"""
+SHEET = "{type: plate, start_m: [-0.03, 0], end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005}"
+BALL = "{type: sphere, diameter_m: 0.0254}"
+
+
+@pytest.mark.parametrize("case", [PENDULUM, (ONE_BODY.format(2700, SHEET, "poppy_seeds_loose"),)])
+def test_what_rests_from_the_start_is_in_no_doubt_and_never_stops(case: tuple[str, ...]) -> None:
+    """Ways and energies of some nanometres and nanojoules were off by 100 %."""
+    results = simulate(*case)
+    assert (results.warnings, results.summary["stopping_time_s"]) == ((), None)
+    assert results.status.code == "rest"
+
+
+def test_a_ball_settles_where_the_sand_carries_it() -> None:
+    medium = "{from: glass_beads_katsuragi_durian, stiffness_N_m: 60}"
+    results = simulate(ONE_BODY.format(7700, BALL, medium))
+    weight = 7700 * np.pi / 6 * 0.0254**3 * 9.81
+    # The bristle is let go at rest, and takes its place again.
+    assert results["depth_m"][-1] == pytest.approx(weight / 60, abs=2 * U_Y)
+    assert results["depth_m"][0] == pytest.approx(weight / 60, abs=2 * U_Y)
+
+
+def test_settling_that_fails_says_why(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Out of time is exit code 4; what creeps under any load never rests."""
+    config, settled = PENDULUM
+    run = ["run", str(CONFIGS / f"{config}.yaml"), "--out", str(tmp_path / "out"), "--no-plots", "--set", settled]
+    assert main([*run, "--set", "solver.max_wall_s=1e-3"]) == 4
+    assert "initial.settle: solver.max_wall_s (0.001) was over" in capsys.readouterr().err
+    assert main([*run, "--set", "load.friction={type: smooth, reference_speed_m_s: 0.1}"]) == 3
+    assert "smooth friction creeps under any load: take load.friction: {type: elastoplastic}" in capsys.readouterr().err

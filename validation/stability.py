@@ -221,7 +221,7 @@ ENDS = ("word", "warned", "failed", "refused", "time_limit")
 
 def unexplained(found: Sequence[Found]) -> list[Found]:
     """Failures without a sentence that says what to change, and ends that there should not be."""
-    said = ("take a smaller", "allowed", "no rest", "needs", "can")
+    said = ("take a smaller", "take a larger", "allowed", "no rest", "needs", "can")
     return [
         one
         for one in found

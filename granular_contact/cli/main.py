@@ -25,8 +25,8 @@ from granular_contact.cli import (
     sweep,
     validate,
 )
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, complain
-from granular_contact.errors import ConfigError, SceneError, SolveError
+from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, complain
+from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
 
 COMMANDS = (run, sweep, compare, compare_media, fit, report, media, check, examples, validate, schema)
 
@@ -39,6 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ConfigError, SceneError) as error:
         complain(str(error))
         return FAULTY_INPUT
+    except OutOfTimeError as error:
+        complain(str(error))
+        return OUT_OF_TIME
     except SolveError as error:
         complain(str(error))
         return FAILED

@@ -18,7 +18,7 @@ import math
 from numba import njit
 
 from granular_contact.kernels.immersion import pressure_integral_gradients, pressure_integrals
-from granular_contact.kernels.planar_friction import mobilised, mobilised_slopes
+from granular_contact.kernels.planar_friction import by_stretch, mobilised, mobilised_slopes
 
 STATIC = 0
 EDGE = 0.05  # sine of the angle between an element and its motion up to which the stress is faded in: 2.9 degrees
@@ -87,7 +87,7 @@ def static_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, k
             g * xux - sx * rise * ty, g * xuy + sx * rise * tx, g * yux - sy * rise * ty, g * yuy + sy * rise * tx,
         )  # fmt: skip
         sx, sy = g * sx, g * sy
-    s_q, s_over_q, q_e, q_v = mobilised_slopes(ex, ey, vx, vy, m)
+    s_q, s_over_q, q_v = mobilised_slopes(ex, ey, vx, vy, m)
     j0, j1 = pressure_integrals(z0, z1)
     g00, g01, g10, g11 = pressure_integral_gradients(z0, z1)
     for i, s_i, it_x, it_y, iu_x, iu_y in ((0, sx, xtx, xty, xux, xuy), (1, sy, ytx, yty, yux, yuy)):
@@ -96,14 +96,15 @@ def static_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, k
         by_cx, by_cy = share * (it_x + along_t * tx), share * (it_y + along_t * ty)
         along_u = s_q * s_i - s_over_q * (iu_x * ux + iu_y * uy)
         by_qx, by_qy = length * (s_over_q * iu_x + along_u * ux), length * (s_over_q * iu_y + along_u * uy)
+        by_ex, by_ey = by_stretch(by_qx, by_qy, ex, ey, m)
         for end, j, gz0, gz1 in ((0, j0, g00, g01), (2, j1, g10, g11)):
             row = end + i
             k = run.width * j
-            half_e, half_v = 0.5 * k * q_e, 0.5 * k * q_v
-            kp[row, 0] += half_e * by_qx - k * by_cx
-            kp[row, 1] += half_e * by_qy - k * by_cy
-            kp[row, 2] += half_e * by_qx + k * by_cx
-            kp[row, 3] += half_e * by_qy + k * by_cy
+            half_e, half_v = 0.5 * k, 0.5 * k * q_v
+            kp[row, 0] += half_e * by_ex - k * by_cx
+            kp[row, 1] += half_e * by_ey - k * by_cy
+            kp[row, 2] += half_e * by_ex + k * by_cx
+            kp[row, 3] += half_e * by_ey + k * by_cy
             kv[row, 0] += half_v * by_qx
             kv[row, 1] += half_v * by_qy
             kv[row, 2] += half_v * by_qx

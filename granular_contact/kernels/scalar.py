@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import balls, law
-from granular_contact.kernels.planar_friction import mobilised, mobilised_slopes, radial_return
+from granular_contact.kernels.planar_friction import by_stretch, mobilised, mobilised_slopes, radial_return
 
 STATIC, VISCOUS = 0, 1  # terms; where the quadratic one goes is the record's `quadratic`
 SHALLOW = 1e-3
@@ -78,17 +78,19 @@ def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):
     there, there_z = grown(z, run)
     c, speed = coefficient(run, m), math.hypot(vx, vy)
     ux, uy, share = mobilised(ex, ey, vx, vy, m)
-    s_q, s_over_q, q_e, q_v = mobilised_slopes(ex, ey, vx, vy, m)
+    s_q, s_over_q, q_v = mobilised_slopes(ex, ey, vx, vy, m)
     depth_part = m.k * z if m.p == 1.0 else m.k * z**m.p
     static, static_z = there * m.F0 + depth_part, there_z * m.F0 + depth_part * m.p / z
     drag, drag_z = there * (m.b + c * speed), there_z * (m.b + c * speed)
     for i, u_i, v_i in ((0, ux, vx), (1, uy, vy)):
         kz[i] -= share * static_z * u_i + drag_z * v_i
-        for j, u_j, v_j in ((0, ux, vx), (1, uy, vy)):
-            same = 1.0 if i == j else 0.0
-            by_q = static * (s_q * u_i * u_j + s_over_q * (same - u_i * u_j))
-            kp[i, j] -= by_q * q_e
-            kv[i, j] -= by_q * q_v + drag * same
+        along = static * (s_q - s_over_q) * u_i
+        same_x, same_y = (static * s_over_q, 0.0) if i == 0 else (0.0, static * s_over_q)
+        by_q = along * ux + same_x, along * uy + same_y
+        by_e = by_stretch(by_q[0], by_q[1], ex, ey, m)
+        for j, v_j in ((0, vx), (1, vy)):
+            kp[i, j] -= by_e[j]
+            kv[i, j] -= by_q[j] * q_v + (drag if i == j else 0.0)
             if speed > 0.0:
                 kv[i, j] -= there * c * v_i * v_j / speed
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from granular_contact.media.static_friction import Elastoplastic
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.results import Status, out_of_time
+
+STIFF, SLOW = 1e-7, 0.1  # m, s: bristles a hundred times stiffer or slower than the default ones are what fails
 
 
 def status(recorder: Recorder, success: bool, problem: str, step: float) -> Status:
@@ -32,7 +35,13 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
 
 
 def _remedy(recorder: Recorder) -> str:
-    solver = recorder.solver
+    solver, scene = recorder.solver, recorder.system.scene
+    static = scene.load.static
+    if scene.media and isinstance(static, Elastoplastic):
+        if static.yield_displacement < STIFF:
+            return f"take a larger load.friction.yield_displacement_m (now {static.yield_displacement:g})"
+        if static.damping_time > SLOW:
+            return f"take a smaller load.friction.damping_time_s (now {static.damping_time:g})"
     links = " or, for a very soft or very stiff link, more elements" if recorder.system.links else ""
     what = "solver.step_s" if solver.accuracy is None else "solver.accuracy"
     return f"take a smaller {what} (now {solver.step if solver.accuracy is None else solver.accuracy:g}){links}"

@@ -11,6 +11,7 @@ from granular_contact.energy import accumulate, damping_power, elastic_energy, s
 from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
 from granular_contact.multibody import observe_mechanism as mechanism
+from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
 from granular_contact.results import Column, Outline
@@ -102,6 +103,16 @@ class Observer:
     def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
         """Torque or force of every drive (n,), and its power (n,) W, by joint."""
         return {drive.joint: mechanism.drive_force(self, drive) for drive in self.scene.drives}
+
+    @cached_property
+    def speeds(self) -> Vector:
+        """Greatest speed (n,) m/s of any point."""
+        return np.asarray(np.abs(self.trajectory.v * levers(self.system)).max(axis=1))
+
+    @property
+    def way(self) -> float:
+        """Way (m) of whatever is fastest."""
+        return float(np.sum(np.diff(self.trajectory.time) * self.speeds[1:]))
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).

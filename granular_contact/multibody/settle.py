@@ -17,7 +17,8 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
-from granular_contact.errors import SolveError
+from granular_contact.errors import OutOfTimeError, SolveError
+from granular_contact.media.static_friction import Smooth
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Scene
@@ -84,7 +85,7 @@ def settle(system: System, simulation: Any, recorder: Recorder) -> None:
     Raises
     ------
     SolveError
-        It does not come to rest.
+        It does not come to rest; OutOfTimeError where it is not given the time.
     KeyboardInterrupt
         It was asked for; there is nothing to keep.
     """
@@ -106,11 +107,20 @@ def settle(system: System, simulation: Any, recorder: Recorder) -> None:
     if recorder.reason == "interrupted":
         raise KeyboardInterrupt
     if not watch.rests and time.perf_counter() >= watch.deadline:
-        problem = f"solver.max_wall_s ({system.scene.solver.max_wall:g}) was over before it rested"
+        allowed = f"solver.max_wall_s ({system.scene.solver.max_wall:g}) was over"
+        raise OutOfTimeError(
+            f"initial.settle: {allowed} before the mechanism rested; nothing was saved: take a larger one"
+        )
     if not watch.rests:
-        raise SolveError(f"initial.settle: the mechanism finds no rest: {problem}; give the initial state without it")
+        raise SolveError(f"initial.settle: the mechanism finds no rest: {problem}; {_remedy(system.scene)}")
     t.startTime, t.endTime, t.numberOfSteps, t.generalizedAlpha.spectralRadius = kept
     _begin(system)
+
+
+def _remedy(scene: Scene) -> str:
+    if scene.media and isinstance(scene.load.static, Smooth):
+        return "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
+    return "give the initial state without it"
 
 
 @contextmanager

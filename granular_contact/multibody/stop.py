@@ -12,7 +12,7 @@ from granular_contact.stopping import Stop, find_stop
 def stop_after(observer: Observer, touch: int) -> Stop | None:
     """When the mechanism stopped after the touch (index of that instant); None where there is none."""
     scene = observer.scene
-    if scene.drives:
+    if scene.drives or observer.way <= scene.least_way:
         return None
     if scene.pivot is not None:
         return _stop_about_pivot(observer, scene.pivot, touch)

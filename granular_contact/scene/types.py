@@ -303,11 +303,24 @@ class Scene:
 
     @property
     def length(self) -> float:
-        """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body."""
+        """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body.
+
+        At least the radius of every rigid body: the tip of a ball is its centre.
+        """
         tip = self.tip_position
+        far = [tip - body.motion.position for body in self.bodies]
         if self.pivot is not None:
-            return math.hypot(*(tip - self.pivot.parent_point))
-        return max(math.hypot(*(body.motion.position - tip)) for body in self.bodies)
+            far = [tip - self.pivot.parent_point]
+        return max(*(math.hypot(*arm) for arm in far), *map(self.radius, self.rigid), 0.0)
+
+    @property
+    def least_way(self) -> float:
+        """Way (m) up to which nothing counts as moved: 1e-4 of the size, or ten yield displacements of the bristles.
+
+        What lies in sand and only leans on its bristles moves by some of these.
+        """
+        static = self.load.static
+        return max(1e-4 * self.length, 10.0 * static.yield_displacement if isinstance(static, Elastoplastic) else 0.0)
 
     @property
     def speed(self) -> float:
