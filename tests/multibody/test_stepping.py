@@ -69,6 +69,24 @@ def test_accuracy_bounds_the_error_of_a_free_link(medium: str, angle: float) -> 
         assert results.summary["cost"]["steps"] < 110  # of 250 of the default step
 
 
+def test_steps_of_joined_bodies_shrink_no_more_than_the_accuracy_asks() -> None:
+    """Two links that fall, and then strike; what their joints do to accelerations is no jump of the force.
+
+    An error of second order: steps as the accuracy to the power 1/2, 3.2 for a factor of ten; jumps may ask for more.
+    """
+    to_200_ms = ("solver.end_time_s=0.2", "solver.rest_time_s=null")
+    found = {a: simulate("double_pendulum", *to_200_ms, f"solver.accuracy={a}") for a in (1e-3, 1e-4)}
+    steps = [one.summary["cost"]["steps"] for one in found.values()]
+    assert steps[0] < 250
+    assert steps[1] < 4.5 * steps[0]
+    reference = simulate("double_pendulum", *to_200_ms, "solver.step_s=2e-5", "solver.tolerance=1e-8")
+    way = np.sum(np.hypot(np.diff(reference["tip_x_m"]), np.diff(reference["tip_y_m"])))
+    for accuracy, one in found.items():
+        assert tip_error(one, reference, one["time_s"]) < accuracy * way
+        # The balance is of second order in the steps, as the error is; at 1e-4 it was 2e-2 while steps went astray.
+        assert one.summary["energy"]["imbalance_relative"] < 3.0 * accuracy
+
+
 def test_accuracy_bounds_what_a_jump_of_the_force_does() -> None:
     """m v' = m g - F - c v^2: stops at m / 2 c ln(1 + c v^2 / (F - m g)). A jump within a step of 0.2 ms gave 0.4 %."""
     mass = 7700 * np.pi / 6 * 0.0254**3
