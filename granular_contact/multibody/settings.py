@@ -13,7 +13,7 @@ from granular_contact.scene.types import FlexibleLink, Scene
 
 EPSILON = float(np.finfo(float).eps)
 SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
-# Steps that change leave an oscillation in the accelerations of what is joined, which fades by the spectral radius a
+# Steps that change leave an oscillation in the accelerations of what is jointed in a row, which fades by the spectral radius a
 # step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in the joints as well.
 OF_CHANGING_STEPS, CLOSER = 0.5, 1e-3
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
@@ -60,7 +60,8 @@ def settings(scene: Scene) -> Any:
     newton.relativeTolerance = 1e-8
     newton.useModifiedNewton = True
     radius = SPECTRAL_RADIUS
-    if solver.accuracy is not None and len(scene.connections) > 1:
+    moving = sum(joint.kind != "weld" for joint in scene.connections)
+    if solver.accuracy is not None and moving > 1:
         radius = OF_CHANGING_STEPS
         newton.absoluteTolerance = max(CLOSER * newton.absoluteTolerance, _noise(scene))
     if unresolved(scene):
