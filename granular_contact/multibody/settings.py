@@ -13,8 +13,9 @@ from granular_contact.scene.types import FlexibleLink, Scene
 
 EPSILON = float(np.finfo(float).eps)
 SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
-# Steps that change leave an oscillation in the accelerations of bodies that hang on each other by joints. It fades by the
-# spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in joints.
+# Steps that change leave an oscillation in the accelerations of bodies that hang on each other by joints. It fades by
+# the spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in
+# joints.
 OF_CHANGING_STEPS, CLOSER = 0.5, 1e-3
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
 SHORTEST = 1e-4
