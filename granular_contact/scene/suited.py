@@ -1,0 +1,59 @@
+"""Whether every shape has a law that takes it wherever it can get to, and every medium a shape that it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from granular_contact.config import schema
+from granular_contact.errors import Fault
+from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
+from granular_contact.media.laws import laws_for
+from granular_contact.scene.bed import places
+from granular_contact.scene.reach import dips, reaches
+from granular_contact.scene.types import Scene
+
+
+def unsuited(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
+    """Shapes that get to where no medium takes them, media that take nothing that gets to them, balls in layers."""
+    if scene.bed is None or not scene.media:
+        return
+    layers, keys = scene.bed.layers, [key for _, key, _, _ in places(scenario)]
+    parts = _getting_to(scene, scene.bed.top)
+    if not all(layer.whole for layer in layers) and any(kind == "ball" for _, kind in parts):
+        yield Fault("", None, "bed.layers", "a sphere is met as a whole: no layers are allowed with one")
+        return
+    for top in sorted({layer.top for layer in layers}):
+        here = {keys[i]: layer.medium for i, layer in enumerate(layers) if layer.top == top}
+        yield from _unsuited_at(top, here, _getting_to(scene, scene.bed.top - top))
+
+
+def _unsuited_at(top: float, media: dict[str, Medium], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
+    """Mismatches from a depth (m) on, of the media there, by their keys, with the parts that can get there."""
+    taken = {kind for medium in media.values() for kind in medium.takes}
+    given = "; ".join(dict.fromkeys(map(what_it_takes, media.values())))
+    spared = [(part, kind) for part, kind in parts if kind not in taken]
+    for part, kind in spared:
+        key, what = f"model.bodies.{part}", "can get into the sand"
+        if top > 0.0:
+            key, what = next(iter(media)), f"{part} can get that deep"
+        yield Fault("", None, key, f"{what}, but {given}; {_fitting(kind)}; or say in_sand: false of the shape")
+    if spared or not parts:
+        return
+    kinds = dict.fromkeys(kind for _, kind in parts)
+    for key, medium in media.items():
+        if not kinds.keys() & set(medium.takes):
+            fit = "; ".join(map(_fitting, kinds))
+            yield Fault("", None, key, f"{what_it_takes(medium)}, and nothing of the kind can get into it; {fit}")
+
+
+def _fitting(kind: Kind) -> str:
+    return f"laws for {WORDS[kind]} are {', '.join(laws_for(kind))}"
+
+
+def _getting_to(scene: Scene, height: float) -> list[tuple[str, Kind]]:
+    """Parts that can get below a height (m), each once, with what a medium meets there."""
+    parts = [(link.name, link.kind) for link in scene.links if reaches(height, link, np.array([link.length, 0.0]))]
+    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(height, body, s)]
+    return list(dict.fromkeys(parts))
