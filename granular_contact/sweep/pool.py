@@ -31,6 +31,7 @@ class _Processes(ProcessPoolExecutor):
     """A pool whose workers start with one thread and without Ctrl-C, which is for the process that has the rows."""
 
     _watched: threading.Thread | None = None
+    _watcher: threading.Thread | None = None
 
     def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
         # Workers start in here; they inherit the environment and the blocked signals.
@@ -41,7 +42,8 @@ class _Processes(ProcessPoolExecutor):
         if manager is not self._watched:
             self._watched = manager
             inside = manager, self._processes, self._result_queue
-            threading.Thread(target=_watch, args=inside, daemon=True).start()
+            self._watcher = threading.Thread(target=_watch, args=inside, daemon=True)
+            self._watcher.start()
         return future
 
     def __exit__(self, kind: Any, *rest: Any) -> bool | None:
@@ -65,6 +67,8 @@ class _Processes(ProcessPoolExecutor):
             if manager is not None:
                 # It closes the pipe that the interpreter writes to at its exit, and does not look whether it does.
                 manager.join(_LEAVE_S)
+            if self._watcher is not None:
+                self._watcher.join(_LEAVE_S)
 
 
 def _watch(manager: threading.Thread, processes: dict[int, Any], results: Any) -> None:
