@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import law, strips
-from granular_contact.kernels.bar_statics import component_return, horizontal_force, horizontal_tangent
+from granular_contact.kernels.bar_statics import component_return, horizontal_force
 
 TERMS = ("horizontal_static",)
 RECORD = np.dtype(
@@ -22,16 +22,9 @@ RECORD = np.dtype(
 
 @law.provide(law.strip_force, "m", RECORD)
 @njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
-    """Add the end forces of a strip; arguments as in `law.strip_force`."""
-    horizontal_force(z0, z1, cy, v0x, v1x, ex, m.eta_h_g_rho * run.width, m, f[0])
-
-
-@law.provide(law.strip_tangent, "m", RECORD)
-@njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
-    """Add the derivatives of `strip_force`; arguments as in `law.strip_tangent`."""
-    horizontal_tangent(z0, z1, cy, v0x, v1x, ex, m.eta_h_g_rho * run.width, m, kp, kz, kv)
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    """Add the horizontal term; arguments as in `law.strip_force`."""
+    horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, m.eta_h_g_rho * run.width, m, f[0])
 
 
 law.provide(law.drag_anchor, "m", RECORD)(component_return)

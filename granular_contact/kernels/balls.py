@@ -31,26 +31,6 @@ def ball_forces(P, V, anchors, run, profile, m, F, totals):
         totals[term, 2] += x * fy - y * fx
 
 
-@njit(cache=True)
-def ball_tangents(P, V, anchors, run, profile, m, KP, KV):
-    """`law.tangents` of a ball."""
-    KP[:] = 0.0
-    KV[:] = 0.0
-    x, y = P[0, 0], P[0, 1]
-    surface, slope = height(profile, x)
-    z = surface - y + run.drop
-    if z <= 0.0:
-        return
-    kz = np.zeros(2)
-    law.ball_tangent(
-        z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, m, KP[0, :2, :2], kz, KV[0, :2, :2]
-    )
-    for row in range(2):
-        KP[0, row, 0] += slope * kz[row]
-        KP[0, row, 1] -= kz[row]
-
-
 def ball_law(dtype: np.dtype) -> None:
     """Let runs use the law with this record type on balls."""
     law.provide(law.forces, "m", dtype)(ball_forces)
-    law.provide(law.tangents, "m", dtype)(ball_tangents)

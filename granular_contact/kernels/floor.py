@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import balls, law, strips
-from granular_contact.kernels.immersion import pressure_integral_gradients, pressure_integrals
+from granular_contact.kernels.immersion import part_integrals
 
 TERMS = ("floor",)
 # N/m^2, s/m. The order makes two types of them, one for strips and one for balls.
@@ -24,39 +24,13 @@ BALL_RECORD = np.dtype([("floor_damping", "f8"), ("floor_stiffness", "f8")])
 
 @law.provide(law.strip_force, "m", STRIP_RECORD)
 @njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
     """Add the end forces of a strip; z0, z1 are depths below the floor, else as in `law.strip_force`."""
     share = max(0.0, 1.0 - m.floor_damping * 0.5 * (v0y + v1y))
     k = m.floor_stiffness * share * math.hypot(cx, cy)
-    j0, j1 = pressure_integrals(z0, z1)
+    j0, j1 = part_integrals(a, b, z0, z1, 1.0)
     f[0, 0, 1] += k * j0
     f[0, 1, 1] += k * j1
-
-
-@law.provide(law.strip_tangent, "m", STRIP_RECORD)
-@njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
-    """Add the derivatives of `strip_force`; arguments as in `law.strip_tangent`."""
-    share = 1.0 - m.floor_damping * 0.5 * (v0y + v1y)
-    if share <= 0.0:
-        return
-    length = math.hypot(cx, cy)
-    if length == 0.0:
-        return
-    tx, ty = cx / length, cy / length
-    k = m.floor_stiffness
-    j0, j1 = pressure_integrals(z0, z1)
-    g00, g01, g10, g11 = pressure_integral_gradients(z0, z1)
-    for row, j, gz0, gz1 in ((1, j0, g00, g01), (3, j1, g10, g11)):
-        stretch = k * share * j
-        kp[row, 0] -= stretch * tx
-        kp[row, 1] -= stretch * ty
-        kp[row, 2] += stretch * tx
-        kp[row, 3] += stretch * ty
-        kz[row, 0] += k * share * length * gz0
-        kz[row, 1] += k * share * length * gz1
-        kv[row, 1] -= 0.5 * k * length * j * m.floor_damping
-        kv[row, 3] -= 0.5 * k * length * j * m.floor_damping
 
 
 @law.provide(law.ball_force, "m", BALL_RECORD)
@@ -64,16 +38,6 @@ def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv
 def ball_force(z, vx, vy, ex, ey, run, m, f):
     """Add the force of a ball, z being the depth of its lowest point below the floor; as in `law.ball_force`."""
     f[0, 1] += m.floor_stiffness * run.width * z * max(0.0, 1.0 - m.floor_damping * vy)
-
-
-@law.provide(law.ball_tangent, "m", BALL_RECORD)
-@njit(cache=True)
-def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):
-    """Add the derivatives of `ball_force`; arguments as in `law.ball_tangent`."""
-    share = 1.0 - m.floor_damping * vy
-    if share > 0.0:
-        kz[1] += m.floor_stiffness * run.width * share
-        kv[1, 1] -= m.floor_stiffness * run.width * z * m.floor_damping
 
 
 @law.provide(law.drag_anchor, "m", STRIP_RECORD)

@@ -12,7 +12,7 @@ the law on a few strips, is paid once for hundreds of bodies. Arguments that the
     geometry            stations of all runs, one after another
     runs                (runs,) records of `law`
     profile, medium     see `runs`; medium (1,)
-    anchors             (stations, 2), of which those of the last station of a run stand empty
+    anchors             (stations, 2) m
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def release(system_q, reference, ends, places, geometry, anchors):
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
         gather(system_q, system_q, reference, places[c : c + m], body[0, :m], body[1, :m])
-        one.release(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n - 1])
+        one.release(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n])
 
 
 @njit(cache=True)
@@ -72,7 +72,7 @@ def force(system_q, system_v, reference, awake, ends, places, geometry, runs, pr
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         f[:] = 0.0
         one.force(
-            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
+            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
             room[0, :n], room[1, :n], room[2, :n], totals, f,
         )  # fmt: skip
         for i in range(m):
@@ -102,7 +102,6 @@ def tangent(
     Rows and columns are those of the overlay; entries of zero are left out. Returns the new count.
     """
     room, body = rooms(ends)
-    KP, KV = np.empty((room.shape[1], 4, 4)), np.empty((room.shape[1], 4, 4))
     matrix = np.empty((body.shape[1], body.shape[1]))
     for r in range(runs.shape[0]):
         if not awake[r]:
@@ -113,8 +112,8 @@ def tangent(
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         block[:] = 0.0
         one.tangent(
-            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
-            room[0, :n], room[1, :n], room[2, :n], KP[: n - 1], KV[: n - 1], fq, fv, block,
+            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
+            room[0, :n], room[1, :n], room[2, :n], fq, fv, block,
         )  # fmt: skip
         for i in range(m):
             for j in range(m):
@@ -136,7 +135,7 @@ def accept(system_q, system_v, reference, ends, places, geometry, runs, profile,
         q, v = body[0, :m], body[1, :m]
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         reach[r, DEEPEST], reach[r, NEARING] = one.accept(
-            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n - 1],
+            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
             room[0, :n], room[1, :n], room[2, :n], totals, row, columns[r],
         )  # fmt: skip
         reach[r, EVER] = max(reach[r, EVER], reach[r, DEEPEST])

@@ -15,8 +15,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import law, strips
-from granular_contact.kernels.bar_statics import component_return, vertical_force, vertical_tangent
-from granular_contact.kernels.friction import direction, direction_slopes
+from granular_contact.kernels.bar_statics import component_return, vertical_force
 
 TERMS = ("vertical_static",)
 RECORD = np.dtype(
@@ -37,25 +36,12 @@ RECORD = np.dtype(
 
 @law.provide(law.strip_force, "m", RECORD)
 @njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
-    """Add the end forces of a strip; arguments as in `law.strip_force`."""
-    sigma = direction(ey, 0.5 * (v0y + v1y), m)
-    eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
-    k = eta * m.g_rho * 0.25 * math.pi * run.width * run.width
-    vertical_force(z0, z1, cx, cy, sigma, k, lam, m.l if m.l > 0.0 else run.width, f[0])
-
-
-@law.provide(law.strip_tangent, "m", RECORD)
-@njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
-    """Add the derivatives of `strip_force`; arguments as in `law.strip_tangent`."""
-    vy = 0.5 * (v0y + v1y)
-    sigma = direction(ey, vy, m)
-    sigma_p, sigma_v = direction_slopes(ey, vy, m)
-    eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
-    k = eta * m.g_rho * 0.25 * math.pi * run.width * run.width
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    """Add the vertical term; arguments as in `law.strip_force`."""
+    eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
+    k = m.g_rho * 0.25 * math.pi * run.width * run.width
     scale = m.l if m.l > 0.0 else run.width
-    vertical_tangent(z0, z1, cx, cy, sigma, sigma_p, sigma_v, k, lam, scale, kp, kz, kv)
+    vertical_force(a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f[0])
 
 
 law.provide(law.drag_anchor, "m", RECORD)(component_return)

@@ -27,8 +27,8 @@ def scatter(q, geometry, P, F, out):
     raise NotImplementedError
 
 
-def scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
-    """Add fq d(J^T F)/dq + fv d(J^T F)/dv to out (m, m), given the strip tangents KP, KV (n - 1, 4, 4)."""
+def spacing(geometry):
+    """How far apart coordinates are that no generalised force has in common; 0 where each acts on all."""
     raise NotImplementedError
 
 
@@ -99,25 +99,10 @@ def _rigid_scatter(q, geometry, P, F, out):
         out[2] += (P[i, 0] - q[0]) * F[i, 1] - (P[i, 1] - q[1]) * F[i, 0]
 
 
-@provide(scatter_tangent, "geometry", RIGID_STATION)
+@provide(spacing, "geometry", RIGID_STATION)
 @njit(cache=True)
-def _rigid_scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
-    J = np.zeros((4, 3))  # end positions of a strip by (x, y, phi)
-    J[0, 0] = J[1, 1] = J[2, 0] = J[3, 1] = 1.0
-    for i in range(P.shape[0] - 1):
-        J[0, 2], J[1, 2] = q[1] - P[i, 1], P[i, 0] - q[0]
-        J[2, 2], J[3, 2] = q[1] - P[i + 1, 1], P[i + 1, 0] - q[0]
-        for a in range(4):
-            for b in range(4):
-                k = fq * KP[i, a, b] + fv * KV[i, a, b]
-                # v = v_0 + omega x r also changes with phi: dv/dphi = -omega r, and r = (J_y, -J_x)
-                v_phi = -v[2] * J[b + 1, 2] if b % 2 == 0 else v[2] * J[b - 1, 2]
-                for row in range(3):
-                    for col in range(3):
-                        out[row, col] += J[a, row] * k * J[b, col]
-                    out[row, 2] += J[a, row] * fq * KV[i, a, b] * v_phi
-    for i in range(P.shape[0]):
-        out[2, 2] -= fq * ((P[i, 0] - q[0]) * F[i, 0] + (P[i, 1] - q[1]) * F[i, 1])
+def _rigid_spacing(geometry):
+    return 0
 
 
 @provide(stations, "geometry", CABLE_STATION)
@@ -146,18 +131,7 @@ def _cable_scatter(q, geometry, P, F, out):
             out[first + 2 * k + 1] += shape[k] * F[i, 1]
 
 
-@provide(scatter_tangent, "geometry", CABLE_STATION)
+@provide(spacing, "geometry", CABLE_STATION)
 @njit(cache=True)
-def _cable_scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
-    for i in range(P.shape[0] - 1):
-        for a in range(4):
-            at_a = geometry[i + a // 2]
-            for b in range(4):
-                k = fq * KP[i, a, b] + fv * KV[i, a, b]
-                if k == 0.0:
-                    continue
-                at_b = geometry[i + b // 2]
-                for row in range(4):
-                    kr = at_a.shape[row] * k
-                    for col in range(4):
-                        out[at_a.first + 2 * row + a % 2, at_b.first + 2 * col + b % 2] += kr * at_b.shape[col]
+def _cable_spacing(geometry):
+    return 12  # a node of four coordinates acts on itself and on both of its neighbours

@@ -22,15 +22,8 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import law, strips
-from granular_contact.kernels.bar_statics import (
-    component_return,
-    horizontal_force,
-    horizontal_tangent,
-    vertical_force,
-    vertical_tangent,
-)
-from granular_contact.kernels.friction import direction, direction_slopes
-from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, kinked_interval
+from granular_contact.kernels.bar_statics import component_return, horizontal_force, vertical_force
+from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, sign_change
 
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2
 TERMS = ("drag", "horizontal_static", "vertical_static")
@@ -55,58 +48,22 @@ RECORD = np.dtype(
 
 @law.provide(law.strip_force, "m", RECORD)
 @njit(cache=True)
-def strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f):
-    """Add the three force terms at the two ends of a strip to f[term, end, component] (N).
-
-    Arguments as in `law.strip_force`; run.width is the diameter d.
-    """
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    """Add the three force terms; arguments as in `law.strip_force`, run.width is the diameter d."""
     d = run.width
     if m.eta_d != 0.0:
-        a, c, b = kinked_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
-        for start, end in ((a, c), (c, b)):
-            k = m.eta_d * m.rho * d * 0.5 * (end - start)
-            if k == 0.0:
-                continue
-            for gauss in (GAUSS_LOW, GAUSS_HIGH):
-                xi = start + (end - start) * gauss
-                vx = (1.0 - xi) * v0x + xi * v1x
-                vy = (1.0 - xi) * v0y + xi * v1y
-                kw = k * abs(cx * vy - cy * vx)
-                f[DRAG, 0, 0] -= (1.0 - xi) * kw * vx
-                f[DRAG, 0, 1] -= (1.0 - xi) * kw * vy
-                f[DRAG, 1, 0] -= xi * kw * vx
-                f[DRAG, 1, 1] -= xi * kw * vy
+        drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, m.eta_d * m.rho * d, f[DRAG])
     if m.eta_h != 0.0:
-        horizontal_force(z0, z1, cy, v0x, v1x, ex, m.eta_h * m.g * m.rho * d, m, f[HORIZONTAL])
-    sigma = direction(ey, 0.5 * (v0y + v1y), m)
-    eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
-    if eta != 0.0:
-        vertical_force(z0, z1, cx, cy, sigma, eta * m.g * m.rho * 0.25 * math.pi * d * d, lam, d, f[VERTICAL])
-
-
-@law.provide(law.strip_tangent, "m", RECORD)
-@njit(cache=True)
-def strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, kv):
-    """Add the derivatives of `strip_force` to kp, kz and kv; arguments as in `law.strip_tangent`."""
-    d = run.width
-    if m.eta_d != 0.0:
-        _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv)
-    if m.eta_h != 0.0:
-        horizontal_tangent(z0, z1, cy, v0x, v1x, ex, m.eta_h * m.g * m.rho * d, m, kp, kz, kv)
-    vy = 0.5 * (v0y + v1y)
-    sigma = direction(ey, vy, m)
-    eta, lam = (m.eta_plunge, m.lam_plunge) if sigma < 0.0 else (m.eta_withdraw, m.lam_withdraw)
-    if eta != 0.0:
-        sigma_p, sigma_v = direction_slopes(ey, vy, m)
-        k = eta * m.g * m.rho * 0.25 * math.pi * d * d
-        vertical_tangent(z0, z1, cx, cy, sigma, sigma_p, sigma_v, k, lam, d, kp, kz, kv)
+        horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, m.eta_h * m.g * m.rho * d, m, f[HORIZONTAL])
+    eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
+    k = m.g * m.rho * 0.25 * math.pi * d * d
+    vertical_force(a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, d, m, f[VERTICAL])
 
 
 @njit(cache=True)
-def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
-    """Add the derivatives of the drag term to kp, kz, kv."""
-    a, c, b = kinked_interval(z0, z1, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
-    k = m.eta_d * m.rho * d
+def drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, k, f):
+    """Add the drag to f[end, xy] (N); k = eta_d rho d. On either side of the zero of c x v it is a cubic in xi."""
+    c = sign_change(a, b, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
     for start, end in ((a, c), (c, b)):
         if start == end:
             continue
@@ -114,37 +71,11 @@ def _drag_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, d, m, kp, kz, kv):
             xi = start + (end - start) * gauss
             vx = (1.0 - xi) * v0x + xi * v1x
             vy = (1.0 - xi) * v0y + xi * v1y
-            w = cx * vy - cy * vx
-            kq = 0.5 * (end - start) * k
-            s = math.copysign(1.0, w)
-            for row, n_e in ((0, 1.0 - xi), (2, xi)):
-                ke = kq * n_e
-                for i, v_i in ((0, vx), (1, vy)):
-                    r = row + i
-                    # c = p_1 - p_0 and dw/dc = (vy, -vx)
-                    kp[r, 0] += ke * s * v_i * vy
-                    kp[r, 1] -= ke * s * v_i * vx
-                    kp[r, 2] -= ke * s * v_i * vy
-                    kp[r, 3] += ke * s * v_i * vx
-                    for col, n_f in ((0, 1.0 - xi), (2, xi)):
-                        # dw/dv = (-cy, cx)
-                        kv[r, col] += ke * n_f * s * v_i * cy
-                        kv[r, col + 1] -= ke * n_f * s * v_i * cx
-                        kv[r, col + i] -= ke * n_f * abs(w)
-    if (z0 < 0.0) == (z1 < 0.0):
-        return
-    # The crossing point xi* = z0 / (z0 - z1) moves with the end depths, and the drag does not vanish there.
-    dz = z1 - z0
-    xi = -z0 / dz
-    vx = (1.0 - xi) * v0x + xi * v1x
-    vy = (1.0 - xi) * v0y + xi * v1y
-    edge = k * abs(cx * vy - cy * vx) * (1.0 if z1 < 0.0 else -1.0)
-    xi_z0 = -z1 / dz / dz  # the square of a small number may be none
-    xi_z1 = z0 / dz / dz
-    for row, n_e in ((0, 1.0 - xi), (2, xi)):
-        for i, v_i in ((0, vx), (1, vy)):
-            kz[row + i, 0] -= edge * n_e * v_i * xi_z0
-            kz[row + i, 1] -= edge * n_e * v_i * xi_z1
+            kw = k * 0.5 * (end - start) * abs(cx * vy - cy * vx)
+            f[0, 0] -= (1.0 - xi) * kw * vx
+            f[0, 1] -= (1.0 - xi) * kw * vy
+            f[1, 0] -= xi * kw * vx
+            f[1, 1] -= xi * kw * vy
 
 
 @law.provide(law.cap_force, "m", RECORD)
@@ -157,28 +88,6 @@ def cap_force(cx, cy, vx, vy, run, m, f):
     k = m.eta_d * m.rho * 0.25 * math.pi * d * d * abs(cx / length * vx + cy / length * vy)
     f[DRAG, 1, 0] -= k * vx
     f[DRAG, 1, 1] -= k * vy
-
-
-@law.provide(law.cap_tangent, "m", RECORD)
-@njit(cache=True)
-def cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
-    """Add the derivatives of `cap_force` to kp, kv (4, 4)."""
-    d, length = run.width, math.hypot(cx, cy)
-    if length == 0.0:
-        return
-    tx, ty = cx / length, cy / length
-    w = tx * vx + ty * vy
-    k = m.eta_d * m.rho * 0.25 * math.pi * d * d
-    s = k * math.copysign(1.0, w)
-    for row, v_i in ((2, vx), (3, vy)):
-        # dw/dc = (v - w t) / |c|
-        kp[row, 0] += s * v_i * (vx - w * tx) / length
-        kp[row, 1] += s * v_i * (vy - w * ty) / length
-        kp[row, 2] -= s * v_i * (vx - w * tx) / length
-        kp[row, 3] -= s * v_i * (vy - w * ty) / length
-        kv[row, 2] -= s * v_i * tx
-        kv[row, 3] -= s * v_i * ty
-        kv[row, row] -= k * abs(w)
 
 
 law.provide(law.drag_anchor, "m", RECORD)(component_return)

@@ -21,7 +21,7 @@ class World(NamedTuple):
 
     pendulum: (1,) record of `pendulum`; geometry: stations of all runs, one after another; starts: (runs + 1,) first
     station of each run; runs: (runs,) records of `kernels.law`; profile: (k, 2) of `kernels.surface`; medium: (1,)
-    record of the law; anchors: (stations, 2) m, of which those of the last station of a run stand empty.
+    record of the law; anchors: (stations, 2) m.
     """
 
     pendulum: Any
@@ -35,13 +35,13 @@ class World(NamedTuple):
 
 @njit(cache=True)
 def aim(P, pivot, modes, sigma, anchors):
-    """Put the anchors where the stretch of every strip is its direction, (2,) in [-1, 1].
+    """Put the anchors where the stretch of every bristle is its direction, (2,) in [-1, 1].
 
     With modes sigma (2,) holds the directions of v_x and v_y. Without them sigma (1,) holds that of q_1', and each
-    strip moves along with it, across its own arm.
+    station moves along with it, across its own arm.
     """
-    for i in range(P.shape[0] - 1):
-        x, y = 0.5 * (P[i, 0] + P[i + 1, 0]), 0.5 * (P[i, 1] + P[i + 1, 1])
+    for i in range(P.shape[0]):
+        x, y = P[i, 0], P[i, 1]
         if modes == 0:
             anchors[i, 0] = x - sigma[0] * np.sign(y - pivot[1])
             anchors[i, 1] = y + sigma[0] * np.sign(x - pivot[0])
@@ -58,7 +58,7 @@ def load(q, v, sigma, w, totals, Q):
     totals[:] = 0.0
     for r in range(w.runs.shape[0]):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
-        anchors = w.anchors[w.starts[r] : w.starts[r + 1] - 1]
+        anchors = w.anchors[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
         P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
         stations(q, v, geometry, P, V)
@@ -76,4 +76,4 @@ def drag(q, v, w):
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
         stations(q, v, geometry, P, V)
-        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1] - 1], w.runs[r], w.profile, w.medium[0])
+        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.runs[r], w.profile, w.medium[0])

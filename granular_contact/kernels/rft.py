@@ -39,25 +39,7 @@ def stress(tx, ty, ux, uy, m):
     )
 
 
-@njit(cache=True)
-def stress_slopes(tx, ty, ux, uy, m):
-    """S and its derivatives; as `plates.stress_slopes`."""
-    c2, s2 = tx * tx - ty * ty, 2.0 * tx * ty
-    xux, xuy = -(m.C01 + m.C_sum * c2), -m.C_difference * s2
-    yux, yuy = m.B_difference * s2, -(m.B01 + m.B_sum * c2)
-    x_c2, x_s2 = -m.C_sum * ux, -m.C_difference * uy - m.D10
-    y_c2, y_s2 = m.A10 - m.B_sum * uy, m.B_difference * ux
-    return (
-        xux * ux + xuy * uy - m.D10 * s2, m.A00 + m.A10 * c2 + yux * ux + yuy * uy,
-        2.0 * (x_c2 * tx + x_s2 * ty), 2.0 * (x_s2 * tx - x_c2 * ty),
-        2.0 * (y_c2 * tx + y_s2 * ty), 2.0 * (y_s2 * tx - y_c2 * ty),
-        xux, xuy, yux, yuy,
-    )  # fmt: skip
-
-
 law.provide(plates.stress, "m", RECORD)(stress)
-law.provide(plates.stress_slopes, "m", RECORD)(stress_slopes)
 law.provide(law.strip_force, "m", RECORD)(plates.static_force)
-law.provide(law.strip_tangent, "m", RECORD)(plates.static_tangent)
 law.provide(law.drag_anchor, "m", RECORD)(radial_return)
 strips.line_law(RECORD, caps=False)

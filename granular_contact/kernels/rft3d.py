@@ -58,43 +58,19 @@ C = np.array(
 
 @njit(cache=True)
 def cubic(x1, x2, x3, k):
-    """Polynomial f_(k+1) and its derivatives by x1, x2, x3."""
+    """Polynomial f_(k+1)."""
     f = C[0, k] + x1 * (C[1, k] + x1 * (C[4, k] + x1 * C[10, k])) + x2 * (C[2, k] + x2 * (C[5, k] + x2 * C[11, k]))
     f += x3 * (C[3, k] + x3 * (C[6, k] + x3 * C[12, k]))
     f += x1 * x2 * (C[7, k] + x2 * C[13, k] + x1 * C[14, k]) + x2 * x3 * (C[8, k] + x3 * C[15, k] + x2 * C[16, k])
-    f += x3 * x1 * (C[9, k] + x1 * C[17, k] + x3 * C[18, k] + x2 * C[19, k])
-    d1 = C[1, k] + x1 * (2.0 * C[4, k] + 3.0 * x1 * C[10, k]) + x2 * (C[7, k] + x2 * C[13, k] + 2.0 * x1 * C[14, k])
-    d1 += x3 * (C[9, k] + 2.0 * x1 * C[17, k] + x3 * C[18, k] + x2 * C[19, k])
-    d2 = C[2, k] + x2 * (2.0 * C[5, k] + 3.0 * x2 * C[11, k]) + x1 * (C[7, k] + 2.0 * x2 * C[13, k] + x1 * C[14, k])
-    d2 += x3 * (C[8, k] + x3 * C[15, k] + 2.0 * x2 * C[16, k] + x1 * C[19, k])
-    d3 = C[3, k] + x3 * (2.0 * C[6, k] + 3.0 * x3 * C[12, k]) + x2 * (C[8, k] + 2.0 * x3 * C[15, k] + x2 * C[16, k])
-    d3 += x1 * (C[9, k] + x1 * C[17, k] + 2.0 * x3 * C[18, k] + x2 * C[19, k])
-    return f, d1, d2, d3
+    return f + x3 * x1 * (C[9, k] + x1 * C[17, k] + x3 * C[18, k] + x2 * C[19, k])
 
 
 @njit(cache=True)
 def alpha(nx, ny, ux, uy):
     """Generic response (alpha_x, alpha_y) of an element with normal n that moves in the direction u, unit vectors."""
     x1, x2, x3 = -uy, -ny, nx * ux + ny * uy
-    f1, f2, f3 = cubic(x1, x2, x3, 0)[0], cubic(x1, x2, x3, 1)[0], cubic(x1, x2, x3, 2)[0]
+    f1, f2, f3 = cubic(x1, x2, x3, 0), cubic(x1, x2, x3, 1), cubic(x1, x2, x3, 2)
     return f1 * nx + f2 * ux, f1 * ny + f2 * uy - f3
-
-
-@njit(cache=True)
-def alpha_slopes(nx, ny, ux, uy):
-    """Response (2,) of `alpha` and its derivatives by n_x, n_y, u_x, u_y: two rows of four."""
-    x1, x2, x3 = -uy, -ny, nx * ux + ny * uy
-    f1, a1, b1, c1 = cubic(x1, x2, x3, 0)
-    f2, a2, b2, c2 = cubic(x1, x2, x3, 1)
-    f3, a3, b3, c3 = cubic(x1, x2, x3, 2)
-    # By x1, x2, x3 of alpha, then on to n and u by the chain rule.
-    x_1, x_2, x_3 = a1 * nx + a2 * ux, b1 * nx + b2 * ux, c1 * nx + c2 * ux
-    y_1, y_2, y_3 = a1 * ny + a2 * uy - a3, b1 * ny + b2 * uy - b3, c1 * ny + c2 * uy - c3
-    return (
-        f1 * nx + f2 * ux, f1 * ny + f2 * uy - f3,
-        f1 + x_3 * ux, x_3 * uy - x_2, f2 + x_3 * nx, x_3 * ny - x_1,
-        y_3 * ux, f1 + y_3 * uy - y_2, y_3 * nx, f2 + y_3 * ny - y_1,
-    )  # fmt: skip
 
 
 @njit(cache=True)
@@ -122,49 +98,7 @@ def stress(tx, ty, ux, uy, m):
     return m.xi_n * sx, m.xi_n * sy
 
 
-@njit(cache=True)
-def stress_slopes(tx, ty, ux, uy, m):
-    """S and its derivatives; as `plates.stress_slopes`."""
-    turned = -1.0 if tx < 0.0 else 1.0
-    tx, ty = turned * tx, turned * ty
-    # n = (ty, -tx)
-    ax, ay, xnx, xny, xux, xuy, ynx, yny, yux, yuy = alpha_slopes(ty, -tx, ux, uy)
-    xtx, xty, ytx, yty = -xny, xnx, -yny, ynx
-    if tx < UPRIGHT:
-        bx, by, pnx, pny, pux, puy, qnx, qny, qux, quy = alpha_slopes(-ty, tx, ux, uy)
-        w, w_tx = 0.5 * (1.0 + tx / UPRIGHT), 0.5 / UPRIGHT
-        o = 1.0 - w
-        xtx, ytx = w * xtx + o * pny + w_tx * (ax - bx), w * ytx + o * qny + w_tx * (ay - by)
-        xty, yty = w * xty - o * pnx, w * yty - o * qnx
-        xux, xuy, yux, yuy = w * xux + o * pux, w * xuy + o * puy, w * yux + o * qux, w * yuy + o * quy
-        ax, ay = w * ax + o * bx, w * ay + o * by
-    normal, along = ax * ty - ay * tx, ax * tx + ay * ty
-    most = m.mu_surf * abs(normal)
-    if abs(along) > most:
-        # S = normal n + sign(along) mu |normal| t, so S = normal (n + k t).
-        k = m.mu_surf if normal * along > 0.0 else -m.mu_surf
-        lx, ly = ty + k * tx, -tx + k * ty
-        normal_tx, normal_ty = xtx * ty - ytx * tx - ay, xty * ty - yty * tx + ax
-        normal_ux, normal_uy = xux * ty - yux * tx, xuy * ty - yuy * tx
-        ax, ay = normal * lx, normal * ly
-        xtx, xty = normal_tx * lx + normal * k, normal_ty * lx + normal
-        ytx, yty = normal_tx * ly - normal, normal_ty * ly + normal * k
-        xux, xuy, yux, yuy = normal_ux * lx, normal_uy * lx, normal_ux * ly, normal_uy * ly
-    power = ax * ux + ay * uy
-    if power > 0.0:
-        power_tx, power_ty = xtx * ux + ytx * uy, xty * ux + yty * uy
-        power_ux, power_uy = xux * ux + yux * uy + ax, xuy * ux + yuy * uy + ay
-        ax, ay = ax - power * ux, ay - power * uy
-        xtx, xty, ytx, yty = xtx - power_tx * ux, xty - power_ty * ux, ytx - power_tx * uy, yty - power_ty * uy
-        xux, xuy = xux - power_ux * ux - power, xuy - power_uy * ux
-        yux, yuy = yux - power_ux * uy, yuy - power_uy * uy - power
-    x, t = m.xi_n, m.xi_n * turned
-    return x * ax, x * ay, t * xtx, t * xty, t * ytx, t * yty, x * xux, x * xuy, x * yux, x * yuy
-
-
 law.provide(plates.stress, "m", RECORD)(stress)
-law.provide(plates.stress_slopes, "m", RECORD)(stress_slopes)
 law.provide(law.strip_force, "m", RECORD)(plates.static_force)
-law.provide(law.strip_tangent, "m", RECORD)(plates.static_tangent)
 law.provide(law.drag_anchor, "m", RECORD)(radial_return)
 strips.line_law(RECORD, caps=False)

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import balls, law
-from granular_contact.kernels.planar_friction import by_stretch, mobilised, mobilised_slopes, radial_return
+from granular_contact.kernels.planar_friction import drive, mobilised, radial_return
 
 STATIC, VISCOUS = 0, 1  # terms; where the quadratic one goes is the record's `quadratic`
 SHALLOW = 1e-3
@@ -48,19 +48,13 @@ def coefficient(run, m):
     return m.c + (run.mass / d1 if d1 > 0.0 else 0.0)
 
 
-@njit(cache=True)
-def grown(z, run):
-    """What is there of the terms without depth, in [0, 1], and its derivative by z (1/m)."""
-    depth = SHALLOW * run.width
-    return (z / depth, 1.0 / depth) if z < depth else (1.0, 0.0)
-
-
 @law.provide(law.ball_force, "m", RECORD)
 @njit(cache=True)
 def ball_force(z, vx, vy, ex, ey, run, m, f):
     """Add the force of a ball to f[term, xy]; arguments as in `law.ball_force`."""
-    there, _ = grown(z, run)
-    ux, uy, share = mobilised(ex, ey, vx, vy, m)
+    there = min(1.0, z / (SHALLOW * run.width))  # of the terms without depth
+    qx, qy = drive(ex, ey, vx, vy, m)
+    ux, uy, share = mobilised(qx, qy, m)
     static = share * (there * m.F0 + (m.k * z if m.p == 1.0 else m.k * z**m.p))
     f[STATIC, 0] -= static * ux
     f[STATIC, 1] -= static * uy
@@ -69,30 +63,6 @@ def ball_force(z, vx, vy, ex, ey, run, m, f):
     f[VISCOUS, 1] -= viscous * vy
     f[m.quadratic, 0] -= quadratic * vx
     f[m.quadratic, 1] -= quadratic * vy
-
-
-@law.provide(law.ball_tangent, "m", RECORD)
-@njit(cache=True)
-def ball_tangent(z, vx, vy, ex, ey, run, m, kp, kz, kv):
-    """Add the derivatives of `ball_force`; arguments as in `law.ball_tangent`."""
-    there, there_z = grown(z, run)
-    c, speed = coefficient(run, m), math.hypot(vx, vy)
-    ux, uy, share = mobilised(ex, ey, vx, vy, m)
-    s_q, s_over_q, q_v = mobilised_slopes(ex, ey, vx, vy, m)
-    depth_part = m.k * z if m.p == 1.0 else m.k * z**m.p
-    static, static_z = there * m.F0 + depth_part, there_z * m.F0 + depth_part * m.p / z
-    drag, drag_z = there * (m.b + c * speed), there_z * (m.b + c * speed)
-    for i, u_i, v_i in ((0, ux, vx), (1, uy, vy)):
-        kz[i] -= share * static_z * u_i + drag_z * v_i
-        along = static * (s_q - s_over_q) * u_i
-        same_x, same_y = (static * s_over_q, 0.0) if i == 0 else (0.0, static * s_over_q)
-        by_q = along * ux + same_x, along * uy + same_y
-        by_e = by_stretch(by_q[0], by_q[1], ex, ey, m)
-        for j, v_j in ((0, vx), (1, vy)):
-            kp[i, j] -= by_e[j]
-            kv[i, j] -= by_q[j] * q_v + (drag if i == j else 0.0)
-            if speed > 0.0:
-                kv[i, j] -= there * c * v_i * v_j / speed
 
 
 law.provide(law.drag_anchor, "m", RECORD)(radial_return)

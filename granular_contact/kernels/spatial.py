@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.kinematics import scatter, scatter_tangent, stations
+from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import provide
 
 SPATIAL_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8")])
@@ -67,35 +67,7 @@ def _spatial_scatter(q, geometry, P, F, out):
             out[3 + k] += J[0, k] * F[i, 0] + J[1, k] * F[i, 1]
 
 
+@provide(spacing, "geometry", SPATIAL_STATION)
 @njit(cache=True)
-def _ends(e, geometry, i, shift, out):
-    """Rows 0..3 of out (4, 7): derivatives of the end positions of strip i, x_0, y_0, x_1, y_1; linear in e.
-
-    shift: derivative of a position by that of the body, 1 for positions and 0 for what only turns.
-    """
-    J = np.empty((2, 4))
-    out[:] = 0.0
-    for end in range(2):
-        jacobian(e[0], e[1], e[2], e[3], geometry[i + end], J)
-        for xy in range(2):
-            row = 2 * end + xy
-            out[row, xy] = shift
-            out[row, 3:] = J[xy]
-
-
-@provide(scatter_tangent, "geometry", SPATIAL_STATION)
-@njit(cache=True)
-def _spatial_scatter_tangent(q, v, geometry, P, F, KP, KV, fq, fv, out):
-    B, W = np.empty((4, SIZE)), np.empty((4, SIZE))  # of end positions by q (and velocities by v), of velocities by q
-    for i in range(P.shape[0] - 1):
-        _ends(q[3:], geometry, i, 1.0, B)
-        _ends(v[3:], geometry, i, 0.0, W)
-        out += B.T @ (fq * (KP[i] @ B + KV[i] @ W) + fv * (KV[i] @ B))
-    J, unit = np.empty((2, 4)), np.zeros(4)
-    for i in range(P.shape[0]):
-        for k in range(4):
-            unit[k] = 1.0
-            jacobian(unit[0], unit[1], unit[2], unit[3], geometry[i], J)
-            unit[k] = 0.0
-            for j in range(4):
-                out[3 + j, 3 + k] += fq * (J[0, j] * F[i, 0] + J[1, j] * F[i, 1])
+def _spatial_spacing(geometry):
+    return 0

@@ -2,7 +2,7 @@
 
 Between two neighbouring stations of a run lies a straight strip. `distributed` integrates a law along every strip.
 `resultant` is the source paper's form: the immersed part is one straight piece that moves with the velocity of its
-middle, and the whole force acts there. Arguments are those of `law.forces` and `law.tangents`.
+middle, and the whole force acts there. Arguments are those of `law.forces`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from numba import njit
 
 from granular_contact.kernels import law
 from granular_contact.kernels.immersion import immersed_interval
-from granular_contact.kernels.layers import clipped_force, clipped_tangent, inside
-from granular_contact.kernels.surface import depth, height
+from granular_contact.kernels.layers import inside
+from granular_contact.kernels.surface import depth
 
 
 @njit(cache=True)
@@ -41,62 +41,21 @@ def distributed_forces(P, V, anchors, run, profile, m, F, totals):
     z1 = depth(profile, P[0, 0], P[0, 1])
     for i in range(last):
         z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
-        if z0 <= 0.0 and z1 <= 0.0:
+        a, b = inside(z0, z1, run)
+        if a == b:
             continue
-        cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
-        ex, ey = P[i, 0] + 0.5 * cx - anchors[i, 0], P[i, 1] + 0.5 * cy - anchors[i, 1]
         f[:] = 0.0
-        v0x, v0y, v1x, v1y = V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1]
-        if not run.layered:
-            law.strip_force(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f)
-        else:
-            a, b = inside(z0, z1, run)
-            if a == b:
-                continue
-            clipped_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, f)
+        law.strip_force(
+            a, b, z0, z1, P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1], V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1],
+            P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],
+            P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], run, m, f,
+        )  # fmt: skip
         collect(f, i, P, F, totals)
     if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
-        cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
         f[:] = 0.0
+        cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
         law.cap_force(cx, cy, V[last, 0], V[last, 1], run, m, f)
         collect(f, last - 1, P, F, totals)
-
-
-@njit(cache=True)
-def distributed_tangents(P, V, anchors, run, profile, m, KP, KV):
-    """Derivatives of the end forces of every strip."""
-    KP[:] = 0.0
-    KV[:] = 0.0
-    kz = np.zeros((4, 2))
-    last = P.shape[0] - 1
-    y1, slope1 = height(profile, P[0, 0])
-    for i in range(last):
-        y0, slope0 = y1, slope1
-        y1, slope1 = height(profile, P[i + 1, 0])
-        z0, z1 = y0 - P[i, 1], y1 - P[i + 1, 1]
-        if z0 <= 0.0 and z1 <= 0.0:
-            continue
-        cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
-        ex, ey = P[i, 0] + 0.5 * cx - anchors[i, 0], P[i, 1] + 0.5 * cy - anchors[i, 1]
-        kp = KP[i]
-        kz[:] = 0.0
-        v0x, v0y, v1x, v1y = V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1]
-        if not run.layered:
-            law.strip_tangent(z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, KV[i])
-        else:
-            a, b = inside(z0, z1, run)
-            if a == b:
-                continue
-            clipped_tangent(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, ex, ey, run, m, kp, kz, KV[i])
-        for row in range(4):
-            kp[row, 0] += slope0 * kz[row, 0]
-            kp[row, 1] -= kz[row, 0]
-            kp[row, 2] += slope1 * kz[row, 1]
-            kp[row, 3] -= kz[row, 1]
-    z1 = y1 - P[last, 1]
-    if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
-        cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
-        law.cap_tangent(cx, cy, V[last, 0], V[last, 1], run, m, KP[last - 1], KV[last - 1])
 
 
 @njit(cache=True)
@@ -144,7 +103,7 @@ def at(A, position):
 
 @njit(cache=True)
 def resultant_forces(P, V, anchors, run, profile, m, F, totals):
-    """Law for the immersed part as one straight piece; the strip that holds its middle lends it the bristle."""
+    """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
     F[:] = 0.0
     Z = np.empty(P.shape[0])
     for i in range(P.shape[0]):
@@ -157,12 +116,13 @@ def resultant_forces(P, V, anchors, run, profile, m, F, totals):
     x0, y0 = at(P, first)
     x1, y1 = at(P, last)
     vx, vy = at(V, middle)
-    ex = 0.5 * (P[i, 0] + P[i + 1, 0]) - anchors[i, 0]
-    ey = 0.5 * (P[i, 1] + P[i + 1, 1]) - anchors[i, 1]
+    px, py = at(P, middle)
+    ax, ay = at(anchors, middle)
+    ex, ey = px - ax, py - ay
     f = np.zeros((law.TERMS, 2, 2))
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
     z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
-    law.strip_force(z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, run, m, f)
+    law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, run, m, f)
     if run.cap and Z[-1] > 0.0:
         law.cap_force(x1 - x0, y1 - y0, vx, vy, run, m, f)
     xi = middle - i
@@ -188,15 +148,8 @@ def _no_cap_force(cx, cy, vx, vy, run, m, f):
     pass
 
 
-@njit(cache=True)
-def _no_cap_tangent(cx, cy, vx, vy, run, m, kp, kv):
-    pass
-
-
 def line_law(dtype: np.dtype, caps: bool = True) -> None:
     """Let runs use the law with this record type on strips; caps: whether it provides forces on end faces."""
     if not caps:
         law.provide(law.cap_force, "m", dtype)(_no_cap_force)
-        law.provide(law.cap_tangent, "m", dtype)(_no_cap_tangent)
     law.provide(law.forces, "m", dtype)(strip_forces)
-    law.provide(law.tangents, "m", dtype)(distributed_tangents)
