@@ -141,6 +141,13 @@ def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, 
 
     system, trajectory = _trajectory(scene, progress)
     observer = Observer(system, trajectory)
+    if scene.method is None and trajectory.load is not None:
+        from granular_contact.multibody.strip_error import finer
+
+        if (shorter := finer(observer)) is not None:
+            again = _solved(shorter, progress, inspect)
+            spent = trajectory.cost.solve_s + again.cost.solve_s
+            return replace(again, cost=replace(again.cost, solve_s=spent))
     if inspect is not None and scene.method is None:
         inspect(system, trajectory)
     return _Solved(
@@ -153,9 +160,18 @@ def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, 
         loads={} if trajectory.load is None else _by_body(trajectory.load),
         terms=observer.terms,
         reach=observer.reach(),
-        more=key_numbers(observer),
+        more=key_numbers(observer) | _chosen_strips(scene, trajectory),
         doubts=_doubts(observer) if scene.method is None else (),
     )
+
+
+def _chosen_strips(scene: Scene, trajectory: Trajectory) -> dict[str, Any]:
+    """Strips of a run that chose them by their error."""
+    if scene.solver.accuracy is None or trajectory.load is None:
+        return {}
+    return {
+        "strips": {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}
+    }
 
 
 def _doubts(observer: Observer) -> tuple[str, ...]:

@@ -30,12 +30,12 @@ DEEPEST, NEARING, EVER = 0, 1, 2
 
 @njit(cache=True)
 def rooms(ends):
-    """Room for the longest run: (stations, 2) three times, (coordinates,) three times."""
+    """Room for the longest run: (stations, 2) seven times, (coordinates,) three times."""
     n, m = 0, 0
     for r in range(ends.shape[0] - 1):
         n = max(n, ends[r + 1, 0] - ends[r, 0])
         m = max(m, ends[r + 1, 1] - ends[r, 1])
-    return np.empty((3, n, 2)), np.empty((3, m))
+    return np.empty((7, n, 2)), np.empty((3, m))
 
 
 @njit(cache=True)
@@ -136,7 +136,7 @@ def accept(system_q, system_v, reference, ends, places, geometry, runs, profile,
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         reach[r, DEEPEST], reach[r, NEARING] = one.accept(
             q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
-            room[0, :n], room[1, :n], room[2, :n], totals, row, columns[r],
+            room[0, :n], room[1, :n], room[2, :n], room[3:, :n], totals, row, columns[r],
         )  # fmt: skip
         reach[r, EVER] = max(reach[r, EVER], reach[r, DEEPEST])
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.law import provide
 
-RIGID_STATION = np.dtype([("x", "f8"), ("y", "f8")])
-CABLE_STATION = np.dtype([("first", "i8"), ("shape", "f8", (4,))])
+# kept: whether a station also belongs to the division into strips of twice the length, see `runs.accept`.
+RIGID_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("kept", "?")])
+CABLE_STATION = np.dtype([("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")])
 
 
 def stations(q, v, geometry, P, V):
@@ -40,7 +41,9 @@ def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     shares = np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
     pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(points, points[1:], shares, strict=False)]
-    return _at_places(np.vstack([*pieces, points[-1:]]))
+    stations = _at_places(np.vstack([*pieces, points[-1:]]))
+    stations["kept"] = np.concatenate([*(_every_second(n) for n in shares), [True]])
+    return stations
 
 
 def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
@@ -48,9 +51,54 @@ def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
     return _at_places(np.stack([center, center]))
 
 
+def curved_stations(
+    points: NDArray[np.float64], turns: NDArray[np.float64], strips: int
+) -> list[tuple[NDArray[np.void], float]]:
+    """Stations as of `rigid_stations`, for sides of which each is the chord of an arc that turns by an angle (rad).
+
+    Runs of neighbouring sides whose strips turn by the same angle, and that angle.
+    """
+    if not turns.any():
+        return [(rigid_stations(points, strips), 0.0)]
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    shares = np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
+    each = turns / shares
+    runs = []
+    first = 0
+    for i in range(1, len(each) + 1):
+        if i < len(each) and abs(each[i] - each[first]) < 1e-9:
+            continue
+        pieces = [_arc(points[k], points[k + 1], turns[k], shares[k]) for k in range(first, i)]
+        stations = _at_places(np.vstack([*pieces, points[i : i + 1]]))
+        straight = each[first] == 0.0
+        kept = [_every_second(n) for n in (shares[first:i] if straight else [shares[first:i].sum()])]
+        stations["kept"] = np.concatenate([*kept, [True]])
+        runs.append((stations, float(each[first])))
+        first = i
+    return runs
+
+
+def _arc(a: NDArray[np.float64], b: NDArray[np.float64], turn: float, strips: int) -> NDArray[np.float64]:
+    """Points (strips, 2) from a on, at equal distances, along the arc to b that turns by an angle (rad)."""
+    share = np.arange(strips) / strips
+    start, chord = complex(*a), complex(*(b - a))
+    if turn == 0.0:
+        places = start + share * chord
+    else:
+        places = start + chord * np.sin(0.5 * share * turn) / np.sin(0.5 * turn) * np.exp(0.5j * (share - 1.0) * turn)
+    return np.column_stack([places.real, places.imag])
+
+
+def _every_second(strips: int) -> NDArray[np.bool_]:
+    """Which of the first stations of the strips of a piece stay where its strips are joined in pairs."""
+    kept: NDArray[np.bool_] = np.arange(strips) % 2 == 0
+    return kept
+
+
 def _at_places(places: NDArray[np.float64]) -> NDArray[np.void]:
     stations = np.zeros(len(places), RIGID_STATION)
     stations["x"], stations["y"] = places.T
+    stations["kept"] = True
     return stations
 
 
@@ -74,6 +122,7 @@ def cable_stations(lengths: NDArray[np.float64], strips: int) -> NDArray[np.void
         place = slice(e * strips, (e + 1) * strips + 1)
         stations["first"][place] = 4 * e
         stations["shape"][place] = hermite(np.linspace(0.0, 1.0, strips + 1), length)
+        stations["kept"][place] = [*_every_second(strips), True]
     return stations
 
 

@@ -25,9 +25,10 @@ from granular_contact.kernels.surface import height
 __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
-# speed (m/s), the least height and the least and greatest x (m) that they reach. The bed lays out the rest; `columns`
+# speed (m/s), the least height and the least and greatest x (m) that they reach; then by how much the power (W) and the
+# resultant x, y (N) of the forces would change with strips of twice the length. The bed lays out the rest; `columns`
 # (3,) tells `accept` where a run's power, the terms of its medium and the resultant of its body stand.
-TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, FIRST = 0, 1, 2, 3, 4, 5, 6
+TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 9
 
 
 @njit(cache=True)
@@ -80,8 +81,35 @@ def force(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, out):
 
 
 @njit(cache=True)
-def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, row, columns):
-    """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
+def join_strips(P, V, F, geometry, run, profile, medium, anchors, room, change):
+    """Add to change (3,) by how much power (W) and resultant (N) differ from those of F with strips joined in pairs.
+
+    room (4, n, 2) to work in.
+    """
+    n = 0
+    for i in range(P.shape[0]):
+        if geometry[i].kept:
+            room[0, n], room[1, n], room[2, n] = P[i], V[i], anchors[i]
+            n += 1
+    if n == P.shape[0] or run.resultant:
+        return
+    run.turn *= 2.0
+    forces(room[0, :n], room[1, :n], room[2, :n], run, profile, medium, room[3, :n], np.zeros((TERMS, 3)))
+    run.turn *= 0.5
+    for i in range(n):
+        x, y = room[3, i]
+        change[0] += x * room[1, i, 0] + y * room[1, i, 1]
+        change[1] += x
+        change[2] += y
+    for i in range(P.shape[0]):
+        change[0] -= F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
+        change[1] -= F[i, 0]
+        change[2] -= F[i, 1]
+
+
+@njit(cache=True)
+def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, room, totals, row, columns):
+    """End of a step: the anchors follow; power, depth, speed and totals go into a history row; room (4, n, 2).
 
     Returns the run's depth (m, negative above the surface) and the greatest speed at which a station nears the surface
     (m/s).
@@ -104,6 +132,7 @@ def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, row, 
         return deepest, speed
     totals[:] = 0.0
     forces(P, V, anchors, run, profile, medium, F, totals)
+    join_strips(P, V, F, geometry, run, profile, medium, anchors, room, row[COARSER : COARSER + 3])
     drag_anchors(P, anchors, run, profile, medium)
     power, terms, body = columns
     for i in range(P.shape[0]):

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import provide
 
-SPATIAL_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8")])
+SPATIAL_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8"), ("kept", "?")])
 SIZE = 7
 
 
 def spatial_stations(planar: NDArray[np.void]) -> NDArray[np.void]:
     """Stations in the plane z = 0 of the body, from those of a planar body."""
     made = np.zeros(len(planar), SPATIAL_STATION)
-    made["x"], made["y"] = planar["x"], planar["y"]
+    for name in ("x", "y", "kept"):
+        made[name] = planar[name]
     return made
 
 

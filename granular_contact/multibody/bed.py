@@ -139,9 +139,7 @@ class GranularBed:
 
         start, end: axis of the cylinder, (2,) m in the body's frame; diameter in m; free_end: whether the face at `end`
         is free (for end caps); name: under which the forces on the body are kept, that of the body unless given.
-        strips: how finely the static law is resolved along it. Each has one direction of motion, so where a body turns
-        about a point within one, more are more exact: the rod of the README comes to rest 1.0 mm off in height with 16,
-        and 0.1 mm with 256.
+        strips: how finely depth, velocity and friction state are resolved along it.
 
         Raises
         ------
@@ -152,7 +150,9 @@ class GranularBed:
         axis = np.concatenate([shapes.planar("bed.add_rigid", point) for point in (start, end)])
         kind, flags = shapes.section("bed.add_rigid", diameter, None)
         flags |= self._flags(free_end)
-        self._take("bed.add_rigid", name, lambda at: [shapes.line_run(at, self.mbs, body, axis, kind, strips, flags)])
+        self._take(
+            "bed.add_rigid", name, lambda at: shapes.line_runs(at, self.mbs, body, axis, None, kind, strips, flags)
+        )
 
     def add_line(
         self,
@@ -161,6 +161,7 @@ class GranularBed:
         *,
         diameter: float | None = None,
         width: float | None = None,
+        turns: ArrayLike | None = None,
         strips: int = 16,
         free_end: bool = True,
         name: str | None = None,
@@ -168,22 +169,36 @@ class GranularBed:
         """Let the medium act on a thin bar or plate along a polyline fixed to a rigid body.
 
         points: (k, 2) m in the body's frame, k >= 2; a plate's `width` (m) is normal to the plane of motion, a round
-        bar has a `diameter` (m); give one of the two. Other arguments and errors as for `add_rigid`.
+        bar has a `diameter` (m); give one of the two. turns: (k - 1,) rad, the angle by which each side between two
+        points turns, counter-clockwise, where it is the chord of an arc, so that an arc of few points is round for the
+        medium; straight unless given. Other arguments and errors as for `add_rigid`.
         """
         kind, flags = shapes.section("bed.add_line", diameter, width)
         flags |= self._flags(free_end)
-        self._take("bed.add_line", name, lambda at: [shapes.line_run(at, self.mbs, body, points, kind, strips, flags)])
+        self._take(
+            "bed.add_line", name, lambda at: shapes.line_runs(at, self.mbs, body, points, turns, kind, strips, flags)
+        )
 
     def add_outline(
-        self, body: Any, points: ArrayLike, width: float, *, strips: int = 32, name: str | None = None
+        self,
+        body: Any,
+        points: ArrayLike,
+        width: float,
+        *,
+        turns: ArrayLike | None = None,
+        strips: int = 32,
+        name: str | None = None,
     ) -> None:
         """Let the medium act on the outside of a solid with a polygon as its section, fixed to a rigid body.
 
         points: corners (k, 2) m in the body's frame, in either sense of turning; width (m) normal to the plane of
-        motion. Other arguments and errors as for `add_rigid`.
+        motion; turns: of the sides, the last of which joins the first point again, as for `add_line`. Other arguments
+        and errors as for `add_rigid`.
         """
         flags = {"width": shapes.positive("bed.add_outline", "width", width)}
-        self._take("bed.add_outline", name, lambda at: [shapes.outline_run(at, self.mbs, body, points, strips, flags)])
+        self._take(
+            "bed.add_outline", name, lambda at: shapes.outline_runs(at, self.mbs, body, points, turns, strips, flags)
+        )
 
     def add_ball(
         self, body: Any, center: ArrayLike, diameter: float, *, mass: float | None = None, name: str | None = None

@@ -136,9 +136,10 @@ def _lay_over(bed: Any, handle: RigidHandle, shape: Shape, strips: int) -> None:
     if shape.kind == "ball":
         bed.add_ball(body, shape.points[0], shape.width, mass=shape.mass, name=name)
     elif shape.kind == "outline":
-        bed.add_outline(body, shape.points, shape.width, strips=strips, name=name)
+        bed.add_outline(body, shape.points, shape.width, turns=shape.turns, strips=strips, name=name)
     else:
-        bed.add_line(body, shape.points, **_width(shape), strips=strips, free_end=shape.free, name=name)
+        free, width = shape.free, _width(shape)
+        bed.add_line(body, shape.points, **width, turns=shape.turns, strips=strips, free_end=free, name=name)
 
 
 def _width(part: Shape | FlexibleLink) -> dict[str, float]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.recorder import levers
+from granular_contact.multibody.strip_error import strip_doubts
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the way
@@ -31,6 +32,7 @@ def doubts(observer: Observer) -> Iterator[str]:
         return
     yield from _steps(observer)
     yield from _entry(observer)
+    yield from strip_doubts(observer)
     for name in observer.system.links:
         yield from _beam(observer, name)
         yield from _vibration(observer, name)

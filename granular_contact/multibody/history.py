@@ -18,7 +18,8 @@ class LoadHistory:
     time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
     floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
     negative above the surface; of the immersed stations speed (n,) m/s of the fastest, lowest (n,) m height of the
-    lowest point, left, right (n,) m the extreme x, infinite while none is immersed;
+    lowest point, left, right (n,) m the extreme x, infinite while none is immersed; coarser (n, 3): by how much the
+    power (W) and the resultant x, y (N) would change with strips of twice the length;
     terms (n, terms, 3): for each of `term_names` its resultant x, y (N) and its moment about the world origin (N m,
     counter-clockwise); bodies (n, bodies, 3): the same of all terms together, for each of `body_names`.
     """
@@ -32,6 +33,7 @@ class LoadHistory:
     lowest: Vector
     left: Vector
     right: Vector
+    coarser: Vector
     terms: Vector
     bodies: Vector
     term_names: tuple[str, ...]

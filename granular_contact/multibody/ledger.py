@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from granular_contact.kernels.law import TERMS
-from granular_contact.kernels.runs import DEPTH, FIRST, LEFT, LOWEST, RIGHT, SPEED, TIME
+from granular_contact.kernels.runs import COARSER, DEPTH, FIRST, LEFT, LOWEST, RIGHT, SPEED, TIME
 from granular_contact.multibody.history import LoadHistory, Vector
 
 
@@ -78,6 +78,7 @@ class Ledger:
             power=power,
             floor_work=_integral(rows[:, sand : self.first_term].sum(axis=1), time),
             depth=rows[:, DEPTH],
+            coarser=rows[:, COARSER : COARSER + 3],
             speed=rows[:, SPEED],
             lowest=rows[:, LOWEST],
             left=rows[:, LEFT],

@@ -61,15 +61,30 @@ def planar(where: str, points: ArrayLike) -> Vector:
     return given[:, :2]
 
 
-def line_run(where: str, mbs: Any, body: Any, points: ArrayLike, kind: Kind, strips: int, flags: dict[str, Any]) -> Run:
-    """Run along the polyline points (k, 2) m, fixed to a rigid body."""
+def line_runs(
+    where: str,
+    mbs: Any,
+    body: Any,
+    points: ArrayLike,
+    turns: ArrayLike | None,
+    kind: Kind,
+    strips: int,
+    flags: dict[str, Any],
+) -> list[Run]:
+    """Runs along the polyline points (k, 2) m, fixed to a rigid body; of its sides some may be arcs, see `turns`."""
     line = _points(where, points, 2)
-    stations = kinematics.rigid_stations(line, count(where, "strips", strips))
-    return _rigid_run(where, mbs, body, stations, kind, flags)
+    bends = _turns(where, turns, len(line) - 1)
+    divided = kinematics.curved_stations(line, bends, count(where, "strips", strips))
+    runs = [_rigid_run(where, mbs, body, stations, kind, flags | {"turn": turn}) for stations, turn in divided]
+    for run in runs[:-1]:
+        run.run["cap"] = False
+    return runs
 
 
-def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int, flags: dict[str, Any]) -> Run:
-    """Run around the closed polygon points (k, 2) m, fixed to a rigid body; the first corner need not be repeated."""
+def outline_runs(
+    where: str, mbs: Any, body: Any, points: ArrayLike, turns: ArrayLike | None, strips: int, flags: dict[str, Any]
+) -> list[Run]:
+    """Runs around the closed polygon points (k, 2) m, fixed to a rigid body; the first corner need not be repeated."""
     corners = _points(where, points, 3)
     if not np.array_equal(corners[0], corners[-1]):
         corners = np.vstack([corners, corners[:1]])
@@ -81,8 +96,7 @@ def outline_run(where: str, mbs: Any, body: Any, points: ArrayLike, strips: int,
         raise scene_error(where, f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
     sided = {**flags, "side": -1.0 if area > 0.0 else 1.0}
-    stations = kinematics.rigid_stations(corners, count(where, "strips", strips))
-    return _rigid_run(where, mbs, body, stations, "outline", sided)
+    return line_runs(where, mbs, body, corners, turns, "outline", strips, sided)
 
 
 def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, mass: float | None) -> Run:
@@ -101,6 +115,16 @@ def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float
         raise scene_error(where, f"mass: got {own}, allowed is a number above 0 (kg)")
     run.run["mass"] = own
     return run
+
+
+def _turns(where: str, turns: ArrayLike | None, sides: int) -> Vector:
+    """Turning angle (rad) of each side, less than half a turn."""
+    given = np.zeros(sides) if turns is None else np.asarray(turns, float)
+    if given.shape != (sides,):
+        raise scene_error(where, f"turns: got the shape {given.shape}, allowed is one angle for each side, ({sides},)")
+    if not (np.abs(given) < np.pi).all():
+        raise scene_error(where, f"turns: got {given.tolist()}, allowed are angles below half a turn (rad)")
+    return given
 
 
 def _points(where: str, points: ArrayLike, least: int) -> Vector:

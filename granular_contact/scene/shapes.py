@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -74,9 +74,11 @@ def section(spec: schema.Link | schema.ArcShape | schema.PolylineShape) -> Secti
 
 def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, Lump]:
     radius, center = spec.diameter_m / 2, np.array(spec.center_m)
-    circle = center + radius * _circle(max(CHORDS, strips))
+    chords = max(CHORDS, strips)
+    circle = center + radius * _circle(chords)
     lump = Lump(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
-    return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand), lump
+    turns = np.full(chords, 2 * math.pi / chords)
+    return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), lump
 
 
 def _sphere(part: str, spec: schema.SphereShape, _: int) -> tuple[Shape, Lump]:
@@ -109,7 +111,8 @@ def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, Lump]:
         center + off * np.array([math.cos(middle), math.sin(middle)]),
         radius**2 - off**2 + size.gyration,
     )
-    return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand), lump
+    turns = np.full(chords, (end - start) / chords)
+    return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand, turns=turns), lump
 
 
 def _polyline(part: str, spec: schema.PolylineShape, _: int) -> tuple[Shape, Lump]:
@@ -135,7 +138,11 @@ def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, Lump]:
     if not reach.any():
         outline = _circle(CHORDS)[:-1] * radius
     corners = np.array(spec.center_m) + outline @ rotation(math.radians(spec.angle_deg)).T
-    return _solid(part, corners, spec.width_m, spec.in_sand)
+    shape, lump = _solid(part, corners, spec.width_m, spec.in_sand)
+    turns = np.full(len(shape.points) - 1, 2 * math.pi / CHORDS)
+    if reach.any():  # the sole and the top are straight
+        turns[[CHORDS // 2, -1]] = 0.0
+    return replace(shape, turns=turns), lump
 
 
 def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, Lump]:

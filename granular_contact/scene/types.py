@@ -28,7 +28,8 @@ class Shape:
     points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
     point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
     of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
-    mass (kg): of a ball by itself, for laws that ask for it.
+    mass (kg): of a ball by itself, for laws that ask for it. turns (k - 1,) rad: angle by which each side between two
+    points turns where it is the chord of an arc, counter-clockwise; None: all sides are straight.
     """
 
     part: str
@@ -39,6 +40,7 @@ class Shape:
     in_sand: bool = True
     free: bool = False
     mass: float = 0.0
+    turns: Vector | None = None
 
     @property
     def drop(self) -> float:
