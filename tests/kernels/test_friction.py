@@ -174,11 +174,11 @@ def test_anchors_are_free_above_the_surface() -> None:
 
 
 def test_the_sign_changes_near_where_the_velocity_does() -> None:
-    """Between two saturated bristles of opposite sign: off by no more of half a strip than `friction` says."""
+    """Between two saturated bristles of opposite sign: off by no more of a strip than `friction` says."""
     rng = np.random.default_rng(5)
     for back, ahead in 10.0 ** rng.uniform(-4, 1, (100, 2)):
         s0, s1 = friction.drive(-U_Y, -back, DAMPED), friction.drive(U_Y, ahead, DAMPED)
         of_s, of_v = s0 / (s0 - s1), back / (back + ahead)
         w = back + ahead
         # The bound is reached where one of the ends stands still; round-off.
-        assert abs(of_s - of_v) <= 0.5 * U_Y / (U_Y + 0.5 * DAMPED["tau"] * w) * (1 + 1e-9)
+        assert abs(of_s - of_v) <= U_Y / (2 * U_Y + DAMPED["tau"] * w) * (1 + 1e-9)

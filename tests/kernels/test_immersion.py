@@ -151,6 +151,13 @@ def test_second_moment_is_continuous_at_the_switch(lam: float) -> None:
         assert sides[1] == pytest.approx(sides[0], rel=2e-10)
 
 
+def test_second_moment_of_hardly_any_depth() -> None:
+    for z in (1e-310, 1e-120, 1e-60):
+        # Exponent 0: one third, whatever the depth; three Gauss points on a cubic are exact.
+        assert second_moment(0.0, z, 0.0) == second_moment(z, 0.0, 0.0) == pytest.approx(1.0 / 3.0, rel=1e-12)
+        assert second_moment(0.0, z, 1.1) < 1e-60
+
+
 def test_where_a_sign_changes() -> None:
     assert sign_change(0.0, 1.0, -1.0, 3.0) == 0.25
     assert sign_change(0.0, 1.0, 3.0, -1.0) == 0.75
