@@ -85,7 +85,8 @@ def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0
 @njit
 def _strip(a, b, z0, z1, c, V, e, run, m, f):
     law.strip_force(
-        a, b, z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0, 0], e[0, 1], e[1, 0], e[1, 1], run[0], m[0], f
+        a, b, z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1],
+        e[0, 0], e[0, 1], e[1, 0], e[1, 1], run[0], m[0], f,
     )  # fmt: skip
 
 

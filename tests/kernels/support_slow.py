@@ -169,7 +169,7 @@ def kernel(
     cap: bool = False,
     resultant: bool = False,
 ) -> tuple[Array, Array]:
-    """Station forces F (n, 2) and totals (3, 3) of the production kernels; bristles at rest unless anchors are given."""
+    """Station forces F (n, 2) and totals (3, 3) of the production kernels; without anchors no bristle is stretched."""
     F, totals = np.full_like(P, np.nan), np.zeros((3, 3))
     form = strips.resultant_forces if resultant else strips.distributed_forces
     m = (medium() if record is None else record)[0]

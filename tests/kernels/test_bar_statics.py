@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -40,7 +42,7 @@ def by_quadrature(a: float, b: float, z: tuple[float, float], lam: float, s: tup
     return [
         sum(
             quad(density, p, q, args=(end,), epsabs=1e-15, epsrel=1e-12)[0]
-            for p, q in zip(places, places[1:], strict=False)
+            for p, q in pairwise(places)
         )
         for end in (0, 1)
     ]

@@ -221,6 +221,6 @@ def test_bristles_of_a_turning_strip_take_what_the_true_sign_takes(medium: Any) 
         # In a part `wrong` of the strip about its centre the sign is another (see `friction`), and the speed is so much
         # less: 2 wrong^2 of an integral of the speed that is 1/4 at least, at no more than the mean depth.
         w = 0.5 * abs(rate) * 2.0 * RADIUS
-        wrong = 0.5 * static.yield_displacement / (static.yield_displacement + 0.5 * static.damping_time * w)
+        wrong = static.yield_displacement / (2.0 * static.yield_displacement + static.damping_time * w)
         assert power[1] < -1e-2
         assert 1.0 - 8.0 * wrong**2 <= power[0] / power[1] <= 1.0 + 1e-9
