@@ -40,10 +40,7 @@ def by_quadrature(a: float, b: float, z: tuple[float, float], lam: float, s: tup
 
     places = np.array([a, *cuts, b])
     return [
-        sum(
-            quad(density, p, q, args=(end,), epsabs=1e-15, epsrel=1e-12)[0]
-            for p, q in pairwise(places)
-        )
+        sum(quad(density, p, q, args=(end,), epsabs=1e-15, epsrel=1e-12)[0] for p, q in pairwise(places))
         for end in (0, 1)
     ]
 
