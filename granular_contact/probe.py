@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.media.kinds import Medium
-from granular_contact.media.static_friction import Smooth
+from granular_contact.media.static_friction import Elastoplastic
 
 Vector = NDArray[np.float64]
 
 LEVEL = np.array([[0.0, 0.0]])
-# tanh of a speed over this is its sign: the motion is steady, nothing is at rest.
-STEADY = Smooth(1e-12)
+# On a bristle that is not stretched the sign of any speed above 1e-12 m/s, in closed form: the motion is steady,
+# nothing is at rest.
+STEADY = Elastoplastic(1e-12, 1.0)
 BALL, BAR, PLATE = 0.0254, 0.00635, 0.03  # sizes where a medium states none (m)
 STEEL = 7700.0  # kg/m3, of a ball for laws that ask for its mass
 SLOW, DEPTH = 0.1, 0.05  # m/s, m
@@ -47,8 +48,7 @@ def force(medium: Medium, probe: Probe, velocity: Vector, gravity: float = 9.81)
         run["drop"], run["mass"] = 0.5 * probe.width, probe.ball
     F, totals = np.zeros((2, 2)), np.zeros((TERMS, 3))
     V = np.tile(np.asarray(velocity, float), (2, 1))
-    anchors = probe.points.mean(axis=0, keepdims=True)
-    kernel.probe(probe.points, V, anchors, run, LEVEL, medium.record(STEADY, gravity), F, totals)
+    kernel.probe(probe.points, V, probe.points.copy(), run, LEVEL, medium.record(STEADY, gravity), F, totals)
     terms: Vector = totals[: len(medium.terms), :2]
     return terms
 

@@ -40,8 +40,10 @@ class FloatPoint:
         v = mbs.GetObjectOutputBody(self.element, Output.Velocity, self.place)
         tangent = mbs.GetObjectOutputBody(self.element, Output.Director1, self.place)
         m, d = self.medium, self.d
-        sx = min(1.0, max(-1.0, (p[0] - self.anchor[0] + self.tau * v[0]) / self.u_y))
-        sy = min(1.0, max(-1.0, (p[1] - self.anchor[1] + self.tau * v[1]) / self.u_y))
+        ex = min(self.u_y, max(-self.u_y, p[0] - self.anchor[0]))
+        ey = min(self.u_y, max(-self.u_y, p[1] - self.anchor[1]))
+        sx = min(1.0, max(-1.0, (ex + self.tau * v[0]) / self.u_y))
+        sy = min(1.0, max(-1.0, (ey + self.tau * v[1]) / self.u_y))
         vertical = m.plunging if sy < 0.0 else m.withdrawing
         drag = m.eta_d * m.density * d * abs(tangent[0] * v[1] - tangent[1] * v[0])
         bound_x = 2.0 * m.eta_h * self.g * m.density * d * z * abs(tangent[1])
@@ -71,7 +73,8 @@ class VectorPoint(FloatPoint):
         tangent = np.array(mbs.GetObjectOutputBody(self.element, Output.Director1, self.place))[:2]
         m, d = self.medium, self.d
         z = np.maximum(self.surface - p[1], 0.0)
-        sigma = np.clip((p - np.array(self.anchor) + self.tau * v) / self.u_y, -1.0, 1.0)
+        stretch = np.clip(p - np.array(self.anchor), -self.u_y, self.u_y)
+        sigma = np.clip((stretch + self.tau * v) / self.u_y, -1.0, 1.0)
         vertical = m.plunging if sigma[1] < 0.0 else m.withdrawing
         drag = -m.eta_d * m.density * d * np.abs(tangent[0] * v[1] - tangent[1] * v[0]) * v * (z > 0.0)
         bound = np.array(

@@ -18,8 +18,8 @@ changes (`bar_statics`).
 What the elastoplastic form costs. The stiffness B / u_y of a bristle follows the depth z with the bound B of its force,
 so a closed loop below yield may gain up to B' u_y^2 where tau = 0, B' = dB/dz: 4e-9 J for the source's link at 14 mm.
 The damping tau takes more than that out of loops faster than about u_y / (z tau), 0.7 rad/s there. And between two
-saturated bristles of opposite sign the zero of s is not quite that of v, but off by at most u_y / (u_y + tau w) of half
-a strip, where w is the difference of the end velocities: there the force works with the motion.
+saturated bristles of opposite sign the zero of s is not quite that of v, but off by at most u_y / (2 u_y + tau w) of a
+strip, where w is the difference of the end velocities: there the force works with the motion.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ GAUSS_HIGH = 0.5 + 0.5 / math.sqrt(3.0)
 # Below this relative difference of the end depths the closed forms cancel (to 1e-12), and three Gauss points are as
 # accurate.
 LEVEL = 0.01
+TINY = 1e-90  # whose third power is a number still
 FAR = 0.5 * math.sqrt(0.6)  # of the outer two from the middle; weights 5/18, 8/18, 5/18
 THREE_POINTS = ((0.5 - FAR, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + FAR, 5.0 / 18.0))
 
@@ -97,7 +98,7 @@ def second_moment(z0, z1, lam):
     dz = z1 - z0
     if lam == 1.0:
         return z0 / 3.0 + dz / 4.0
-    if abs(dz) <= LEVEL * (z0 + z1):
+    if abs(dz) <= LEVEL * (z0 + z1) or abs(dz) < TINY:
         total = 0.0
         for at, weight in THREE_POINTS:
             total += weight * at * at * (z0 + at * dz) ** lam

@@ -52,7 +52,7 @@ class March:
         w, q = self.world, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
             P, V = np.empty((2, end - first, 2))
-            release(q, w.geometry[first:end], P, V, w.anchors[first : end - 1])
+            release(q, w.geometry[first:end], P, V, w.anchors[first:end])
 
     @property
     def time(self) -> float:

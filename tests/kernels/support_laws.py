@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
@@ -20,15 +20,15 @@ from granular_contact.media.linear_depth import LinearDepth
 from granular_contact.media.poncelet import Poncelet
 from granular_contact.media.rft import Coefficients, Rft
 from granular_contact.media.rft3d import Rft3d
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.media.static_friction import Elastoplastic
 from granular_contact.media.tsimring_volfson import TsimringVolfson
 
 Array = NDArray[np.float64]
 
 G = 9.81
 MASS, DIAMETER = 0.0667, 0.0254  # of the balls here
-# tanh(v / 1e-12) is exactly the sign of any |v| > 2e-11 m/s.
-TRUE_SIGN = Smooth(1e-12)
+# On a bristle that is not stretched s = v / (1e-12 m/s): exactly the sign of anything faster, and its closed forms.
+TRUE_SIGN = Elastoplastic(1e-12, 1.0)
 
 GENERIC = Coefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088)
 LOOSE = Coefficients(0.051, 0.047, 0.053, 0.083, 0.020, -0.026, 0.057, 0.000, 0.025)
@@ -44,6 +44,7 @@ BAR_LAWS = (
     Hill(2500.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7)),
     Hill(2500.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7), length_scale=0.02),
 )
+LEE_MARGHITU, ALBERT, HILL, HILL_SCALED = BAR_LAWS
 SCALAR_LAWS = (
     Bingham(3.0, 2.0),
     Poncelet(3.0, 0.7),
@@ -60,26 +61,33 @@ def label(medium: object) -> str:
     return str(medium.name)
 
 
+NO_STRETCH = np.zeros((2, 2))
+
+
 @dataclass(frozen=True)
 class Strip:
-    """Ends P (2, 2) m, their velocities V (2, 2) m/s, stretch of the bristle e (2,) m; surface at y = 0."""
+    """Ends P (2, 2) m, their velocities V (2, 2) m/s, stretch e (2, 2) m of their bristles; surface at y = 0."""
 
     P: Array
     V: Array
-    e: Array
     width: float = 0.01
     side: int = 0
+    e: Array = field(default_factory=NO_STRETCH.copy)
+    turn: float = 0.0
 
 
-def run_record(width: float, side: int = 0, mass: float = 0.0) -> NDArray[np.void]:
+def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0) -> NDArray[np.void]:
     run = np.zeros(1, law.RUN)
-    run["width"], run["side"], run["mass"] = width, side, mass
+    run["width"], run["side"], run["mass"], run["turn"] = width, side, mass, turn
     return run
 
 
 @njit
-def _strip(z0, z1, c, V, e, run, m, f):
-    law.strip_force(z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1], e[0], e[1], run[0], m[0], f)
+def _strip(a, b, z0, z1, c, V, e, run, m, f):
+    law.strip_force(
+        a, b, z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1],
+        e[0, 0], e[0, 1], e[1, 0], e[1, 1], run[0], m[0], f,
+    )  # fmt: skip
 
 
 @njit
@@ -92,11 +100,20 @@ def _drag(p, a, m):
     return law.drag_anchor(p[0], p[1], a[0], a[1], m[0])
 
 
-def strip_force(s: Strip, record: NDArray[np.void], depths: Array | None = None) -> Array:
+def below(z0: float, z1: float) -> tuple[float, float]:
+    """Part of a strip with these end depths that lies in the medium; (0, 0) where none does."""
+    if max(z0, z1) <= 0.0:
+        return 0.0, 0.0
+    crossing = z0 / (z0 - z1) if z0 * z1 < 0.0 else 0.0
+    return (crossing if z0 < 0.0 else 0.0), (crossing if z1 < 0.0 else 1.0)
+
+
+def strip_force(s: Strip, record: NDArray[np.void]) -> Array:
     """End forces f[term, end, xy] of a strip."""
-    z0, z1 = -s.P[:, 1] if depths is None else depths
+    z0, z1 = -s.P[:, 1]
     f = np.zeros((law.TERMS, 2, 2))
-    _strip(z0, z1, s.P[1] - s.P[0], s.V, s.e, run_record(s.width, s.side), record, f)
+    run = run_record(s.width, s.side, turn=s.turn)
+    _strip(*below(z0, z1), z0, z1, s.P[1] - s.P[0], s.V, s.e, run, record, f)
     return f
 
 
@@ -116,7 +133,7 @@ def element(beta: float, gamma: float, depth: float = 1.0, speed: float = 1.0, s
     b, g = np.radians([beta, gamma])
     t, v = np.array([np.cos(b), np.sin(b)]), speed * np.array([np.cos(g), -np.sin(g)])
     P = np.array([-0.5 * t, 0.5 * t]) - [0.0, depth]
-    return Strip(P, np.array([v, v]), np.zeros(2), 1.0, side)
+    return Strip(P, np.array([v, v]), 1.0, side)
 
 
 def published_rft(c: Coefficients, beta: float, gamma: float) -> tuple[float, float]:

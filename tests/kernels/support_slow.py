@@ -1,16 +1,17 @@
-"""The law of physics.md section 1 once more, slow and obvious, and short ways to call the kernels.
+"""The law of Lee and Marghitu once more, slow and obvious, and short ways to call the kernels.
 
 Nothing here comes from the kernels: closed resultants of a straight link as the paper has them, and a midpoint rule
-along its true immersed part.
+or adaptive quadrature along its true immersed part.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import quad
 
 from granular_contact.kernels import runs, strips
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
@@ -20,8 +21,8 @@ Array = NDArray[np.float64]
 
 G = 9.81
 TWO_WAYS = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(3.0, 1.7))
-# tanh(v / 1e-12) is exactly the sign of any |v| > 2e-11 m/s.
-TRUE_SIGN = Smooth(1e-12)
+# On a bristle that is not stretched s = v / (1e-12 m/s): exactly the sign of anything faster, and its closed forms.
+TRUE_SIGN = Elastoplastic(1e-12, 1.0)
 
 
 @dataclass(frozen=True)
@@ -72,25 +73,41 @@ def midpoint(link: Link, law: LeeMarghitu, points: int) -> Array:
     """Resultant x, y and moment about the origin (3, 3) of each term by a midpoint rule on the immersed part."""
     first, last = _immersed(link)
     xi = first + (last - first) * (np.arange(points) + 0.5) / points
-    ds = (last - first) / points * np.linalg.norm(link.P[1] - link.P[0])
-    out = np.zeros((3, 3))
-    for x in xi:
-        p = (1 - x) * link.P[0] + x * link.P[1]
-        v = (1 - x) * link.V[0] + x * link.V[1]
-        for term, f in enumerate(density(link, law, p, v)):
-            out[term] += ds * np.array([*f, cross(p, f)])
-    return out
+    return np.sum(density(link, law, xi), axis=2) * (last - first) / points
 
 
-def density(link: Link, law: LeeMarghitu, p: Array, v: Array) -> Iterator[Array]:
-    """Force per arc length (2,) N/m of each term at a point."""
-    d, rho = link.diameter, law.density
-    t = (link.P[1] - link.P[0]) / np.linalg.norm(link.P[1] - link.P[0])
-    z = max(0.0, link.surface - p[1])
-    eta_v, lam = coefficients(law, v[1])
-    yield -law.eta_d * rho * d * abs(cross(t, v)) * v
-    yield np.array([-2 * law.eta_h * G * rho * d * z * abs(t[1]) * np.sign(v[0]), 0.0])
-    yield np.array([0.0, -(lam + 1) * eta_v * G * rho * np.pi * d**2 / 4 * (z / d) ** lam * np.sign(v[1])])
+def quadrature(link: Link, law: LeeMarghitu) -> Array:
+    """The same to 1e-11 of each piece: adaptive, between the zeros of v_x, v_y and t x v, where the law has kinks."""
+    first, last = _immersed(link)
+    c = link.P[1] - link.P[0]
+    pairs = [link.V[:, 0], link.V[:, 1], cross(c, link.V)]
+    zeros = sorted(w[0] / (w[0] - w[1]) for w in pairs if w[0] * w[1] < 0.0)
+    cuts = [first, *(x for x in zeros if first < x < last), last]
+
+    def integral(term: int, part: int) -> float:
+        def at(xi: float) -> float:
+            return float(density(link, law, np.array([xi]))[term, part, 0])
+
+        return sum(quad(at, *ends, epsabs=1e-12, epsrel=1e-11, limit=200)[0] for ends in pairwise(cuts))
+
+    return np.array([[integral(term, part) for part in range(3)] for term in range(3)])
+
+
+def density(link: Link, law: LeeMarghitu, xi: Array) -> Array:
+    """Force and moment about the origin (3, 3, points) of each term by xi at points of the link."""
+    p, v = (np.outer(1.0 - xi, X[0]) + np.outer(xi, X[1]) for X in (link.P, link.V))
+    d, rho, c = link.diameter, law.density, link.P[1] - link.P[0]
+    length = np.linalg.norm(c)
+    t = c / length
+    z = np.maximum(0.0, link.surface - p[:, 1])
+    plunges = v[:, 1] < 0.0
+    eta_v = np.where(plunges, law.plunging.eta_v, law.withdrawing.eta_v)
+    lam = np.where(plunges, law.plunging.lam, law.withdrawing.lam)
+    f = np.zeros((3, len(xi), 2))
+    f[0] = (-law.eta_d * rho * d * np.abs(cross(t, v)))[:, None] * v
+    f[1, :, 0] = -2 * law.eta_h * G * rho * d * z * abs(t[1]) * np.sign(v[:, 0])
+    f[2, :, 1] = -(lam + 1) * eta_v * G * rho * np.pi * d**2 / 4 * (z / d) ** lam * np.sign(v[:, 1])
+    return length * np.stack([f[..., 0], f[..., 1], cross(p, f)], axis=1)
 
 
 def _immersed(link: Link) -> tuple[float, float]:
@@ -143,10 +160,6 @@ def stations_of(link: Link, strips_: int) -> tuple[Array, Array]:
     return (1 - xi) * link.P[0] + xi * link.P[1], (1 - xi) * link.V[0] + xi * link.V[1]
 
 
-def middles(P: Array) -> Array:
-    return 0.5 * (P[1:] + P[:-1])
-
-
 def kernel(
     P: Array,
     V: Array,
@@ -156,11 +169,11 @@ def kernel(
     cap: bool = False,
     resultant: bool = False,
 ) -> tuple[Array, Array]:
-    """Station forces F (n, 2) and totals (3, 3) of the production kernels."""
+    """Station forces F (n, 2) and totals (3, 3) of the production kernels; without anchors no bristle is stretched."""
     F, totals = np.full_like(P, np.nan), np.zeros((3, 3))
     form = strips.resultant_forces if resultant else strips.distributed_forces
     m = (medium() if record is None else record)[0]
-    run, bristles = run_record(link, cap, resultant)[0], middles(P) if anchors is None else anchors
+    run, bristles = run_record(link, cap, resultant)[0], P.copy() if anchors is None else anchors
     form(P, V, bristles, run, profile(link), m, F, totals)
     return F, totals
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support_laws import (
+    ALBERT,
     BAR_LAWS,
     DIAMETER,
+    HILL,
+    HILL_SCALED,
     MASS,
     SCALAR_LAWS,
     SOFT,
@@ -24,12 +27,11 @@ from granular_contact.media.albert import Albert
 from granular_contact.media.hill import Hill
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
 
-LEE_MARGHITU, ALBERT, HILL, HILL_SCALED = BAR_LAWS
 PIERCING = np.array([[0.0, 0.03], [0.05, -0.12]])
 
 
 def moving(v: tuple[float, float], P: Array = PIERCING) -> Strip:
-    return Strip(P, np.array([v, v]), np.zeros(2), 0.01)
+    return Strip(P, np.array([v, v]))
 
 
 def total(medium: object, s: Strip) -> Array:
@@ -61,7 +63,7 @@ def test_albert_and_hill_are_parts_of_lee_marghitu() -> None:
     rng = np.random.default_rng(4)
     for _ in range(50):
         P, v = rng.uniform(-0.1, 0.05, (2, 2)), rng.uniform(-1, 1, 2)
-        s = Strip(P, np.array([v, v]), np.zeros(2), 0.01)
+        s = Strip(P, np.array([v, v]))
         got = sum(total(part, s) for part in parts)
         np.testing.assert_allclose(got, total(whole, s), rtol=1e-11, atol=1e-12)
 

@@ -1,6 +1,8 @@
-"""Closed depth integrals against numerical quadrature, their gradients against differences."""
+"""Closed depth integrals against numerical quadrature."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,9 +12,12 @@ from scipy.integrate import quad
 
 from granular_contact.kernels.immersion import (
     LEVEL,
-    depth_integral_gradients,
     depth_integrals,
     immersed_interval,
+    part_integrals,
+    pressure_integrals,
+    second_moment,
+    sign_change,
 )
 
 EXPONENTS = (0.0, 0.3, 1.0, 1.1, 1.7, 2.0, 3.0)
@@ -49,7 +54,7 @@ def test_integrals_match_quadrature(kind: str, lam: float) -> None:
     for _ in range(40):
         z0, z1 = ends(kind, rng)
         # quad is asked for 1e-12; the closed form cancels to eps (z/dz)^2 = 5e-13 at the switch; random pairs with a
-        # difference below LEVEL take the two-point rule, whose own error has a test below.
+        # difference below LEVEL take three Gauss points, whose own error has a test below.
         if kind == "immersed" and abs(z0 - z1) <= LEVEL * (z0 + z1):
             continue
         np.testing.assert_allclose(depth_integrals(z0, z1, lam), by_quadrature(z0, z1, lam), rtol=5e-11)
@@ -59,11 +64,10 @@ def test_integrals_match_quadrature(kind: str, lam: float) -> None:
 def test_strip_above_the_surface_has_none(lam: float) -> None:
     assert depth_integrals(-0.1, -0.2, lam) == (0.0, 0.0)
     assert depth_integrals(0.0, 0.0, lam) == (0.0, 0.0)
-    assert depth_integral_gradients(-0.1, -0.2, lam) == (0.0, 0.0, 0.0, 0.0)
 
 
 def around_the_switch(lam: float) -> tuple[np.ndarray, np.ndarray]:
-    """Relative jumps of (J_0, J_1) and of J_0 + J_1 where the closed form takes over from the two-point rule."""
+    """Relative jumps of (J_0, J_1) and of J_0 + J_1 where the closed form takes over from three Gauss points."""
     z0, sides = 0.7, []
     for side in (1 - 1e-13, 1 + 1e-13):  # the integrals themselves change by 1e-15 between these two
         level = LEVEL * side
@@ -79,30 +83,94 @@ def test_ends_are_continuous_at_the_switch(lam: float) -> None:
     assert around_the_switch(lam)[0].max() < 1e-10
 
 
-@pytest.mark.parametrize("lam", EXPONENTS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_gradients_match_differences(kind: str, lam: float) -> None:
-    rng = np.random.default_rng(11)
-    weights = np.array([-1, 9, -45, 45, -9, 1]) / 60.0  # sixth order
-    for _ in range(20):
+def test_pressure_is_the_case_of_exponent_one(kind: str) -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(40):
         z0, z1 = ends(kind, rng)
-        if kind == "near level":  # the stencil must stay on one side of the switch
-            z1 = z0 * (1 + 1e-5)
-        h = 1e-3 * min(abs(z0), abs(z1), max(abs(z1 - z0), LEVEL * abs(z0)))
-        got = np.reshape(depth_integral_gradients(z0, z1, lam), (2, 2))
-        for column, (d0, d1) in enumerate(((h, 0.0), (0.0, h))):
-            values = [depth_integrals(z0 + k * d0, z1 + k * d1, lam) for k in (-3, -2, -1, 1, 2, 3)]
-            difference = weights @ np.array(values) / h
-            # Stencil: truncation (1e-3)^6; round-off eps J / h, which is 2e-13 J / min(z, dz), and times (z/dz)^2 for
-            # the cancellation inside the closed form: bounded by 1e-6 of the greatest gradient for dz > z / 100.
-            scale = max(np.abs(got).max(), max(values[0]) / max(abs(z0), abs(z1)))
-            np.testing.assert_allclose(got[:, column], difference, rtol=0.0, atol=1e-6 * scale)
+        # Polynomials of a few terms: round-off, and of a clipped part next to the strip, which cancels to (z/dz)^2 of
+        # that where hardly anything is left.
+        np.testing.assert_allclose(pressure_integrals(z0, z1), depth_integrals(z0, z1, 1.0), rtol=1e-13, atol=1e-15)
+    assert pressure_integrals(-0.1, -0.2) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("lam", EXPONENTS)
+@pytest.mark.parametrize("kind", ["immersed", "level", "near level"])
+def test_parts_match_quadrature(kind: str, lam: float) -> None:
+    rng = np.random.default_rng(9)
+    for _ in range(40):
+        z0, z1 = ends(kind, rng)
+        a, b = np.sort(rng.uniform(0.0, 1.0, 2))
+
+        def density(xi: float, end: int, z0: float = z0, z1: float = z1) -> float:
+            return ((1 - xi) * z0 + xi * z1) ** lam * (xi if end else 1 - xi)
+
+        want = [quad(density, a, b, args=(end,), epsabs=0.0, epsrel=1e-12)[0] for end in (0, 1)]
+        # quad is asked for 1e-12; three Gauss points on parts that are level within LEVEL: 6e-11; the closed form
+        # cancels to eps (z/dz)^2 = 6e-13.
+        np.testing.assert_allclose(part_integrals(a, b, z0, z1, lam), want, rtol=1e-10)
+
+
+@pytest.mark.parametrize("lam", EXPONENTS)
+def test_parts_add_up_to_what_is_immersed(lam: float) -> None:
+    rng = np.random.default_rng(10)
+    for _ in range(100):
+        z0, z1 = rng.uniform(-1.0, 1.0, 2)
+        cuts = [0.0, *np.sort(rng.uniform(0.0, 1.0, 3)), 1.0]
+        immersed = immersed_interval(z0, z1)
+        inside = np.clip(cuts, *immersed)
+        parts = np.sum([part_integrals(a, b, z0, z1, lam) for a, b in pairwise(inside)], axis=0)
+        # As above; the ends of the part lie on the surface only up to round-off.
+        np.testing.assert_allclose(parts, depth_integrals(z0, z1, lam), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("lam", EXPONENTS)
+@pytest.mark.parametrize("kind", ["immersed", "level", "near level", "from the surface", "to the surface"])
+def test_second_moment_matches_quadrature(kind: str, lam: float) -> None:
+    rng = np.random.default_rng(12)
+    for _ in range(40):
+        deep = rng.uniform(0.01, 2.0)
+        special = {"from the surface": (0.0, deep), "to the surface": (deep, 0.0)}
+        z0, z1 = special[kind] if kind in special else ends(kind, rng)
+        want = quad(
+            lambda xi, z0=z0, z1=z1: ((1 - xi) * z0 + xi * z1) ** lam * xi**2, 0.0, 1.0, epsabs=0.0, epsrel=1e-12
+        )[0]
+        # Differences of powers over dz^3: eps (z/dz)^3, which is 1e-16 x 50^3 = 3e-11 where three Gauss points take
+        # over; those are off by (dz/z)^6 = 6e-11 there.
+        np.testing.assert_allclose(second_moment(z0, z1, lam), want, rtol=2e-10)
+
+
+@pytest.mark.parametrize("lam", EXPONENTS)
+def test_second_moment_is_continuous_at_the_switch(lam: float) -> None:
+    for turn in (1, -1):
+        sides = []
+        for side in (1 - 1e-13, 1 + 1e-13):
+            level = LEVEL * side
+            sides.append(second_moment(*(0.7, 0.7 * (1 + level) / (1 - level))[::turn], lam))
+        # As above, both.
+        assert sides[1] == pytest.approx(sides[0], rel=2e-10)
+
+
+def test_second_moment_of_hardly_any_depth() -> None:
+    for z in (1e-310, 1e-120, 1e-60):
+        # Exponent 0: one third, whatever the depth; three Gauss points on a cubic are exact.
+        assert second_moment(0.0, z, 0.0) == second_moment(z, 0.0, 0.0) == pytest.approx(1.0 / 3.0, rel=1e-12)
+        assert second_moment(0.0, z, 1.1) < 1e-60
+
+
+def test_where_a_sign_changes() -> None:
+    assert sign_change(0.0, 1.0, -1.0, 3.0) == 0.25
+    assert sign_change(0.0, 1.0, 3.0, -1.0) == 0.75
+    # Never outside the part that was asked for; at its end where there is no change, at rest included.
+    assert sign_change(0.3, 0.9, -1.0, 3.0) == 0.3
+    assert sign_change(0.3, 0.6, 3.0, -1.0) == 0.6
+    for pair in ((1.0, 2.0), (-1.0, -2.0), (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)):
+        assert sign_change(0.3, 0.6, *pair) == 0.6
 
 
 def test_switching_the_ends_switches_the_results() -> None:
     assert depth_integrals(0.3, -0.2, 1.1) == depth_integrals(-0.2, 0.3, 1.1)[::-1]
-    g00, g01, g10, g11 = depth_integral_gradients(0.3, -0.2, 1.1)
-    assert (g11, g10, g01, g00) == depth_integral_gradients(-0.2, 0.3, 1.1)
+    assert pressure_integrals(0.3, -0.2) == pressure_integrals(-0.2, 0.3)[::-1]
 
 
 @pytest.mark.parametrize(

@@ -134,7 +134,7 @@ def test_inertia_of_a_turning_strip_is_integrated_exactly() -> None:
     medium = Drft(LOOSE, 1500.0, 1.1).record(TRUE_SIGN, G)
     P, V = np.array([[0.0, 0.03], [0.1, -0.05]]), np.array([[0.4, 4.0], [-0.3, -2.0]])
     for side in (-1, 0, 1):
-        f = strip_force(Strip(P, V, np.zeros(2), 0.02, side), medium)[1]
+        f = strip_force(Strip(P, V, 0.02, side), medium)[1]
         xi = (np.arange(200000) + 0.5) / 200000
         p, v = (np.outer(1 - xi, X[0]) + np.outer(xi, X[1]) for X in (P, V))
         c = P[1] - P[0]
@@ -152,15 +152,15 @@ def test_inertia_of_a_turning_strip_is_integrated_exactly() -> None:
 def test_lowered_surface_of_drft() -> None:
     lowered = Drft(LOOSE, 1500.0, 1.1, surface_drop=0.01).record(TRUE_SIGN, G)
     plain = Drft(LOOSE, 1500.0, 1.1).record(TRUE_SIGN, G)
-    s = Strip(np.array([[0.0, 0.01], [0.1, -0.05]]), np.array([[0.4, -1.0]] * 2), np.zeros(2))
-    deeper = Strip(s.P + np.array([0.0, 0.01]), s.V, s.e)
+    s = Strip(np.array([[0.0, 0.01], [0.1, -0.05]]), np.array([[0.4, -1.0]] * 2))
+    deeper = Strip(s.P + np.array([0.0, 0.01]), s.V)
     # Round-off of the depths.
     np.testing.assert_allclose(strip_force(s, lowered), strip_force(deeper, plain), rtol=1e-12)
 
 
 def test_pressure_is_integrated_exactly_from_the_surface() -> None:
     record = Rft(GENERIC).record(TRUE_SIGN, G)
-    s = Strip(np.array([[0.0, 0.02], [0.06, -0.06]]), np.array([[0.5, -1.0]] * 2), np.zeros(2), 0.03)
+    s = Strip(np.array([[0.0, 0.02], [0.06, -0.06]]), np.array([[0.5, -1.0]] * 2), 0.03)
     f = strip_force(s, record)[0]
     beta, gamma = np.degrees(np.arctan2(-0.08, 0.06)), np.degrees(np.arctan2(1.0, 0.5))
     stress_x, stress_z = published_rft(GENERIC, beta, gamma)

@@ -290,7 +290,7 @@ def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     P, V, F = (np.zeros((17, 2)) for _ in range(3))
     for i, state in enumerate(table):
         kinematics._rigid_stations(state[1:4] + START, state[4:7], geometry, P, V)
-        anchors = 0.5 * (P[1:] + P[:-1]) if anchors is None else anchors
+        anchors = P.copy() if anchors is None else anchors
         strips.distributed_forces(P, V, anchors, run[0], profile, bed.records[0][0], F, np.zeros((3, 3)))
         power[i] = (F * V).sum()
         runs.drag_anchors(P, anchors, run[0], profile, bed.records[0][0])

@@ -1,8 +1,8 @@
 """Random media, surfaces, bodies and motions for hypothesis, and short ways to ask the kernels about them.
 
 A `State` is one run of stations in one medium at one instant. All laws of the schema are drawn with admissible
-coefficients; runs are round bars, plates, outlines and balls, whole or between two depths, with and without end caps,
-in both forms, and the floor.
+coefficients; runs are round bars, plates, outlines with straight or round sides and balls, whole or between two depths,
+with and without end caps, in both forms, and the floor.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from granular_contact.config import schema
-from granular_contact.kernels import balls, law, runs, strips
+from granular_contact.kernels import law, runs
 from granular_contact.kernels.probe import probe
 from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import Medium
@@ -38,7 +38,7 @@ KINDS = tuple((family, kind) for family, kinds in TAKES.items() for kind in kind
 
 @dataclass(frozen=True)
 class State:
-    """P (n, 2) m, V (n, 2) m/s, anchors (n - 1, 2) m; run and record as in `law`; static None for a floor."""
+    """P (n, 2) m, V (n, 2) m/s, anchors (n, 2) m; run and record as in `law`; static None for a floor."""
 
     medium: Medium | None
     static: Elastoplastic | Smooth | None
@@ -59,19 +59,6 @@ class State:
         probe(self.P, self.V, self.anchors, self.run, self.profile, self.record, F, totals)
         return F, totals
 
-    def tangents(self) -> tuple[Array, Array]:
-        """Derivatives of all station forces by all positions and by all velocities, (2n, 2n) each."""
-        n = len(self.P)
-        KP, KV = np.zeros((n - 1, 4, 4)), np.zeros((n - 1, 4, 4))
-        kernel = balls.ball_tangents if self.kind == "ball" else strips.distributed_tangents
-        kernel(self.P, self.V, self.anchors, self.run[0], self.profile, self.record[0], KP, KV)
-        whole = np.zeros((2, 2 * n, 2 * n))
-        for i in range(n - 1):
-            at = slice(2 * i, 2 * i + 4)
-            whole[0][at, at] += KP[i]
-            whole[1][at, at] += KV[i]
-        return whole[0], whole[1]
-
     def scale(self) -> float:
         """Greatest force at a station (N), here or a millimetre deeper: round-off of depths is seen next to it."""
         return max(1e-12, *(float(np.abs(one.forces()[0]).max()) for one in (self, self.with_(P=self.P - DEEPER))))
@@ -84,7 +71,7 @@ class State:
 
     def rested(self) -> State:
         """The same with every bristle at rest."""
-        return replace(self, anchors=0.5 * (self.P[1:] + self.P[:-1]))
+        return replace(self, anchors=self.P.copy())
 
 
 def medium(rng: Random, family: str) -> Medium:
@@ -154,9 +141,13 @@ def state(
     heading = rng.uniform(-math.pi, math.pi)
     V = speed * np.array([math.cos(heading), math.sin(heading)]) + turn * np.column_stack([-line[:, 1], line[:, 0]])
     u_y = static.yield_displacement if isinstance(static, Elastoplastic) else 1e-3
-    stretch = np.array([[rng.uniform(-1, 1), rng.uniform(-1, 1)] for _ in range(len(P) - 1)])
-    anchors = 0.5 * (P[1:] + P[:-1]) - rng.choice((0.5, 1.5)) * u_y * stretch
+    stretch = np.array([[rng.uniform(-1, 1), rng.uniform(-1, 1)] for _ in P])
+    if kind == "ball":  # both of its stations are its centre
+        stretch[1] = stretch[0]
+    anchors = P - rng.choice((0.5, 1.5)) * u_y * stretch
     run = run_record(rng, kind, plain)
+    if kind == "outline" and rng.random() < 0.5:  # chords of a circle, as the sides of a disc
+        run["turn"] = 2 * math.pi / (len(P) - 1)
     return State(around, static, P, V, anchors, run, _profile(rng), around.record(static, G), kind)
 
 
@@ -196,8 +187,8 @@ def static_bound(given: State, lowest: float) -> float:
     whole["layered"], whole["cap"], whole["resultant"] = False, False, False
     most = 0.0
     still = given.with_(P=given.P + down, V=np.zeros_like(given.V), run=whole, profile=np.array([[0.0, top]]))
-    for i in range(len(given.anchors)):
-        strip = still.with_(P=still.P[i : i + 2], V=still.V[i : i + 2], anchors=still.anchors[i : i + 1])
+    for i in range(len(given.P) - 1):
+        strip = still.with_(P=still.P[i : i + 2], V=still.V[i : i + 2], anchors=still.anchors[i : i + 2])
         most += max(_slid(strip, angle) for angle in np.linspace(0, 2 * math.pi, 32, endpoint=False))
     return 1.1 * most
 
@@ -205,4 +196,4 @@ def static_bound(given: State, lowest: float) -> float:
 def _slid(strip: State, angle: float) -> float:
     assert isinstance(strip.static, Elastoplastic)
     stretch = 4.0 * strip.static.yield_displacement * np.array([math.cos(angle), math.sin(angle)])
-    return float(np.linalg.norm(strip.with_(anchors=strip.P.mean(axis=0)[None] - stretch).forces()[0].sum(axis=0)))
+    return float(np.linalg.norm(strip.with_(anchors=strip.P - stretch).forces()[0].sum(axis=0)))

@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import COMMON, LEVEL, Array, State, floors, states
 
+from granular_contact.media.static_friction import Smooth
+
 FAST = settings(max_examples=200, deadline=None)
 RANDOM = st.randoms(use_true_random=False)
 ANY = st.one_of(states(), states(), states(), floors())
@@ -18,7 +20,7 @@ SIZES = (0.0, 1e-300, 1e-160, 1e-12, 1e-9, 1e-3, 1.0, 1e3)
 
 @FAST
 @given(ANY, RANDOM)
-def test_forces_and_tangents_are_finite(body: State, rng: Random) -> None:
+def test_forces_are_finite(body: State, rng: Random) -> None:
     """Depths, velocities and lengths of strips from nothing to a kilometre, in any combination."""
     n = len(body.P)
     lengths = [rng.choice(SIZES) for _ in range(n - 1)]
@@ -27,12 +29,11 @@ def test_forces_and_tangents_are_finite(body: State, rng: Random) -> None:
     P = along[:, None] * np.array([math.cos(heading), math.sin(heading)])
     P[:, 1] += -rng.choice((1.0, 1.0, -1.0)) * rng.choice(SIZES) - (P[:, 1].min() if rng.random() < 0.5 else 0.0)
     V = np.array([[rng.choice((1.0, -1.0)) * rng.choice(SIZES) for _ in range(2)] for _ in range(n)])
-    anchors = 0.5 * (P[1:] + P[:-1]) + rng.choice(SIZES)
+    anchors = P + rng.choice(SIZES)
     extreme = body.with_(P=P, V=V, anchors=anchors, profile=LEVEL)
     F, totals = extreme.forces()
     assert np.isfinite(F).all()
     assert np.isfinite(totals).all()
-    assert all(np.isfinite(K).all() for K in extreme.tangents())
     assert np.isfinite(extreme.accepted().anchors).all()
 
 
@@ -41,7 +42,7 @@ def test_forces_and_tangents_are_finite(body: State, rng: Random) -> None:
 def test_force_is_continuous(body: State, rng: Random) -> None:
     """Halve the way between two states until they are one: the force closes up, at the touch, at yield, everywhere."""
     if body.run["resultant"][0] or body.run["cap"][0]:
-        return  # the bristle is that of one strip, and an end face is in the medium or not
+        return  # what is immersed may fall into two parts, and an end face is in the medium or not
     n = len(body.P)
     up = float(body.profile[:, 1].max() - body.P[:, 1].min() + body.run["drop"][0])
     lift = np.array([0.0, rng.choice((0.0, 1.0)) * up])  # half of the ways begin or end above all
@@ -53,15 +54,15 @@ def test_force_is_continuous(body: State, rng: Random) -> None:
         return  # a thin bar that lies level at any moment of the way passes from layer to layer at once
     f = [body.with_(P=P, V=V).forces()[0] for P, V in ends]
     most = max(1e-6, *(float(np.abs(one).max()) for one in f))
-    for _ in range(40):
+    for _ in range(48):
         middle = tuple(0.5 * (a + b) for a, b in zip(*ends, strict=True))
         F = body.with_(P=middle[0], V=middle[1]).forces()[0]
         most = max(most, float(np.abs(F).max()))
         # To the side on which more of the difference is: a jump is kept to the last.
         side = 0 if np.abs(F - f[0]).max() > np.abs(F - f[1]).max() else 1
         ends[1 - side], f[1 - side] = middle, F
-    # 2^-40 of 5 cm and 1 m/s: 5e-14 m, 1e-12 m/s. The steepest slopes are 1 / u_y of 1e5 /m and, where an element of an
-    # outline begins to lead, 20 times that: 1e-7 of the force; round-off adds 1e-16 m of positions, ten times less.
+    # 2^-48 of 5 cm and 1 m/s: 2e-16 m, 4e-15 m/s, hardly more than the round-off of positions. The steepest slopes are
+    # 1 / u_y of 1e5 /m and, where an element of an outline begins to lead, a thousand times that: 2e-8 of the force.
     # A force that grows as the depth to a power below one has no slope at the touch; to the power of zero it jumps.
     names = {"p", "lam_plunge", "lam_withdraw"} & set(body.record.dtype.names or ())
     power = min([1.0, *(float(body.record[name][0]) for name in names)])
@@ -75,25 +76,29 @@ def _noise(rng: Random, n: int, size: float) -> Array:
 @FAST
 @given(states(COMMON), RANDOM)
 def test_how_a_straight_bar_is_cut_does_not_matter(body: State, rng: Random) -> None:
-    """In one straight piece that moves as one with all bristles alike; bends and turns are resolved by the strips."""
+    """One straight piece: a bar in any motion, a plate as it moves as one with all bristles alike."""
     if body.kind in ("ball", "outline") or len(body.profile) > 1:
         return
     run = body.run.copy()
     run["cap"] = False
     ends = body.P[[0, -1]]
-    V, e = np.tile(body.V[:1], (2, 1)), 0.5 * (body.P[0] + body.P[1]) - body.anchors[0]
+    V, e = np.tile(body.V[:1], (2, 1)), np.tile(body.P[:1] - body.anchors[:1], (2, 1))
+    exact = body.medium is not None and body.medium.by_component
+    if exact and isinstance(body.static, Smooth):
+        return  # three Gauss points, on a power of the depth
+    if exact:  # integrated exactly also where they vary along the bar and change their sign
+        V, e = body.V[[0, -1]] + _noise(rng, 2, 1.0), (body.P - body.anchors)[[0, -1]]
 
     def cut(places: Array) -> tuple[Array, Array]:
-        P = ends[0] + places[:, None] * (ends[1] - ends[0])
-        anchors = 0.5 * (P[1:] + P[:-1]) - e
-        F, totals = body.with_(P=P, V=np.tile(V[:1], (len(P), 1)), anchors=anchors, run=run).forces()
+        P, speeds, stretch = (X[0] + places[:, None] * (X[1] - X[0]) for X in (ends, V, e))
+        F, totals = body.with_(P=P, V=speeds, anchors=P - stretch, run=run).forces()
         return F.sum(axis=0), totals
 
     inner = sorted(rng.uniform(0.0, 1.0) for _ in range(rng.randint(1, 8)))
     F, totals = cut(np.array([0.0, 1.0]))
     G, sums = cut(np.array([0.0, *inner, 1.0]))
-    # Closed forms over each strip: those of z^lambda cancel to 1e-12 of themselves, and stretches next to u_y >= 1e-5 m
-    # carry round-off of positions, 1e-16 m.
-    scale = max(1e-9, float(np.abs(totals).max()))
+    # Closed forms over each strip: those of z^lambda cancel to 1e-11 of themselves, and stretches next to u_y >= 1e-5 m
+    # carry round-off of positions, 1e-16 m. Parts of opposite sign may cancel: next to what a strip can bear.
+    scale = max(1e-9, float(np.abs(totals).max()), float(np.abs(sums).max()), body.scale() if exact else 0.0)
     np.testing.assert_allclose(G, F, atol=1e-8 * scale)
     np.testing.assert_allclose(sums, totals, atol=1e-8 * scale)

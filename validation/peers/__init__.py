@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.friction import ELASTOPLASTIC
+from granular_contact.kernels.immersion import immersed_interval
 from granular_contact.kernels.law import RUN
 from granular_contact.kernels.lee_marghitu import RECORD, strip_force
 
@@ -73,22 +74,36 @@ def segment_inertia(length: float, rotary: bool = True) -> float:
 
 
 @njit
-def sand_on_strip(p0, p1, v0, v1, anchor, follow, surface, run, m, f):
+def sand_on_strip(p0, p1, v0, v1, a0, a1, surface, run, m, f):
     """Overwrite f (3, 2, 2) with the sand's force terms at the two ends of one strip (N); True if it is immersed.
 
-    p0, p1 end positions (2,) (m); v0, v1 end velocities (2,) (m/s); anchor (2,) of the bristle at mid-strip (m). It
-    moves only when `follow` holds, at the start of a step, which closes the previous step; a strip that is wholly above
-    the surface takes it along. run, m records of the kernels. Not cached: the cache would miss a change of the law.
+    p0, p1 end positions (2,) (m); v0, v1 end velocities (2,) (m/s); a0, a1 anchors (2,) (m) of the bristles there. run,
+    m records of the kernels. Not cached: the cache would miss a change of the law.
     """
     f[:] = 0.0
     z0, z1 = surface - p0[1], surface - p1[1]
-    x, y = 0.5 * (p0[0] + p1[0]), 0.5 * (p0[1] + p1[1])
-    if z0 <= 0.0 and z1 <= 0.0:
-        if follow:
-            anchor[0], anchor[1] = x, y
+    a, b = immersed_interval(z0, z1)
+    if a == b:
         return False
-    if follow:
-        anchor[0], anchor[1] = component_return(x, y, anchor[0], anchor[1], m)
-    cx, cy = p1[0] - p0[0], p1[1] - p0[1]
-    strip_force(z0, z1, cx, cy, v0[0], v0[1], v1[0], v1[1], x - anchor[0], y - anchor[1], run, m, f)
+    strip_force(
+        a, b, z0, z1, p1[0] - p0[0], p1[1] - p0[1], v0[0], v0[1], v1[0], v1[1],
+        p0[0] - a0[0], p0[1] - a0[1], p1[0] - a1[0], p1[1] - a1[1], run, m, f,
+    )  # fmt: skip
     return True
+
+
+@njit
+def follow(points, anchors, surface, m):
+    """Move the anchors (n, 2) m after a step that ended with the stations of a line at points (n, 2 or more) m.
+
+    At the ends of strips that are immersed they are dragged along, elsewhere they go with their station.
+    """
+    n = points.shape[0]
+    for i in range(n):
+        sticks = False
+        for k in range(max(0, i - 1), min(n, i + 2)):
+            sticks = sticks or points[k, 1] < surface
+        x, y = points[i, 0], points[i, 1]
+        if sticks:
+            x, y = component_return(x, y, anchors[i, 0], anchors[i, 1], m)
+        anchors[i, 0], anchors[i, 1] = x, y

@@ -41,6 +41,7 @@ from . import (
     SURFACE,
     YOUNGS_MODULUS,
     Path,
+    follow,
     sand_on_strip,
 )
 
@@ -100,9 +101,12 @@ class RigidRoot(elastica.ConstraintBase):
 @njit
 def weight_and_sand(x, v, mass, anchors, surface, m, forces, f):
     """Add weight and sand to the nodal forces (3, n + 1) (N), once per step; node 0 belongs to the root."""
+    follow(x.T, anchors, surface, m)
     for k in range(1, mass.shape[0]):
         forces[1, k] -= GRAVITY * mass[k]
-        if sand_on_strip(x[:, k - 1], x[:, k], v[:, k - 1], v[:, k], anchors[k - 1], True, surface, BAR, m, f):
+        if sand_on_strip(
+            x[:, k - 1], x[:, k], v[:, k - 1], v[:, k], anchors[k - 1], anchors[k], surface, BAR, m, f
+        ):  # fmt: skip
             for end in range(2):
                 for term in range(3):
                     forces[0, k - 1 + end] += f[term, end, 0]
@@ -186,8 +190,7 @@ def assemble(
     if inertia <= 0.0:
         raise ValueError(f"rotary_scale = {rotary_scale}: the root cannot give up that much inertia, use a smaller one")
     pendulum.constrain(rod).using(RigidRoot, ROOT - 0.5 * h, -RATE, step, inertia)
-    x = rod.position_collection
-    anchors = 0.5 * (x[:2, 1:] + x[:2, :-1]).T.copy()
+    anchors = rod.position_collection[:2].T.copy()
     pendulum.add_forcing_to(rod).using(WeightAndSand, anchors, surface)
     pendulum.finalize()
     return pendulum, rod

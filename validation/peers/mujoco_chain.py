@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from numba import carray, cfunc, njit, types
 
-from . import BAR, GRAVITY, SAND, Path, sand_on_strip
+from . import BAR, GRAVITY, SAND, Path, follow, sand_on_strip
 from .mujoco_pendulum import DISABLED, _array, _pointer
 
 # Rows of the address table: counters first, then addresses of arrays.
@@ -33,11 +33,11 @@ def sand_on_links(table):
     first = table[CALLS] % table[STAGES] == 0
     q, v, a, out = _array(table[Q], n), _array(table[V], n), _array(table[A], n), _array(table[OUT], n)
     lead, surface, length = _array(table[PARAMETERS], 3)
-    anchors, forces = _array(table[ANCHORS], (n * strips, 2)), _array(table[FORCES], (3, 2, 2))
+    anchors, forces = _array(table[ANCHORS], (n * strips + 1, 2)), _array(table[FORCES], (3, 2, 2))
     points, loads = _array(table[POINTS], (n * strips + 1, 4)), _array(table[LOADS], (n * strips + 1, 2))
     angle = rate = 0.0
     points[0, :] = 0.0
-    loads[0, :] = 0.0
+    loads[:] = 0.0
     j = 0
     for k in range(n):
         angle += q[k]
@@ -46,15 +46,17 @@ def sand_on_links(table):
         for _ in range(strips):
             points[j + 1, 0], points[j + 1, 1] = points[j, 0] + cx, points[j, 1] + cy
             points[j + 1, 2], points[j + 1, 3] = points[j, 2] + rate * cy, points[j, 3] - rate * cx
-            loads[j + 1, 0] = loads[j + 1, 1] = 0.0
-            if sand_on_strip(
-                points[j, :2], points[j + 1, :2], points[j, 2:], points[j + 1, 2:],
-                anchors[j], first, surface, BAR, SAND, forces,
-            ):  # fmt: skip
-                for end in range(2):
-                    for xy in range(2):
-                        loads[j + end, xy] += forces[0, end, xy] + forces[1, end, xy] + forces[2, end, xy]
             j += 1
+    if first:
+        follow(points, anchors, surface, SAND)
+    for i in range(j):
+        if sand_on_strip(
+            points[i, :2], points[i + 1, :2], points[i, 2:], points[i + 1, 2:],
+            anchors[i], anchors[i + 1], surface, BAR, SAND, forces,
+        ):  # fmt: skip
+            for end in range(2):
+                for xy in range(2):
+                    loads[i + end, xy] += forces[0, end, xy] + forces[1, end, xy] + forces[2, end, xy]
     # A strip's force on the joint between two links passes through the hinge, so it belongs to either.
     fx = fy = moment = 0.0  # of everything beyond point j, moment clockwise about it
     for k in range(n - 1, -1, -1):
@@ -117,14 +119,14 @@ def run(
     model = mujoco.MjModel.from_xml_string(model_xml(masses, inertia, length, step, integrator))
     data = mujoco.MjData(model)
     angle, rate = start
-    middles = (np.arange(links * strips) + 0.5) * length / strips
+    stations = np.arange(links * strips + 1) * length / strips
     arrays = {
         Q: data.qpos,
         V: data.qvel,
         A: data.qacc,
         OUT: data.qfrc_passive if native else data.qfrc_applied,
         PARAMETERS: np.array([0.5 * step if leapfrog else 0.0, surface, length]),
-        ANCHORS: np.column_stack((middles * math.cos(angle), -middles * math.sin(angle))),
+        ANCHORS: np.column_stack((stations * math.cos(angle), -stations * math.sin(angle))),
         POINTS: np.zeros((links * strips + 1, 4)),
         FORCES: np.zeros((3, 2, 2)),
         LOADS: np.zeros((links * strips + 1, 2)),

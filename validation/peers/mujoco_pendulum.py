@@ -37,6 +37,7 @@ from . import (
     SAND,
     SURFACE,
     Path,
+    follow,
     sand_on_strip,
     segment_inertia,
 )
@@ -77,7 +78,7 @@ def sand_on_chain(table):
     q, v, a = _array(table[Q], n), _array(table[V], n), _array(table[A], n)
     out, lengths = _array(table[OUT], n), _array(table[LENGTHS], n)
     lead, surface = _array(table[PARAMETERS], 2)
-    anchors, forces = _array(table[ANCHORS], (n, 2)), _array(table[FORCES], (3, 2, 2))
+    anchors, forces = _array(table[ANCHORS], (n + 1, 2)), _array(table[FORCES], (3, 2, 2))
     nodes = _array(table[NODES], (n + 1, 4))  # x, y, v_x, v_y
     angle, rate = q[0], v[0] + lead * a[0]
     nodes[0, 0], nodes[0, 1] = ROOT * math.cos(angle), -ROOT * math.sin(angle)
@@ -89,11 +90,13 @@ def sand_on_chain(table):
         cx, cy = lengths[k] * math.cos(angle), -lengths[k] * math.sin(angle)
         nodes[k + 1, 0], nodes[k + 1, 1] = nodes[k, 0] + cx, nodes[k, 1] + cy
         nodes[k + 1, 2], nodes[k + 1, 3] = nodes[k, 2] + rate * cy, nodes[k, 3] - rate * cx
+    if first:
+        follow(nodes, anchors, surface, SAND)
     fx = fy = moment = 0.0  # resultant of everything beyond node k, moment clockwise about it
     for k in range(n - 1, -1, -1):
         if sand_on_strip(
             nodes[k, :2], nodes[k + 1, :2], nodes[k, 2:], nodes[k + 1, 2:],
-            anchors[k], first, surface, BAR, SAND, forces,
+            anchors[k], anchors[k + 1], surface, BAR, SAND, forces,
         ):  # fmt: skip
             fx += forces[0, 1, 0] + forces[1, 1, 0] + forces[2, 1, 0]
             fy += forces[0, 1, 1] + forces[1, 1, 1] + forces[2, 1, 1]
@@ -183,7 +186,7 @@ def run(
     data = mujoco.MjData(model)
     lengths = span_lengths(segments)
     n = len(lengths)
-    middles = ROOT + np.cumsum(lengths) - 0.5 * lengths
+    stations = ROOT + np.concatenate([[0.0], np.cumsum(lengths)])
     arrays = {
         Q: data.qpos,
         V: data.qvel,
@@ -191,7 +194,7 @@ def run(
         OUT: data.qfrc_applied if callback == "step" else data.qfrc_passive,
         LENGTHS: lengths,
         PARAMETERS: np.array([0.5 * step if leapfrog else 0.0, SURFACE if sand else NO_SURFACE]),
-        ANCHORS: np.column_stack((middles * math.cos(ANGLE), -middles * math.sin(ANGLE))),
+        ANCHORS: np.column_stack((stations * math.cos(ANGLE), -stations * math.sin(ANGLE))),
         NODES: np.zeros((n + 1, 4)),
         FORCES: np.zeros((3, 2, 2)),
         TIPS: np.zeros((steps + 1, 2)),
