@@ -171,6 +171,9 @@ def summary(data: dict[str, Array], stopping: float | None, at_stop: float | Non
         "angle_at_stop_deg": at_stop,
         "max_depth_m": float(np.max(data["depth_m"])) if "depth_m" in data else None,
         "max_deflection_m": float(np.max(np.abs(data["deflection_m"]))) if "deflection_m" in data else None,
+        "max_deflection_time_s": (
+            float(data["time_s"][np.argmax(np.abs(data["deflection_m"]))]) if "deflection_m" in data else None
+        ),
         "energy": energy,
         "cost": {"solve_s": 0.2, "steps": len(data["time_s"]), "newton_iterations": 2, "load_calls": 3},
         "versions": {"granular-contact": "0.1.0", "numpy": "2.0"},

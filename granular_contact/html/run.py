@@ -141,7 +141,7 @@ def _contacts(contacts: dict[str, list[list[float]]]) -> Markup | None:
         more = [f"and {len(spans) - MOST_CONTACTS} more"] if len(spans) > MOST_CONTACTS else []
         rows.append([body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(told + more)])
     head = ["body", "contacts", "in all", "when"]
-    return parts.table("When the medium acted on each body.", head, rows) if rows else None
+    return parts.table("When each body was in the medium.", head, rows) if rows else None
 
 
 def _scenario(folder: Folder, command: str) -> Markup | None:

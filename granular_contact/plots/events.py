@@ -18,7 +18,8 @@ def mark_events(results: Results, panels: list[Axes]) -> None:
         _above(panels[0], 1.0, _ending(results))
         return
     first, last = results["time_s"][[0, -1]]
-    factor, touch, stopping = time_unit(results).factor, _touch(results), results.summary.get("stopping_time_s")
+    factor, stopping = time_unit(results).factor, results.summary.get("stopping_time_s")
+    touch = float(first) if results.summary.get("touch_time_s") is None else results.summary["touch_time_s"]
     begin = (touch - first) / (last - first)
     end = 1.0 if stopping is None else (touch + stopping - first) / (last - first)
     if 0.01 < begin < 1:
@@ -65,11 +66,3 @@ def _ending(results: Results) -> str:
     # What is driven has no stop to look for.
     measured = results.summary.get("stopping_time_measure", "") is not None
     return words.get(results.status.code, "no stop" if measured else "")
-
-
-def _touch(results: Results) -> float:
-    """Instant (s) of the snapshot at touch, else of the first row."""
-    for shot in results.snapshots:
-        if shot.label == "touch":
-            return shot.time
-    return float(results["time_s"][0])
