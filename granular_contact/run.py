@@ -17,7 +17,7 @@ from granular_contact.results import Column, Cost, Outline, Progress, Results, S
 from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Reduced, Scene, Vector
 from granular_contact.stopping import Stop
-from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Extremes, Touch, extremes, find_touch, summarise
+from granular_contact.summary import REST_MEASURE, STOP_MEASURE, Extremes, Touch, extremes, find_touch, summarise
 
 if TYPE_CHECKING:
     from granular_contact.multibody.history import LoadHistory
@@ -152,7 +152,7 @@ def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, 
         trajectory.status,
         trajectory.cost,
         *observer.columns(),
-        stop=lambda touch: stop_after(observer, touch.index),
+        stop=lambda touch: stop_after(observer, touch),
         outlines=observer.outlines,
         pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
         loads={} if trajectory.load is None else _by_body(trajectory.load),
@@ -252,8 +252,6 @@ def _rows(time: Vector, interval: float | None) -> Any:
 
 def _measure(scene: Scene) -> str | None:
     """What stopping means for a mechanism; None where it means nothing."""
-    if scene.drives:
+    if scene.drives or all(joint.kind == "weld" for joint in scene.connections):
         return None
-    if scene.floating is not None:
-        return FALL_MEASURE
-    return None if scene.pivot is None else STOP_MEASURE
+    return REST_MEASURE if scene.pendulum is None else STOP_MEASURE

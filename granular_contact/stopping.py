@@ -1,4 +1,4 @@
-"""When a mechanism stops: the first zero of its rate, found inside a step from the side before the stop.
+"""When a pendulum stops: the first zero of its rate, found inside a step from the side before the stop.
 
 At the stop the static resistance turns round, so values after it tell nothing about when it came. The last step before
 it has the rate and its derivative, from the moments that act; with the derivative one step earlier the zero of a
@@ -17,10 +17,10 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stop:
-    """Time (s) since the start and angle (rad) there; time of the first zero of the angle's own rate, if it has one."""
+    """Time (s) since the start and angle (rad) there, of what has one; time of the first zero of its own rate."""
 
     time: float
-    angle: float
+    angle: float | None
     hub_time: float | None
 
 

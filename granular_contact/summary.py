@@ -19,7 +19,7 @@ from granular_contact.stopping import Stop
 Vector = NDArray[np.float64]
 
 STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
-FALL_MEASURE = "from touch to the first zero of the vertical velocity of the lower end"
+REST_MEASURE = "from touch until all of it came to rest, and stayed there"
 STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
 WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J", "floor_work_J")
 IMBALANCE_LIMIT = 1e-2  # of the largest energy; a run beyond it carries a warning
@@ -89,7 +89,7 @@ def summarise(
         "hub_stopping_time_s": (
             None if stop is None or touch is None or stop.hub_time is None else stop.hub_time - touch.time
         ),
-        "angle_at_stop_deg": None if stop is None else float(np.degrees(stop.angle)),
+        "angle_at_stop_deg": None if stop is None or stop.angle is None else float(np.degrees(stop.angle)),
         "max_depth_m": None if depth is None else depth[0],
         "max_deflection_m": None if deflection is None else abs(deflection[0]),
         "max_deflection_time_s": None if deflection is None else deflection[1],

@@ -119,7 +119,7 @@ def test_instants_left_out_change_no_number(name: str, monkeypatch: pytest.Monke
 
     What moves then is only how numbers are read. In a gap of length H everything moves by speed x H, and all work by
     its share of the time; what is read to the second order is off by the share that H is of the time constants of the
-    motion, tens of gaps: 5 % of a gap. What vibrates has as few as ten steps a period: what tells of that, to half a gap.
+    motion, tens of gaps: 5 % of a gap. What vibrates has ten steps a period: half a gap.
     """
     scenario = load_scenario(CONFIGS / f"{name}.yaml", [*SHORT.get(name, ()), "output.figures=false"])
     scene = build(scenario)

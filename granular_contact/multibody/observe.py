@@ -277,8 +277,9 @@ class Observer:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
-        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
-        return series.forces(self.terms, terms, pivot)
+        if self.scene.pivot is None:
+            return series.forces(self.terms, terms, None, self.common_center[0])
+        return series.forces(self.terms, terms, self.scene.pivot.parent_point)
 
     def _energies(self) -> series.Series:
         t = self.trajectory

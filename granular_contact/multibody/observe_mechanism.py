@@ -104,7 +104,11 @@ def joint_energies(observer: Observer) -> dict[str, Vector]:
 
 def key_numbers(observer: Observer) -> dict[str, Any]:
     """Contacts of every body whose motion is reported; of what is driven and can travel, how far and at what cost."""
+    from granular_contact.multibody.stop import penetration_time
+
     numbers: dict[str, Any] = {}
+    if (sinking := penetration_time(observer)) is not None:
+        numbers["penetration_time_s"] = sinking
     load = observer.trajectory.load
     if observer.scene.body_columns and load is not None:
         numbers["contacts"] = {label(name): _contacts(observer, name) for name in load.body_names}

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from granular_contact.plots.style import FAINT
 from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
+from granular_contact.summary import REST_MEASURE
 from granular_contact.units import minus
 
 
@@ -32,7 +33,8 @@ def mark_events(results: Results, panels: list[Axes]) -> None:
         _vertical(panels, (touch + stopping) * factor, (0, (5, 2)))
         angle = results.summary.get("angle_at_stop_deg")
         at = "" if angle is None else f" at {minus(f'{angle:.2f}')}°"
-        _above(panels[0], end, f"stops after {instant(results, stopping)}{at}")
+        does = "at rest" if results.summary.get("stopping_time_measure") == REST_MEASURE else "stops"
+        _above(panels[0], end, f"{does} after {instant(results, stopping)}{at}")
 
 
 def _vertical(panels: list[Axes], time: float, kind: Any) -> None:
@@ -64,5 +66,6 @@ def _ending(results: Results) -> str:
         "time_limit": f"out of time at {last}",
     }
     # What is driven has no stop to look for.
-    measured = results.summary.get("stopping_time_measure", "") is not None
-    return words.get(results.status.code, "no stop" if measured else "")
+    measure = results.summary.get("stopping_time_measure", "")
+    none = "" if measure is None else "not at rest" if measure == REST_MEASURE else "no stop"
+    return words.get(results.status.code, none)

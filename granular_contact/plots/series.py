@@ -13,6 +13,7 @@ from granular_contact.plots.panels import curve, finish, fitting_columns, stacke
 from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
 from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
+from granular_contact.series import CENTRAL_MOMENT, MOMENT
 from granular_contact.units import Array, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
@@ -43,15 +44,17 @@ def deflection(results: Results) -> Figure:
 
 
 def forces(results: Results) -> Figure:
-    """The terms of the granular force and their sum over time: horizontal, vertical, moment about the pivot."""
+    """The terms of the granular force and their sum over time: horizontal, vertical, and their moment."""
     figure, panels, time = stacked(results, 118.0, (1, 1, 1))
     both = [results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]
     newton = unit_for(np.concatenate(both), "N")
-    moment = unit_for(np.concatenate([results[f"{term}_moment_Nm"] for term in results.terms]), "N·m")
+    pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
+    turning, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
+    moment = unit_for(np.concatenate([results[f"{term}_{turning}"] for term in results.terms]), "N·m")
     rows = (
         ("force_x_N", newton, "horizontal force"),
         ("force_y_N", newton, "vertical force"),
-        ("moment_Nm", moment, "moment about pivot"),
+        (turning, moment, f"moment about {about}"),
     )
     for axes, (column, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)
