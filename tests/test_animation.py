@@ -84,8 +84,8 @@ def test_frames_show_the_motion_of_the_table(way: str) -> None:
         tip = frame.outlines[-1].points[-1]
         at = min(frame.time, end)
         table = [np.interp(at, time, results[name]) for name in ("tip_x_m", "tip_y_m")]
-        # Frames follow cubics, the line here is the chord of a step of 0.2 ms, from which an arc of 6 rad/s leaves it by
-        # 0.26 m x (1.2e-3)^2 / 8 = 5e-8 m, and the vibration of the tip by 1e-4 m x (1e3 rad/s x 0.2 ms)^2 / 8 = 5e-7 m.
+        # Frames follow cubics, the line here is the chord of a step of 0.2 ms, from which an arc of 6 rad/s leaves it
+        # by 0.26 m x (1.2e-3)^2 / 8 = 5e-8 m, and vibration of 0.1 mm at 1e3 rad/s by 1e-4 m x 0.2^2 / 8 = 5e-7 m.
         np.testing.assert_allclose(tip, table, atol=6e-7)
     assert results.frames[0].outlines[-1].points[-1][1] - results.frames[-1].outlines[-1].points[-1][1] > 1e-2
 

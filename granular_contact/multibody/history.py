@@ -20,7 +20,8 @@ class LoadHistory:
     negative above the surface; of the immersed stations speed (n,) m/s of the fastest, lowest (n,) m height of the
     lowest point, left, right (n,) m the extreme x, infinite while none is immersed;
     terms (n, terms, 3): for each of `term_names` its resultant x, y (N) and its moment about the world origin (N m,
-    right-handed about z, so counter-clockwise, as the engine's; the tables of runs have it clockwise); bodies (n, bodies, 3): the same of all terms together, for each of `body_names`.
+    right-handed about z as the engine has it, so counter-clockwise; tables of runs have it clockwise); bodies
+    (n, bodies, 3): the same of all terms together, for each of `body_names`.
     """
 
     time: Vector

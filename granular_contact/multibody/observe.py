@@ -13,6 +13,7 @@ from granular_contact.interpolation import Track, rates
 from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
 from granular_contact.multibody import observe_mechanism as mechanism
+from granular_contact.multibody.joint_history import JointForces
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
@@ -126,6 +127,11 @@ class Observer:
     def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
         """Torque or force of every drive (n,), and its power (n,) W, by joint."""
         return {drive.joint: mechanism.drive_force(self, drive) for drive in self.scene.drives}
+
+    @cached_property
+    def joint_forces(self) -> dict[str, JointForces]:
+        """What every spring, damper, stop and friction did, by joint."""
+        return mechanism.all_joint_forces(self)
 
     @cached_property
     def speeds(self) -> Vector:

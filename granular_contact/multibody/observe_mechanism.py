@@ -9,7 +9,7 @@ import numpy as np
 from granular_contact import series
 from granular_contact.energy import accumulate
 from granular_contact.interpolation import above_zero, at_times, positive_part
-from granular_contact.multibody.joint_history import drive_history, joint_history
+from granular_contact.multibody.joint_history import JointForces, drive_history, joint_forces, joint_history
 from granular_contact.scene.types import Connection, Drive, Vector
 
 if TYPE_CHECKING:
@@ -77,11 +77,20 @@ def _body_forces(observer: Observer) -> dict[str, Vector]:
     return {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
 
+def all_joint_forces(observer: Observer) -> dict[str, JointForces]:
+    """What acts in every joint, by its name, but for drives; only of joints in which something does."""
+    held = {name: load.first_anchor for name, load in observer.system.loads.items()}
+    return {
+        joint.name: joint_forces(joint.law, held.get(joint.name, 0.0), *observer.coordinate(joint))
+        for joint in observer.scene.connections
+        if not joint.law.is_idle
+    }
+
+
 def joint_energies(observer: Observer) -> dict[str, Vector]:
     """What joints store, and the work done in them; only of what the mechanism has."""
     joints, t = [joint for joint in observer.scene.connections if not joint.law.is_idle], observer.trajectory
-    held = {name: load.first_anchor for name, load in observer.system.loads.items()}
-    done = [joint_history(j.law, held.get(j.name, 0.0), t.time, *observer.coordinate(j)) for j in joints]
+    done = [joint_history(observer.joint_forces[j.name], t.time, observer.coordinate(j)[1]) for j in joints]
     laws = [joint.law for joint in joints]
     energies = {}
     if any(law.stiffness > 0.0 or law.has_stops for law in laws):

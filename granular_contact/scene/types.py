@@ -365,6 +365,14 @@ class Scene:
         return next((drive for drive in self.drives if drive.joint == joint), None)
 
 
+def turned(clockwise_deg: float) -> float:
+    """Angle (rad) as scenes have it, counter-clockwise, of one of a config (deg), clockwise.
+
+    Here alone fixed angles change their sense; coordinates of hinges stay clockwise, see `layout.pose`.
+    """
+    return -math.radians(clockwise_deg)
+
+
 def rotation(angle: float) -> NDArray[np.float64]:
     """Matrix (2, 2) that turns counter-clockwise by angle (rad)."""
     c, s = math.cos(angle), math.sin(angle)

@@ -30,7 +30,9 @@ def test_a_chain_whose_first_link_still_falls_has_no_stopping_time() -> None:
     assert run.summary["stopping_time_measure"] == REST_MEASURE
 
 
-@pytest.mark.parametrize("case", [CHAIN.format(surface=-0.1, rate=0, elbow=-40, end=2.0), "double_pendulum", "free_link"])
+@pytest.mark.parametrize(
+    "case", [CHAIN.format(surface=-0.1, rate=0, elbow=-40, end=2.0), "double_pendulum", "free_link"]
+)
 def test_a_stopping_time_of_many_parts_is_that_of_rest(case: str) -> None:
     """After it no joint and no body moves: the rest speed is 1 mm/s, of points no nearer to a joint than 1 mm."""
     run = simulate(case, "solver.end_time_s=2")
