@@ -93,9 +93,8 @@ class Observer:
         if joint.parent is not None:
             on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
         way, speed = on_child - on_parent, child_speed - parent_speed
-        # The axis turns with the parent.
-        along = np.sum(axis * speed, axis=1) + parent_rate * (axis[:, 0] * way[:, 1] - axis[:, 1] * way[:, 0])
-        return np.sum(axis * way, axis=1), along
+        # The axis turns with the parent; as the way lies along it, that turning has no part in the speed along it.
+        return np.sum(axis * way, axis=1), np.sum(axis * speed, axis=1)
 
     def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 2) m of a body, and its velocity."""

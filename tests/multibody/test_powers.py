@@ -224,7 +224,7 @@ model:
     bob: {type: link, length_m: 0.05, diameter_m: 0.01, density_kg_m3: 7700}
   joints:
     pin: {type: hinge, parent: ground, child: arm}
-    rail: {type: slider, parent: arm, child: bob, parent_point_m: [0.1, 0.02], child_point_m: [0.01, 0.03], axis: [1, 2]}
+    rail: {type: slider, parent: arm, child: bob, parent_point_m: [0.1, 0.02], child_point_m: [0, 0.03], axis: [1, 2]}
 gravity_m_s2: 0
 initial: {joints: {pin: {rate_rad_s: 6}, rail: {position_m: 0.05, speed_m_s: 0.3}}}
 solver: {end_time_s: 0.2, step_s: 1e-4, rest_time_s: null, tolerance: 1e-10}
