@@ -257,3 +257,25 @@ def test_work_put_in_counts_what_a_drive_gives_and_not_what_it_takes_back() -> N
     way = 3.0 / (MASS * omega) * 0.1
     assert summary["distance_m"] == pytest.approx(way, rel=1e-4)
     assert summary["cost_of_transport"] == pytest.approx(given / (MASS * 5.0 * way), rel=2e-4)
+
+
+@pytest.mark.parametrize("element", ["spring: {stiffness_N_per_m: 60}", "damping_N_s_per_m: 2"])
+def test_tangent_of_what_acts_in_a_joint_is_the_derivative_of_its_force(element: str) -> None:
+    """Central differences at a place off the start; a slider on what turns has a curved coordinate."""
+    scene = build(scenario_of(MERRY_GO_ROUND.replace("axis: [1, 2]", f"axis: [1, 2], {element}")))
+    system = build_system(scene)
+    system.mbs.Assemble()
+    load = system.loads["rail"]
+    draw = np.random.default_rng(3)
+    q, v = 0.1 * draw.standard_normal(6), draw.standard_normal(6)
+
+    def force(q: Array, v: Array) -> Array:
+        return np.array(load._force(None, 0.0, 0, q.tolist(), v.tolist()))
+
+    step = 1e-6
+    by_q = np.column_stack([(force(q + one, v) - force(q - one, v)) / (2.0 * step) for one in step * np.eye(6)])
+    by_v = np.column_stack([(force(q, v + one) - force(q, v - one)) / (2.0 * step) for one in step * np.eye(6)])
+    for place, speed, exact in ((1.0, 0.0, by_q), (0.0, 1.0, by_v)):
+        got = load._jacobian(None, 0.0, 0, q.tolist(), v.tolist(), place, speed).Convert2DenseMatrix()
+        # Round-off of differences: 1e-16 / 1e-6 of the force, and the square of the step.
+        np.testing.assert_allclose(-np.array(got), exact, atol=1e-7 * max(np.abs(by_q).max(), 1.0))
