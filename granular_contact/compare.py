@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
+from granular_contact.interpolation import at_times, rates
 from granular_contact.report import COMPARISON, FIGURES, SCENARIO, SUMMARY, json_text, scenario_text, whole_folder
 from granular_contact.results import FINISHED, Results
 from granular_contact.run import run, uninterrupted
@@ -29,6 +30,7 @@ Vector = NDArray[np.float64]
 MODES, ELEMENTS = (0, 1, 2, 5), (4, 8, 16, 32)
 MOST_MODES, MOST_ELEMENTS = 20, 1024
 HISTORIES = "histories.png"
+EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how many rows are kept
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,7 @@ def compare(
     for model in models(path, modes, elements, overrides):
         if progress is not None:
             progress(model.name)
-        scenario = load(path, [*overrides, *model.overrides]).scenario
+        scenario = load(path, [*overrides, *model.overrides, EVERY_STEP]).scenario
         scene = build(scenario)
         tries = [uninterrupted(run(scene, scenario)) for _ in range(repeats + 1)]
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
@@ -199,7 +201,8 @@ def _rms(results: Results, reference: Results, column: str) -> float | None:
         return None
     end = min(results["time_s"][-1], reference["time_s"][-1])
     time = np.linspace(0.0, end, 2001)
-    mine, exact = (np.interp(time, one["time_s"], one[column]) for one in (results, reference))
+    known = [(one["time_s"], one[column]) for one in (results, reference)]
+    mine, exact = (at_times(*one, rates(*one), time) for one in known)
     return float(np.sqrt(np.mean((mine - exact) ** 2)))
 
 

@@ -10,13 +10,14 @@ import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.frames import Pictures, frames, instants, resample
+from granular_contact.interpolation import Track, at_times
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import term_names
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Reduced, Scene, Vector
 from granular_contact.stopping import Stop
-from granular_contact.summary import FALL_MEASURE, STOP_MEASURE, Touch, find_touch, summarise
+from granular_contact.summary import REST_MEASURE, STOP_MEASURE, Extremes, Touch, extremes, find_touch, summarise
 
 if TYPE_CHECKING:
     from granular_contact.multibody.history import LoadHistory
@@ -54,7 +55,8 @@ def run(
         solved = _solved(scene, progress, inspect)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    touch = find_touch(time, series["depth_m"]) if scene.media else None
+    greatest = extremes(time, solved.depths, solved.deflection)
+    touch = find_touch(time, solved.depths) if scene.media else None
     stop = None if touch is None else solved.stop(touch)
     moments = {
         "touch": 0 if touch is None else touch.index,
@@ -62,13 +64,13 @@ def run(
         "end": len(time) - 1,
     }
     least = scene.force_scale * scene.least_way
-    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene), least)
+    summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, greatest, _measure(scene), least)
     summary |= solved.more
     summary["warnings"] += [
         *solved.doubts,
         *_limits(scene, solved.reach),
         *_buried(scene, series),
-        *_missed(scene, series),
+        *_missed(scene, greatest),
     ]
     if scene.stiff:
         summary["too_stiff_to_bend"] = list(scene.stiff)
@@ -102,7 +104,8 @@ class _Solved:
     """What every way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
     pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
-    terms; reach: None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
+    terms; depths (m) of all points that can meet the medium, and the deflection (m) of the last flexible link; reach:
+    None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
     """
 
     status: Status
@@ -114,6 +117,8 @@ class _Solved:
     pictures: Callable[[Vector], Pictures]
     loads: dict[str, Vector]
     terms: tuple[str, ...]
+    depths: list[Track]
+    deflection: Track | None
     reach: Reach | None
     more: dict[str, Any]
     doubts: tuple[str, ...] = ()
@@ -154,11 +159,13 @@ def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, 
         trajectory.status,
         trajectory.cost,
         *observer.columns(),
-        stop=lambda touch: stop_after(observer, touch.index),
+        stop=lambda touch: stop_after(observer, touch),
         outlines=observer.outlines,
         pictures=lambda at: _pictures(lambda sampled: Observer(system, sampled), trajectory, at),
         loads={} if trajectory.load is None else _by_body(trajectory.load),
         terms=observer.terms,
+        depths=observer.all_depths(),
+        deflection=observer.deflection(),
         reach=observer.reach(),
         more=key_numbers(observer) | _chosen_strips(scene, trajectory),
         doubts=_doubts(observer) if scene.method is None else (),
@@ -198,6 +205,8 @@ def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solve
         pictures=lambda at: _pictures(lambda sampled: Observer(reduced, sampled), trajectory, at),
         loads={"": trajectory.terms.sum(axis=1)},
         terms=term_names(scene.media),
+        depths=observer.all_depths(),
+        deflection=observer.deflection(),
         reach=observer.reach(),
         more={"static_turns": trajectory.turns},
     )
@@ -215,9 +224,9 @@ def _buried(scene: Scene, series: dict[str, Vector]) -> list[str]:
     return [f"it starts {depth:.4g} m below the surface, as if it had been laid there without moving a grain"]
 
 
-def _missed(scene: Scene, series: dict[str, Vector]) -> list[str]:
+def _missed(scene: Scene, greatest: Extremes) -> list[str]:
     """Of a run that never touched its medium, which is hardly what was meant."""
-    nearest = float(np.max(series["depth_m"])) if scene.media and "depth_m" in series else 0.0
+    nearest = greatest.depth[0] if scene.media and greatest.depth is not None else 0.0
     if not nearest < -NOTHING:
         return []
     return [f"it never touched the medium: its deepest point came within {-nearest:.4g} m of the surface"]
@@ -229,7 +238,7 @@ def _by_body(load: LoadHistory) -> dict[str, Vector]:
 
 def _pictures(observer: Callable[[Any], Any], trajectory: Any, at: Vector) -> Pictures:
     """Outlines at times between the steps of a trajectory of any way of solving, as its observer draws them."""
-    q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
+    q, v = at_times(trajectory.time, trajectory.q, trajectory.v, at), resample(trajectory.time, trajectory.v, at)
     seen = observer(replace(trajectory, time=at, q=q, v=v))
     return [seen.outlines(i) for i in range(len(at))]
 
@@ -259,8 +268,6 @@ def _rows(time: Vector, interval: float | None) -> Any:
 
 def _measure(scene: Scene) -> str | None:
     """What stopping means for a mechanism; None where it means nothing."""
-    if scene.drives:
+    if scene.drives or all(joint.kind == "weld" for joint in scene.connections):
         return None
-    if scene.floating is not None:
-        return FALL_MEASURE
-    return None if scene.pivot is None else STOP_MEASURE
+    return REST_MEASURE if scene.pendulum is None else STOP_MEASURE

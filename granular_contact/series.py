@@ -1,4 +1,8 @@
-"""Columns of the time series, the same for every way of solving a scene: names, units, descriptions, signs."""
+"""Columns of the time series, the same for every way of solving a scene: names, units, descriptions, signs.
+
+All that turns is positive clockwise, angles, rates and moments alike, so that moment times rate is a power (see
+models/README.md).
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,8 @@ from granular_contact.results import Column
 Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
+# Of a term of the medium's force: about the pivot, or about the centre of mass of what has none.
+MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
 SPRING = "spring_J"
 JOINT_ENERGIES = {  # columns that a run has if its joints or its bed have such things
     SPRING: "energy in the springs and stops of joints",
@@ -66,14 +72,14 @@ def body(name: str, center: Vector, angle: Vector, velocity: Vector, spin: Vecto
 
 
 def body_force(name: str, force: Vector, center: Vector) -> Series:
-    """Force of the medium on a body, (n, 3): x, y (N), moment about the origin (N m); its centre of mass (n, 2) m."""
-    fx, fy, moment = force.T
+    """Force of the medium on a body, (n, 3) as of `clockwise_moment`; its centre of mass (n, 2) m."""
+    fx, fy, _ = force.T
     return {
         f"{name}_granular_x_N": (f"force of the medium on {name}, horizontal", fx),
         f"{name}_granular_y_N": (f"force of the medium on {name}, upward", fy),
         f"{name}_granular_moment_Nm": (
-            f"moment of that force about the centre of mass of {name}, counter-clockwise",
-            moment - (center[:, 0] * fy - center[:, 1] * fx),
+            f"moment of that force about the centre of mass of {name}, clockwise positive",
+            clockwise_moment(force, center),
         ),
     }
 
@@ -96,18 +102,34 @@ def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, dept
     return series
 
 
-def forces(names: tuple[str, ...], terms: Vector, pivot: Vector) -> Series:
-    """Forces of the medium, (n, terms, 3): resultant x, y (N) and moment about the origin (N m) of each named term."""
+def clockwise_moment(wrench: Vector, about: Vector) -> Vector:
+    """Moment (n,) N m about points (n, 2) m, or one (2,), clockwise as all of a table turns.
+
+    wrench (n, 3): force x, y (N) and moment about the origin (N m, right-handed: counter-clockwise), as a bed tells it.
+    Here alone moments of the results change their sense.
+    """
+    fx, fy, moment = wrench.T
+    x, y = np.asarray(about).T
+    turned: Vector = x * fy - y * fx - moment
+    return turned
+
+
+def forces(names: tuple[str, ...], terms: Vector, pivot: Vector | None, center: Vector | None = None) -> Series:
+    """Forces of the medium: of each named term (n, terms, 3), as of `clockwise_moment`.
+
+    Moments are about the pivot (2,) m; of a mechanism without one (None) about its centre of mass, center (n, 2) m.
+    """
     series: Series = {}
+    about, column = (pivot, MOMENT) if center is None else (center, CENTRAL_MOMENT)
+    assert about is not None
+    of = "the pivot" if center is None else "the centre of mass of the whole mechanism"
     for i, term in enumerate(names):
-        fx, fy, moment = terms[:, i].T
+        fx, fy, _ = terms[:, i].T
         what = f"{term.replace('_', ' ')} force of the medium"
         series[f"{term}_force_x_N"] = (f"{what}, horizontal", fx)
         series[f"{term}_force_y_N"] = (f"{what}, upward", fy)
-        series[f"{term}_moment_Nm"] = (
-            f"moment of the {what} about the pivot, counter-clockwise",
-            moment - (pivot[0] * fy - pivot[1] * fx),
-        )
+        words = f"moment of the {what} about {of}, clockwise positive"
+        series[f"{term}_{column}"] = (words, clockwise_moment(terms[:, i], about))
     return series
 
 

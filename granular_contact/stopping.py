@@ -1,4 +1,4 @@
-"""When a mechanism stops: the first zero of its rate, found inside a step from the side before the stop.
+"""When a pendulum stops: the first zero of its rate, found inside a step from the side before the stop.
 
 At the stop the static resistance turns round, so values after it tell nothing about when it came. The last step before
 it has the rate and its derivative, from the moments that act; with the derivative one step earlier the zero of a
@@ -17,10 +17,10 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stop:
-    """Time (s) since the start and angle (rad) there; time of the first zero of the angle's own rate, if it has one."""
+    """Time (s) since the start and angle (rad) there, of what has one; time of the first zero of its own rate."""
 
     time: float
-    angle: float
+    angle: float | None
     hub_time: float | None
 
 
@@ -42,8 +42,7 @@ def find_stop(
     i = first_reversal(angle_rate) if hub else None
     hub_time = None
     if i is not None:
-        a, b = angle_rate[i], angle_rate[i + 1]
-        hub_time = float(time[i] + (time[i + 1] - time[i]) * a / (a - b))
+        hub_time = float(time[i]) + _rate_zero(float(time[i + 1] - time[i]), angle[i : i + 2], angle_rate[i : i + 2])
     return Stop(
         time=float(time[k] + tau),
         angle=_hermite(tau / step, step, angle[k], angle[k + 1], angle_rate[k], angle_rate[k + 1]),
@@ -66,6 +65,13 @@ def _parabola_root(value: float, slope: float, curvature: float, step: float) ->
     roots = np.roots([curvature, slope, value]) if curvature != 0.0 else np.array([-value / slope if slope else step])
     real = [float(r.real) for r in np.atleast_1d(roots) if abs(r.imag) <= 1e-12 * abs(r) and r.real > 0.0]
     return min([*real, step])
+
+
+def _rate_zero(step: float, angle: Vector, rate: Vector) -> float:
+    """When in a step the rate is zero, of the cubic through the angles (2,) and rates (2,) at its ends."""
+    rise = 3.0 * (angle[1] - angle[0]) / step - 2.0 * rate[0] - rate[1]
+    bow = rate[0] + rate[1] - 2.0 * (angle[1] - angle[0]) / step
+    return step * _parabola_root(float(rate[0]), 2.0 * float(rise), 3.0 * float(bow), 1.0)
 
 
 def _hermite(xi: float, step: float, a: float, b: float, a_rate: float, b_rate: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import metadata
@@ -11,13 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.interpolation import Track, above_zero, greatest
 from granular_contact.results import Cost, Status
 from granular_contact.stopping import Stop
 
 Vector = NDArray[np.float64]
 
 STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
-FALL_MEASURE = "from touch to the first zero of the vertical velocity of the lower end"
+REST_MEASURE = "from touch until all of it came to rest, and stayed there"
 STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
 WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J", "floor_work_J")
 IMBALANCE_LIMIT = 1e-2  # of the largest energy; a run beyond it carries a warning
@@ -31,16 +33,31 @@ class Touch:
     index: int
 
 
-def find_touch(time: Vector, depth: Vector) -> Touch | None:
-    """First crossing of the surface from depths (n,) m, positive below; None when nothing gets below it."""
-    below = np.flatnonzero(depth > 0.0)
-    if len(below) == 0:
+def find_touch(time: Vector, depths: Sequence[Track]) -> Touch | None:
+    """First crossing of the surface from depths (m) of points, positive below; None when nothing gets below it."""
+    below = above_zero(time, depths)
+    if not below:
         return None
-    k = int(below[0])
-    if k == 0:
-        return Touch(float(time[0]), 0)
-    fraction = -depth[k - 1] / (depth[k] - depth[k - 1])
-    return Touch(float(time[k - 1] + fraction * (time[k] - time[k - 1])), k - 1)
+    first = below[0][0]
+    return Touch(first, int(np.searchsorted(time, first, side="right")) - 1)
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Greatest depth (m, negative above the surface) and deflection (m, with its sign), and when (s) each came."""
+
+    depth: tuple[float, float] | None
+    deflection: tuple[float, float] | None
+
+
+def extremes(time: Vector, depths: Sequence[Track], bend: Track | None) -> Extremes:
+    """What is greatest between the steps of a run, from depths of points and the deflection of a link (n,)."""
+    depth, deflection = (greatest(time, depths) if depths else None), None
+    if bend is not None:
+        other = Track(-bend.values, -bend.rates)
+        (high, at), (low, then) = greatest(time, [bend]), greatest(time, [other])
+        deflection = (high, at) if high >= low else (-low, then)
+    return Extremes(depth, deflection)
 
 
 def summarise(
@@ -50,13 +67,17 @@ def summarise(
     series: dict[str, Vector],
     touch: Touch | None,
     stop: Stop | None,
+    extremes: Extremes,
     measure: str | None = STOP_MEASURE,
     least_energy: float = 0.0,
 ) -> dict[str, Any]:
     """Key numbers of a run from all its accepted steps; series by column name, (n,) each.
 
+    None depends on which steps those are beyond the error of the steps: times, and what is greatest, are found between
+    them (see `interpolation`), and works are integrals over time.
     measure: what stopping means for this mechanism; least_energy (J): that an imbalance is measured against at least.
     """
+    depth, deflection = extremes.depth, extremes.deflection
     imbalance = _relative_imbalance(series, least_energy)
     return {
         "name": name,
@@ -68,9 +89,10 @@ def summarise(
         "hub_stopping_time_s": (
             None if stop is None or touch is None or stop.hub_time is None else stop.hub_time - touch.time
         ),
-        "angle_at_stop_deg": None if stop is None else float(np.degrees(stop.angle)),
-        "max_depth_m": float(np.max(series["depth_m"])) if "depth_m" in series else None,
-        "max_deflection_m": float(np.max(np.abs(series["deflection_m"]))) if "deflection_m" in series else None,
+        "angle_at_stop_deg": None if stop is None or stop.angle is None else float(np.degrees(stop.angle)),
+        "max_depth_m": None if depth is None else depth[0],
+        "max_deflection_m": None if deflection is None else abs(deflection[0]),
+        "max_deflection_time_s": None if deflection is None else deflection[1],
         "energy": _energy(series) | {"imbalance_relative": imbalance},
         "cost": asdict(cost),
         "versions": versions(),

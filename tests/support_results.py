@@ -146,7 +146,7 @@ def make(case: Case | None = None, **changes: Any) -> Results:
         status=Status("rest" if case.stopped else "failed", "came to rest" if case.stopped else "the solver gave up"),
         columns=tuple(Column(name, f"what {name} is") for name in data),
         table=np.column_stack(list(data.values())),
-        summary=summary(data, stopping, at_stop),
+        summary=summary(data, stopping, at_stop, touch),
         scenario={
             "model": "pendulum",
             "gravity_m_s2": [0.0, -9.81],
@@ -161,16 +161,20 @@ def make(case: Case | None = None, **changes: Any) -> Results:
     )
 
 
-def summary(data: dict[str, Array], stopping: float | None, at_stop: float | None) -> dict[str, Any]:
+def summary(data: dict[str, Array], stopping: float | None, at_stop: float | None, touch: float) -> dict[str, Any]:
     energy = {"initial_J": float(data["kinetic_J"][0]), "imbalance_relative": 3.1e-6, "granular_work_J": float("nan")}
     return {
         "status": "rest",
         "message": "came to rest",
         "stopping_time_s": stopping,
         "stopping_time_measure": "from touch until the mean rate is zero",
+        "touch_time_s": touch,
         "angle_at_stop_deg": at_stop,
         "max_depth_m": float(np.max(data["depth_m"])) if "depth_m" in data else None,
         "max_deflection_m": float(np.max(np.abs(data["deflection_m"]))) if "deflection_m" in data else None,
+        "max_deflection_time_s": (
+            float(data["time_s"][np.argmax(np.abs(data["deflection_m"]))]) if "deflection_m" in data else None
+        ),
         "energy": energy,
         "cost": {"solve_s": 0.2, "steps": len(data["time_s"]), "newton_iterations": 2, "load_calls": 3},
         "versions": {"granular-contact": "0.1.0", "numpy": "2.0"},

@@ -104,6 +104,13 @@ def test_a_spinning_ball_does_not_rest() -> None:
     assert summary["status"] == "end_time"
 
 
+def test_a_ball_that_spins_slowly_rests() -> None:
+    """At 0.02 rad/s its rim has 0.5 mm/s: below the 1 mm/s of rest, of which no rate in rad/s tells."""
+    for method in ("engine", "minimal"):
+        results = simulate(BALL_ON_HINGE, "initial.impact_speed_rad_s=0.02", f"method={method}")
+        assert results.summary["status"] == "rest"
+
+
 def test_what_turns_about_nothing_has_no_mean_rate_and_no_stop() -> None:
     results = simulate(CANTILEVER)
     assert "mean_rate_rad_s" not in [column.name for column in results.columns]

@@ -317,7 +317,7 @@ def test_angular_momentum_is_changed_by_the_moments_in_the_table(config: str) ->
     moment = sum(results[f"{t}_moment_Nm"] for t in ("drag", "horizontal_static", "vertical_static"))
     inertia, weight = 1.4955e-3, 0.08593
     angle = np.radians(results["pivot_angle_deg"])
-    expected = -moment + weight * np.cos(angle)  # clockwise positive, as the rate
+    expected = moment + weight * np.cos(angle)  # clockwise positive, as the rate
     impulse = np.sum(0.5 * (expected[1:] + expected[:-1]) * np.diff(results["time_s"]))
     change = inertia * np.diff(results["mean_rate_rad_s"][[0, -1]])[0]
     # Inertia is given to 4e-5 and the bent link changes it by less than 1e-4; trapezoids are good to 1e-5.
@@ -327,7 +327,7 @@ def test_angular_momentum_is_changed_by_the_moments_in_the_table(config: str) ->
 def test_power_in_the_table_is_that_of_the_moments_for_a_rigid_pendulum() -> None:
     results = simulate("pendulum_rigid", "solver.step_s=2e-5", "solver.tolerance=1e-9")
     moment = sum(results[f"{t}_moment_Nm"] for t in ("drag", "horizontal_static", "vertical_static"))
-    power = -moment * results["pivot_rate_rad_s"]
+    power = moment * results["pivot_rate_rad_s"]
     work = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(results["time_s"]))])
     # The pivot holds the velocities of the body to (10 rad/s x 2e-5 s)^2 / 2 = 2e-8 of them.
     np.testing.assert_allclose(results["granular_work_J"], work, atol=1e-6 * np.abs(work).max())

@@ -137,8 +137,8 @@ def simulate(setting: Setting, *more: str) -> Path40:
     observer = Observer(system, trajectory)
     columns, table = observer.columns()
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    touch = find_touch(series["time_s"], series["depth_m"])
-    found = None if touch is None else stop_after(observer, touch.index)
+    touch = find_touch(trajectory.time, observer.all_depths())
+    found = None if touch is None else stop_after(observer, touch)
     if touch is None or found is None:
         raise Failed("it does not stop within 40 ms")
     return _path(series, found.time - touch.time, float(np.degrees(found.angle)), trajectory.cost.solve_s)

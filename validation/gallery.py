@@ -29,6 +29,7 @@ CONFIGS, FIGURES, PAGE = HERE.parent / "configs", HERE / "figures", HERE.parent 
 # Key numbers of a summary, the most telling first: key, what it is called, factor, unit.
 NUMBERS = (
     ("forward_speed_m_s", "forward speed", 1.0, "m/s"),
+    ("penetration_time_s", "penetration time", 1e3, "ms"),
     ("stopping_time_s", "stopping time", 1e3, "ms"),
     ("max_depth_m", "largest depth", 1e3, "mm"),
     ("energy.final_J", "energy at the end", 1e3, "mJ"),

@@ -31,6 +31,8 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
     from granular_contact import scene
 
     scenario, sources = config.load(path, overrides)
+    for notice in sources.notices:
+        complain(f"notice: {notice}")
     try:
         return scenario, scene.build(scenario)
     except SceneError as error:

@@ -167,6 +167,8 @@ def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
     yield f"{results.name}: {results.status.message}"
     if (stop := found.get("stopping_time_s")) is not None:
         yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"
+    if (sinking := found.get("penetration_time_s")) is not None:
+        yield f"  sinking         {1e3 * sinking:.2f} ms, from touch until the lower end sinks no deeper"
     if (angle := found.get("angle_at_stop_deg")) is not None:
         yield f"  angle at stop   {angle:.3f} deg"
     if (depth := found.get("max_depth_m")) is not None and depth >= 0.0:

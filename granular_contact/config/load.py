@@ -16,6 +16,7 @@ from granular_contact.config import overrides as setting
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, got
+from granular_contact.config.older import renewed
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.scalars import resolve
 from granular_contact.config.schema import Medium, Scenario
@@ -34,8 +35,9 @@ _MOST_KEPT = 64  # trees with their model and medium read in
 class SourceMap:
     """Where the keys of a scenario were written, across its config, its model, its medium and the overrides."""
 
-    def __init__(self, root: tree.Node) -> None:
-        self._root = root
+    def __init__(self, root: tree.Node, notices: Sequence[str] = ()) -> None:
+        """Of a tree; notices: sentences on keys that still work, and are better written otherwise."""
+        self._root, self.notices = root, tuple(notices)
 
     def locate(self, key: str) -> tuple[str, int | None]:
         """File and line (from 1; None for an override) of a dotted key, or of the nearest one around it."""
@@ -114,7 +116,8 @@ class Template:
         node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
         read = node
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
-        node = _restated(read, node)
+        notices: list[str] = []
+        node = renewed(_restated(read, node), notices)
         found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
         scenario = None
@@ -126,7 +129,7 @@ class Template:
         # What is broken can't be valid, but its fault may have been told by whoever read it.
         if found or scenario is None:
             raise ConfigError(sorted(found, key=by_place))
-        return Loaded(scenario, SourceMap(node))
+        return Loaded(scenario, SourceMap(node, notices))
 
     @property
     def names_columns(self) -> bool:

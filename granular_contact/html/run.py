@@ -12,6 +12,7 @@ from granular_contact.html.numbers import is_number, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import PROGRAM, SCENARIO, SERIES, SUMMARY
 from granular_contact.results import FINISHED
+from granular_contact.summary import REST_MEASURE
 
 _ENDS = {
     "rest": "came to rest",
@@ -26,7 +27,7 @@ FIGURES = {
     "mechanism": "The mechanism at touch, at its deepest and at the end, to scale, and its immersed part enlarged.",
     "motion": "Motion over time: angle and rate of every hinge; of a free body, where its tip is.",
     "deflection": "Deflection of the flexible link's tip over time.",
-    "forces": "Forces of the medium over time, by term and in sum: horizontal, vertical, and moment about the pivot.",
+    "forces": "Forces of the medium over time, by term and in sum: horizontal, vertical, and their moment, clockwise.",
     "energy": "Where the energy is and went over time, and by how much the balance does not close.",
 }
 ENERGIES = {
@@ -68,11 +69,14 @@ def _sentences(summary: dict[str, Any]) -> Iterator[str]:
     """What happened, in words, as far as it is known."""
     yield _sentence(str(summary.get("message", "")))
     stop, angle = summary.get("stopping_time_s"), summary.get("angle_at_stop_deg")
+    measure = summary.get("stopping_time_measure")
+    whole = measure == REST_MEASURE
     if stop is not None:
         at = f", at {quantity('angle_deg', angle)}" if angle is not None else ""
-        yield f"The mechanism stopped {quantity('s_s', stop)} after it touched the medium{at}."
-    elif summary.get("stopping_time_measure"):
-        yield "No stop was found."
+        what = "All of the mechanism was at rest" if whole else "The pendulum stopped"
+        yield f"{what} {quantity('s_s', stop)} after it touched the medium{at}."
+    elif measure and summary.get("status") != "rest":
+        yield "It did not come to rest." if whole else "No stop was found."
     speed, cost = summary.get("forward_speed_m_s"), summary.get("cost_of_transport")
     if speed is not None:
         yield f"It travelled {quantity('way_m', summary.get('distance_m'))}, at {quantity('v_m_s', speed)} in the mean."
@@ -141,7 +145,7 @@ def _contacts(contacts: dict[str, list[list[float]]]) -> Markup | None:
         more = [f"and {len(spans) - MOST_CONTACTS} more"] if len(spans) > MOST_CONTACTS else []
         rows.append([body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(told + more)])
     head = ["body", "contacts", "in all", "when"]
-    return parts.table("When the medium acted on each body.", head, rows) if rows else None
+    return parts.table("When each body was in the medium.", head, rows) if rows else None
 
 
 def _scenario(folder: Folder, command: str) -> Markup | None:

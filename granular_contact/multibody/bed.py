@@ -454,7 +454,10 @@ class GranularBed:
 
     @property
     def terms(self) -> dict[str, Vector]:
-        """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each."""
+        """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each.
+
+        Right-handed about z, as the engine has moments: counter-clockwise is positive. So is all else that a bed tells.
+        """
         return _last(self._now.terms, self.term_names)
 
     @property

@@ -139,7 +139,7 @@ def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
 
 
 def _vibration(observer: Observer, name: str) -> Iterator[str]:
-    bend = observer.bend(name)
+    bend = observer.bend(name).values
     first, second = np.diff(bend), np.diff(bend, 2)
     size = float(np.sqrt(np.mean(first**2)))
     if size < TREMBLE * observer.system.links[name].link.length:

@@ -21,7 +21,8 @@ class LoadHistory:
     lowest point, left, right (n,) m the extreme x, infinite while none is immersed; coarser (n, 3): by how much the
     power (W) and the resultant x, y (N) would change with strips of twice the length;
     terms (n, terms, 3): for each of `term_names` its resultant x, y (N) and its moment about the world origin (N m,
-    counter-clockwise); bodies (n, bodies, 3): the same of all terms together, for each of `body_names`.
+    right-handed about z as the engine has it, so counter-clockwise; tables of runs have it clockwise); bodies
+    (n, bodies, 3): the same of all terms together, for each of `body_names`.
     """
 
     time: Vector

@@ -13,6 +13,43 @@ from granular_contact.scene.types import Drive, JointLaw, Vector
 
 
 @dataclass(frozen=True)
+class JointForces:
+    """What each element of a joint does along its coordinate (rad clockwise, or m), (n,) each.
+
+    Torques (N m) or forces (N) by element; elastic: of these the part that is stored; stored (J) in each of them. The
+    power of an element is its force times the rate of the coordinate; of what is not elastic it is never positive.
+    """
+
+    force: dict[str, Vector]
+    elastic: dict[str, Vector]
+    stored: dict[str, Vector]
+
+    def lost(self, name: str, rate: Vector) -> Vector:
+        """Power (n,) W of an element less that of its elastic part."""
+        return (self.force[name] - self.elastic.get(name, 0.0)) * rate
+
+
+def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> JointForces:
+    """Forces in a joint with coordinate s (n,) rad or m and its rate (n,), its bristle held at the anchor at first."""
+    force, elastic, stored = {}, {}, {}
+    if law.stiffness > 0.0:
+        elastic["spring"] = force["spring"] = -law.stiffness * (s - law.rest)
+        stored["spring"] = 0.5 * law.stiffness * (s - law.rest) ** 2
+    if law.damping > 0.0:
+        force["damper"] = -law.damping * rate
+    if law.has_stops:
+        both = [stop(law, *state) for state in zip(s.tolist(), rate.tolist(), strict=True)]
+        for name, depth in (("lower_stop", law.lower - s), ("upper_stop", s - law.upper)):
+            there = depth > 0.0
+            elastic[name] = np.where(there, [one for one, _ in both], 0.0)
+            force[name] = np.where(there, [whole.value for _, whole in both], 0.0)
+            stored[name] = 0.5 * law.stop_stiffness * np.maximum(depth, 0.0) ** 2
+    if law.friction > 0.0:
+        force["friction"] = _friction(law, anchor, s, rate)
+    return JointForces(force, elastic, stored)
+
+
+@dataclass(frozen=True)
 class JointHistory:
     """Energy stored (n,) J in springs and stops, and work (n,) J done so far by dampers and stops, and by friction."""
 
@@ -21,22 +58,19 @@ class JointHistory:
     friction: Vector
 
 
-def joint_history(law: JointLaw, anchor: float, time: Vector, s: Vector, rate: Vector) -> JointHistory:
-    """History of a joint with coordinate s (n,) rad or m and its rate (n,), its bristle held at the anchor at first."""
-    stored = 0.5 * law.stiffness * (s - law.rest) ** 2 if law.stiffness > 0.0 else np.zeros_like(s)
-    power = -law.damping * rate**2
-    if law.has_stops:
-        depth = np.maximum(s - law.upper, 0.0) + np.maximum(law.lower - s, 0.0)
-        stored = stored + 0.5 * law.stop_stiffness * depth**2
-        forces = [stop(law, *state) for state in zip(s.tolist(), rate.tolist(), strict=True)]
-        power = power + rate * np.array([whole.value - elastic for elastic, whole in forces])
-    return JointHistory(stored, accumulate(time, power), accumulate(time, _friction(law, anchor, s, rate) * rate))
+def joint_history(forces: JointForces, time: Vector, rate: Vector) -> JointHistory:
+    """What the forces in a joint stored and lost, with the rate (n,) of its coordinate."""
+    nothing = np.zeros_like(rate)
+    lossy = [forces.lost(name, rate) for name in forces.force if name not in ("spring", "friction")]
+    return JointHistory(
+        sum(forces.stored.values(), nothing),
+        accumulate(time, sum(lossy, nothing)),
+        accumulate(time, forces.force.get("friction", nothing) * rate),
+    )
 
 
 def _friction(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Vector:
     """Dry friction (n,), with its anchor led along as in the run."""
-    if law.friction == 0.0:
-        return np.zeros_like(s)
     forces = []
     for place, speed in zip(s.tolist(), rate.tolist(), strict=True):
         forces.append(friction(law, place, speed, anchor).value)

@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
+from granular_contact.interpolation import Track, rates
 from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
 from granular_contact.multibody import observe_mechanism as mechanism
+from granular_contact.multibody.joint_history import JointForces
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
 from granular_contact.results import Column, Outline
 from granular_contact.scene.types import Connection, Vector
+
+STATIONS = 16  # to which a side is divided where the surface is not level
+
+
+def _between(corners: Vector) -> Vector:
+    """Points of a line with corners (k, 2), the corners among them; of a single point itself."""
+    if len(corners) < 2:
+        return corners
+    share = np.arange(STATIONS)[:, None] / STATIONS
+    sides = [a + share * (b - a) for a, b in pairwise(corners)]
+    return np.concatenate([*sides, corners[-1:]])
 
 
 class Observer:
@@ -79,9 +93,8 @@ class Observer:
         if joint.parent is not None:
             on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
         way, speed = on_child - on_parent, child_speed - parent_speed
-        # The axis turns with the parent.
-        along = np.sum(axis * speed, axis=1) + parent_rate * (axis[:, 0] * way[:, 1] - axis[:, 1] * way[:, 0])
-        return np.sum(axis * way, axis=1), along
+        # The axis turns with the parent; as the way lies along it, that turning has no part in the speed along it.
+        return np.sum(axis * way, axis=1), np.sum(axis * speed, axis=1)
 
     def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 2) m of a body, and its velocity."""
@@ -100,9 +113,24 @@ class Observer:
         return np.column_stack([x, y]), np.column_stack([vx, vy])
 
     @cached_property
+    def common_center(self) -> tuple[Vector, Vector]:
+        """Centre of mass (n, 2) m of all bodies together, and its velocity."""
+        bodies = self.scene.bodies
+        shares = [body.mass / self.scene.mass for body in bodies]
+        centers = [self.center(body.name) for body in bodies]
+        place: Vector = np.sum([share * one for share, (one, _) in zip(shares, centers, strict=True)], axis=0)
+        velocity: Vector = np.sum([share * one for share, (_, one) in zip(shares, centers, strict=True)], axis=0)
+        return place, velocity
+
+    @cached_property
     def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
         """Torque or force of every drive (n,), and its power (n,) W, by joint."""
         return {drive.joint: mechanism.drive_force(self, drive) for drive in self.scene.drives}
+
+    @cached_property
+    def joint_forces(self) -> dict[str, JointForces]:
+        """What every spring, damper, stop and friction did, by joint."""
+        return mechanism.all_joint_forces(self)
 
     @cached_property
     def speeds(self) -> Vector:
@@ -112,7 +140,7 @@ class Observer:
     @property
     def way(self) -> float:
         """Way (m) of whatever is fastest."""
-        return float(np.sum(np.diff(self.trajectory.time) * self.speeds[1:]))
+        return float(accumulate(self.trajectory.time, self.speeds)[-1])
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
@@ -152,7 +180,8 @@ class Observer:
 
     def _shape(self) -> series.Series:
         tip, _ = self.position(*self.scene.tip)
-        deflection = self.deflection() if self.scene.links else None
+        bend = self.deflection()
+        deflection = None if bend is None else bend.values
         depth = None if self.scene.surface is None else self.depth()
         rate = None if self.scene.pivot is None else self.mean_rate()[0]
         return series.shape(rate, tip, deflection, depth)
@@ -161,34 +190,67 @@ class Observer:
         """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""
         return self._links[name]
 
-    def deflection(self) -> Vector:
-        """Deflection (n,) m of the last flexible link, see `bend`."""
-        return self.bend(list(self._links)[-1])
+    def deflection(self) -> Track | None:
+        """Deflection (m) of the last flexible link, see `bend`; None without one."""
+        return self.bend(list(self._links)[-1]) if self._links else None
 
-    def bend(self, name: str) -> Vector:
-        """Deflection (n,) m of a flexible link's tip from the tangent at its root, clockwise positive."""
+    def bend(self, name: str) -> Track:
+        """Deflection (m) of a flexible link's tip from the tangent at its root, clockwise positive."""
         nodes = self._links[name]
-        q = self.trajectory.q
-        axis = q[:, nodes[0][2:]] / np.linalg.norm(q[:, nodes[0][2:]], axis=1, keepdims=True)
-        chord = q[:, nodes[-1][:2]] - q[:, nodes[0][:2]]
-        deflection: Vector = chord[:, 0] * axis[:, 1] - chord[:, 1] * axis[:, 0]
-        return deflection
+        q, v = self.trajectory.q, self.trajectory.v
+        (ax, ay), (bx, by) = q[:, nodes[0][2:]].T, v[:, nodes[0][2:]].T
+        (cx, cy), (dx, dy) = (of[:, nodes[-1][:2]].T - of[:, nodes[0][:2]].T for of in (q, v))
+        size = np.hypot(ax, ay)
+        across = (cx * ay - cy * ax) / size
+        rate = (dx * ay + cx * by - dy * ax - cy * bx) / size - across * (ax * bx + ay * by) / size**2
+        return Track(across, rate)
 
-    def depth(self) -> Vector | None:
-        """Depth (n,) m of the deepest shape or node, negative above the surface; None if nothing may get in.
+    @cached_property
+    def depths(self) -> dict[str, list[Track]]:
+        """Depth (m) of every corner and node that the medium may meet, by body; negative above the surface.
 
-        A surface with a peak meets a body between its corners too, at the stations where the bed looks.
+        A surface that is not level meets a body between its corners too: there every side has more points.
         """
-        assert self.scene.bed is not None
-        height = self.scene.bed.height
-        depths = [self.trajectory.q[:, node[:2]] for nodes in self._links.values() for node in nodes]
-        depths = [height(place[:, 0]) - place[:, 1] for place in depths]
+        found: dict[str, list[Track]] = {}
+        if self.scene.bed is None:
+            return found
         for name, handle in self.system.rigid.items():
             for shape in (shape for shape in handle.body.shapes if shape.in_sand):
-                places = [self.position(name, point)[0] for point in shape.points]
-                depths += [height(place[:, 0]) - place[:, 1] + shape.drop for place in places]
-        if self.trajectory.load is not None:
-            depths.append(self.trajectory.load.depth)
+                points = shape.points if self.scene.bed.level else _between(shape.points)
+                made = [self._depth(*self.position(name, point), shape.drop) for point in points]
+                found[name] = found.get(name, []) + made
+        q, v = self.trajectory.q, self.trajectory.v
+        for name, nodes in self._links.items():
+            found[name] = [self._depth(q[:, node[:2]], v[:, node[:2]]) for node in nodes]
+        return found
+
+    def _depth(self, place: Vector, velocity: Vector, drop: float = 0.0) -> Track:
+        """Depth of a point from its positions and velocities (n, 2), of which something reaches `drop` (m) lower."""
+        bed = self.scene.bed
+        assert bed is not None
+        x, y = place.T
+        slope = 0.0 if bed.level else bed.slope(x)
+        return Track(bed.height(x) - y + drop, slope * velocity[:, 0] - velocity[:, 1])
+
+    def all_depths(self) -> list[Track]:
+        """Depths of all points, and of the bed's own stations where these are deeper, as on a link that is bent."""
+        points = [track for tracks in self.depths.values() for track in tracks]
+        load, time = self.trajectory.load, self.trajectory.time
+        if load is None or not len(load.depth):
+            return points
+        known = np.max([track.values for track in points], axis=0) if points else np.full(len(time), -np.inf)
+        deeper = load.depth > known + 1e-9
+        if not deeper.any():
+            return points
+        # Cubics of theirs only where they are the deepest at both ends of a step: elsewhere others are.
+        flat = ~(deeper & np.roll(deeper, 1) & np.roll(deeper, -1))
+        slopes = rates(time, load.depth)
+        slopes[flat] = 0.0
+        return [*points, Track(np.where(deeper, load.depth, known), slopes)]
+
+    def depth(self) -> Vector | None:
+        """Depth (n,) m of the deepest point, negative above the surface; None if nothing may get in."""
+        depths = [track.values for track in self.all_depths()]
         return np.max(depths, axis=0) if depths else None
 
     def reach(self) -> Reach | None:
@@ -220,8 +282,9 @@ class Observer:
             return {}
         load = self.trajectory.load
         terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
-        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
-        return series.forces(self.terms, terms, pivot)
+        if self.scene.pivot is None:
+            return series.forces(self.terms, terms, None, self.common_center[0])
+        return series.forces(self.terms, terms, self.scene.pivot.parent_point)
 
     def _energies(self) -> series.Series:
         t = self.trajectory

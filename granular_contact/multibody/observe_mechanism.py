@@ -8,7 +8,8 @@ import numpy as np
 
 from granular_contact import series
 from granular_contact.energy import accumulate
-from granular_contact.multibody.joint_history import drive_history, joint_history
+from granular_contact.interpolation import above_zero, at_times, positive_part
+from granular_contact.multibody.joint_history import JointForces, drive_history, joint_forces, joint_history
 from granular_contact.scene.types import Connection, Drive, Vector
 
 if TYPE_CHECKING:
@@ -76,11 +77,20 @@ def _body_forces(observer: Observer) -> dict[str, Vector]:
     return {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
 
+def all_joint_forces(observer: Observer) -> dict[str, JointForces]:
+    """What acts in every joint, by its name, but for drives; only of joints in which something does."""
+    held = {name: load.first_anchor for name, load in observer.system.loads.items()}
+    return {
+        joint.name: joint_forces(joint.law, held.get(joint.name, 0.0), *observer.coordinate(joint))
+        for joint in observer.scene.connections
+        if not joint.law.is_idle
+    }
+
+
 def joint_energies(observer: Observer) -> dict[str, Vector]:
     """What joints store, and the work done in them; only of what the mechanism has."""
     joints, t = [joint for joint in observer.scene.connections if not joint.law.is_idle], observer.trajectory
-    held = {name: load.first_anchor for name, load in observer.system.loads.items()}
-    done = [joint_history(j.law, held.get(j.name, 0.0), t.time, *observer.coordinate(j)) for j in joints]
+    done = [joint_history(observer.joint_forces[j.name], t.time, observer.coordinate(j)[1]) for j in joints]
     laws = [joint.law for joint in joints]
     energies = {}
     if any(law.stiffness > 0.0 or law.has_stops for law in laws):
@@ -103,21 +113,22 @@ def joint_energies(observer: Observer) -> dict[str, Vector]:
 
 def key_numbers(observer: Observer) -> dict[str, Any]:
     """Contacts of every body whose motion is reported; of what is driven and can travel, how far and at what cost."""
+    from granular_contact.multibody.stop import penetration_time
+
     numbers: dict[str, Any] = {}
-    if observer.scene.body_columns and observer.trajectory.load is not None:
-        numbers["contacts"] = {label(name): _contacts(observer, f) for name, f in _body_forces(observer).items()}
+    if (sinking := penetration_time(observer)) is not None:
+        numbers["penetration_time_s"] = sinking
+    load = observer.trajectory.load
+    if observer.scene.body_columns and load is not None:
+        numbers["contacts"] = {label(name): _contacts(observer, name) for name in load.body_names}
     if observer.scene.drives and any(_travels(joint) for joint in observer.scene.connections):
         numbers |= _travel(observer)
     return numbers
 
 
-def _contacts(observer: Observer, force: Vector) -> list[list[float]]:
-    """Intervals [on, off] (s) over which the medium acts on a body; the last may last until the end of the run."""
-    time, touches = observer.trajectory.time, np.any(force != 0.0, axis=1)
-    change = np.diff(touches.astype(int), prepend=0)
-    on = np.flatnonzero(change == 1)
-    off = np.append(np.flatnonzero(change == -1), len(time) - 1)[: len(on)]
-    return [[float(time[a]), float(time[b])] for a, b in zip(on, off, strict=True)]
+def _contacts(observer: Observer, body: str) -> list[list[float]]:
+    """Intervals [on, off] (s) over which a body is in the medium; the last may last until the end of the run."""
+    return [[float(a), float(b)] for a, b in above_zero(observer.trajectory.time, observer.depths.get(body, []))]
 
 
 def _travels(joint: Connection) -> bool:
@@ -127,20 +138,21 @@ def _travels(joint: Connection) -> bool:
 
 
 def _travel(observer: Observer) -> dict[str, float | None]:
-    """Way of the common centre of mass, its mean speed (of the second half too, when a gait has set in), and the cost.
+    """Way of the common centre of mass, its mean speed, and the cost.
 
-    cost_of_transport: work that the drives put in (what they take back is not counted) over weight times way.
+    The mean of the second half of the time is given too, as a gait sets in. cost_of_transport: work that
+    the drives put in (what they take back is not counted) over weight times way.
     """
     time, scene = observer.trajectory.time, observer.scene
-    x = np.sum([body.mass * observer.center(body.name)[0][:, 0] for body in scene.bodies], axis=0) / scene.mass
-    put_in = sum(accumulate(time, np.maximum(power, 0.0))[-1] for _, power in observer.drive_forces.values())
-    way, middle = float(x[-1] - x[0]), len(time) // 2
-    lasted, later = float(time[-1] - time[0]), float(time[-1] - time[middle])
+    x, speed = (along[:, 0] for along in observer.common_center)
+    put_in = sum(positive_part(time, power) for _, power in observer.drive_forces.values())
+    lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
+    way, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
     weight = scene.mass * abs(scene.gravity)
     return {
-        "drive_work_put_in_J": float(put_in),
+        "drive_work_put_in_J": put_in,
         "distance_m": way,
         "forward_speed_m_s": way / lasted if lasted > 0.0 else None,
-        "forward_speed_second_half_m_s": float((x[-1] - x[middle]) / later) if later > 0.0 else None,
-        "cost_of_transport": float(put_in) / (weight * abs(way)) if weight * abs(way) > 0.0 else None,
+        "forward_speed_second_half_m_s": later / (0.5 * lasted) if lasted > 0.0 else None,
+        "cost_of_transport": put_in / (weight * abs(way)) if weight * abs(way) > 0.0 else None,
     }

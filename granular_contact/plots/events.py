@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from granular_contact.plots.style import FAINT
 from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
+from granular_contact.summary import REST_MEASURE
 from granular_contact.units import minus
 
 
@@ -18,7 +19,8 @@ def mark_events(results: Results, panels: list[Axes]) -> None:
         _above(panels[0], 1.0, _ending(results))
         return
     first, last = results["time_s"][[0, -1]]
-    factor, touch, stopping = time_unit(results).factor, _touch(results), results.summary.get("stopping_time_s")
+    factor, stopping = time_unit(results).factor, results.summary.get("stopping_time_s")
+    touch = float(first) if results.summary.get("touch_time_s") is None else results.summary["touch_time_s"]
     begin = (touch - first) / (last - first)
     end = 1.0 if stopping is None else (touch + stopping - first) / (last - first)
     if 0.01 < begin < 1:
@@ -31,7 +33,8 @@ def mark_events(results: Results, panels: list[Axes]) -> None:
         _vertical(panels, (touch + stopping) * factor, (0, (5, 2)))
         angle = results.summary.get("angle_at_stop_deg")
         at = "" if angle is None else f" at {minus(f'{angle:.2f}')}°"
-        _above(panels[0], end, f"stops after {instant(results, stopping)}{at}")
+        does = "at rest" if results.summary.get("stopping_time_measure") == REST_MEASURE else "stops"
+        _above(panels[0], end, f"{does} after {instant(results, stopping)}{at}")
 
 
 def _vertical(panels: list[Axes], time: float, kind: Any) -> None:
@@ -63,13 +66,6 @@ def _ending(results: Results) -> str:
         "time_limit": f"out of time at {last}",
     }
     # What is driven has no stop to look for.
-    measured = results.summary.get("stopping_time_measure", "") is not None
-    return words.get(results.status.code, "no stop" if measured else "")
-
-
-def _touch(results: Results) -> float:
-    """Instant (s) of the snapshot at touch, else of the first row."""
-    for shot in results.snapshots:
-        if shot.label == "touch":
-            return shot.time
-    return float(results["time_s"][0])
+    measure = results.summary.get("stopping_time_measure", "")
+    none = "" if measure is None else "not at rest" if measure == REST_MEASURE else "no stop"
+    return words.get(results.status.code, none)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from granular_contact.interpolation import at_times, rates
 from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import DPI, INK, PALETTE, style
 from granular_contact.results import Results
@@ -58,5 +58,6 @@ def _differences(axes: Axes, runs: Runs, column: str, scale: float, factor: floa
         colour, line = looks[name]
         both = one["time_s"] <= reference["time_s"][-1]
         time = one["time_s"][both]
-        difference = one[column][both] - np.interp(time, reference["time_s"], reference[column])
+        known = reference["time_s"], reference[column]
+        difference = one[column][both] - at_times(*known, rates(*known), time)
         curve(axes, time * scale, difference * factor, colour, name, linestyle=line, linewidth=0.8)

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
 from granular_contact.frames import surface_height
+from granular_contact.interpolation import at_times
 from granular_contact.plots.hinges import hinges_of
 from granular_contact.plots.outlines import deepest_point, edge, fixed_points
 from granular_contact.plots.style import FLOOR, GRAINS, INK, SAND, SAND_EDGE, VERMILION
@@ -122,7 +123,8 @@ def _caption(results: Results, shot: Snapshot) -> str:
     pivot = next((hinge for hinge in hinges_of(results) if hinge.reference is None), None)
     if pivot is None or not len(results.table):
         return words
-    angle = np.interp(shot.time, results["time_s"], results[pivot.angle])
+    history = results["time_s"], results[pivot.angle], np.degrees(results[pivot.rate])
+    angle = float(at_times(*history, np.array([shot.time]))[0])
     return f"{words}, {minus(f'{angle:.2f}')}°"
 
 

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from granular_contact.plots.events import mark_events
 from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
-from granular_contact.plots.units import instant
+from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
+from granular_contact.series import CENTRAL_MOMENT, MOMENT
 from granular_contact.units import Array, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
@@ -31,25 +32,29 @@ def deflection(results: Results) -> Figure:
     unit = unit_for(values, "m")
     axes.axhline(0, color=FAINT, linewidth=0.5)
     curve(axes, time, values * unit.factor, BLUE)
-    if np.isfinite(values).any():
-        peak = int(np.nanargmax(np.abs(values)))
-        words = f"largest: {values[peak] * unit.factor:.3g} {unit.name} at {instant(results, results['time_s'][peak])}"
-        axes.plot(time[peak], values[peak] * unit.factor, "o", color=VERMILION, label=minus(words), linestyle="none")
+    peak, at = results.summary.get("max_deflection_m"), results.summary.get("max_deflection_time_s")
+    if peak is not None and at is not None and len(time) and np.isfinite(values).any():
+        # Between the rows of the table, of which there may be few; on the side where they are.
+        peak *= np.sign(values[np.nanargmax(np.abs(values))]) * unit.factor
+        words = f"largest: {peak:.3g} {unit.name} at {instant(results, at)}"
+        axes.plot(at * time_unit(results).factor, peak, "o", color=VERMILION, label=minus(words), linestyle="none")
     finish(axes, f"tip deflection ({unit.name})", columns=1)
     mark_events(results, [axes])
     return figure
 
 
 def forces(results: Results) -> Figure:
-    """The terms of the granular force and their sum over time: horizontal, vertical, moment about the pivot."""
+    """The terms of the granular force and their sum over time: horizontal, vertical, and their moment."""
     figure, panels, time = stacked(results, 118.0, (1, 1, 1))
     both = [results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]
     newton = unit_for(np.concatenate(both), "N")
-    moment = unit_for(np.concatenate([results[f"{term}_moment_Nm"] for term in results.terms]), "N·m")
+    pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
+    turning, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
+    moment = unit_for(np.concatenate([results[f"{term}_{turning}"] for term in results.terms]), "N·m")
     rows = (
         ("force_x_N", newton, "horizontal force"),
         ("force_y_N", newton, "vertical force"),
-        ("moment_Nm", moment, "moment about pivot"),
+        (turning, moment, f"moment about {about}"),
     )
     for axes, (column, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact import series
+from granular_contact.interpolation import Track
 from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
 from granular_contact.reduced.model import Bar, Model
@@ -35,7 +36,8 @@ class Observer:
         everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
         everything |= series.joint(pin.name, pin.child, None, self.angle + self.model.turn, self.rate)
         depth = None if self.scene.surface is None else self.depth()
-        everything |= series.shape(self.mean_rate(), self.tip(), self.deflection(), depth)
+        bend = self.deflection()
+        everything |= series.shape(self.mean_rate(), self.tip(), None if bend is None else bend.values, depth)
         if self.scene.media:
             everything |= series.forces(term_names(self.scene.media), self.trajectory.terms, self.model.view.pivot)
         return series.tabulate(everything | self._energies())
@@ -76,30 +78,40 @@ class Observer:
         tip: Vector = self.positions(bar, place[None, :])[:, 0]
         return tip
 
-    def deflection(self) -> Vector | None:
-        """Deflection (n,) m of the flexible link's tip, clockwise positive; None without modes."""
-        if not self.model.bends:
-            return None
-        deflection: Vector = self.bends.sum(axis=1)
-        return deflection
+    def deflection(self) -> Track | None:
+        """Deflection (m) of the flexible link's tip, clockwise positive; None without modes."""
+        return Track(self.bends.sum(axis=1), self.bend_rates.sum(axis=1)) if self.model.bends else None
+
+    def all_depths(self) -> list[Track]:
+        """Depths (m) of all ends and corners that may get into the medium, negative above the surface."""
+        if self.scene.surface is None:
+            return []
+        found = []
+        for bar in self.model.bars:
+            places = bar.places(bar.strips + 1 if bar.bends else 2)
+            found += self._depths(self.positions(bar, places), self.velocities(bar, places), 0.0)
+        for shape in (shape for shape in self.model.others if shape.in_sand):
+            moved = self.positions(None, shape.points), self.velocities(None, shape.points)
+            found += self._depths(*moved, shape.drop)
+        return found
+
+    def _depths(self, positions: Vector, velocities: Vector, drop: float) -> list[Track]:
+        """Depths of points from their positions and velocities (instants, points, 2)."""
+        assert self.scene.surface is not None
+        depths, rates = self.scene.surface - positions[..., 1] + drop, -velocities[..., 1]
+        return [Track(depth, rate) for depth, rate in zip(depths.T, rates.T, strict=True)]
 
     def depth(self) -> Vector | None:
         """Depth (n,) m of the deepest end or corner, negative above the surface; None if nothing may get in."""
-        assert self.scene.surface is not None
-        heights = [
-            self.positions(bar, bar.places(bar.strips + 1 if bar.bends else 2))[..., 1] for bar in self.model.bars
-        ]
-        immersible = [shape for shape in self.model.others if shape.in_sand]
-        heights += [self.positions(None, shape.points)[..., 1] - shape.drop for shape in immersible]
-        if not heights:
-            return None
-        depth: Vector = self.scene.surface - np.min(np.concatenate(heights, axis=1), axis=1)
-        return depth
+        depths = [track.values for track in self.all_depths()]
+        return np.max(depths, axis=0) if depths else None
 
-    def velocities(self, bar: Bar, places: Vector) -> Vector:
-        """World velocities (instants, points, 2) m/s of places (points, 2) m of a bar."""
-        shapes = self.model.shapes(bar, places)
-        x, x_rate = places[:, 1] + self.bends @ shapes.T, self.bend_rates @ shapes.T
+    def velocities(self, bar: Bar | None, places: Vector) -> Vector:
+        """World velocities (instants, points, 2) m/s of places (points, 2) m of a bar, or of a rigid part (None)."""
+        x, x_rate = np.broadcast_to(places[:, 1], (len(self.angle), len(places))), np.zeros(1)
+        if bar is not None:
+            shapes = self.model.shapes(bar, places)
+            x, x_rate = x + self.bends @ shapes.T, self.bend_rates @ shapes.T
         c, s = np.cos(self.angle)[:, None], np.sin(self.angle)[:, None]
         along, turn = places[:, 0], self.rate[:, None]
         return np.stack([-(along * s + x * c) * turn - x_rate * s, (x * s - along * c) * turn - x_rate * c], axis=-1)

@@ -60,6 +60,12 @@ class Bed:
         height: Vector = np.interp(x, self.profile[:, 0], self.profile[:, 1])
         return height
 
+    def slope(self, x: Vector) -> Vector:
+        """Slope of the surface at x (m), any shape; level beyond the corners."""
+        rise = np.diff(self.profile[:, 1]) / np.diff(self.profile[:, 0])
+        slopes: Vector = np.array([0.0, *rise, 0.0])[np.searchsorted(self.profile[:, 0], x, side="right")]
+        return slopes
+
 
 def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
     """Bed of a scene; None without a medium and without a surface.

@@ -32,6 +32,7 @@ from granular_contact.scene.types import (
     Solver,
     Vector,
     place,
+    turned,
 )
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
@@ -128,7 +129,7 @@ def _laid_out(
     SceneError
         There is no such state, so that nothing can be said about the rest.
     """
-    model, angle = scenario.model, -math.radians(scenario.initial.impact_angle_deg or 0.0)
+    model, angle = scenario.model, turned(scenario.initial.impact_angle_deg or 0.0)
     begun = start(scenario, driven, speed, faults)
     states = closed(scenario, begun, angle, faults)
     if not faults:

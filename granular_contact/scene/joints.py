@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from granular_contact.config import schema
-from granular_contact.scene.layout import ZERO, Frame, JointState, Layout, point
+from granular_contact.scene.layout import ZERO, Frame, JointState, Layout, direction, point
 from granular_contact.scene.types import Connection, JointLaw, RigidBody, Vector, rotation
 
 
@@ -34,8 +34,7 @@ def connections(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[st
         start, rate = coordinate(layout, name, joint, states)
         axis, offset = None, 0.0
         if isinstance(joint, schema.SliderClosure):
-            turn = layout.frames[joint.parent].angle - parent_frame.angle
-            axis = rotation(turn + math.radians(joint.axis_deg))[:, 0]
+            axis = rotation(layout.frames[joint.parent].angle - parent_frame.angle) @ direction(joint)
         elif isinstance(joint, schema.HingeClosure):
             offset = start - (parent_frame.angle - child_frame.angle)
             offset = 0.0 if abs(offset) < 1e-12 else offset
@@ -68,7 +67,7 @@ def coordinate(
     parent, child = (layout.frames[body] for body in (joint.parent, joint.child))
     motions = layout.pose.twists[joint.parent], layout.pose.twists[joint.child]
     if isinstance(joint, schema.SliderClosure):
-        axis = rotation(parent.angle + math.radians(joint.axis_deg))[:, 0]
+        axis = rotation(parent.angle) @ direction(joint)
         pin = child.world(point(joint.child_point_m))
         along = float(axis @ (pin - parent.world(point(joint.parent_point_m))))
         return along, float(axis @ (motions[1].at(pin) - motions[0].at(pin)))

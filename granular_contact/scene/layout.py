@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.scene.types import Motion, Tether, Vector, rotation
+from granular_contact.scene.types import Motion, Tether, Vector, rotation, turned
 
 GROUND = "ground"
 ZERO = np.zeros(2)
@@ -60,6 +60,13 @@ def point(xy: tuple[float, float]) -> Vector:
     return np.array(xy, dtype=float)
 
 
+def direction(joint: schema.SliderClosure) -> Vector:
+    """Unit vector (2,) along the axis of a slider, in the frame of its parent."""
+    axis = point(joint.axis)
+    unit: Vector = axis / math.hypot(*axis)
+    return unit
+
+
 def degrees_of_freedom(joint: schema.Joint) -> int:
     """Number of coordinates of a joint."""
     return {"hinge": 1, "slider": 1, "free": 3}.get(joint.type, 0)
@@ -106,11 +113,11 @@ def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> t
     pin = parent.world(at)
     if state is None or isinstance(joint, schema.Weld):
         assert isinstance(joint, schema.Weld)  # all others have a state
-        return pin, parent.angle + math.radians(joint.angle_deg), Twist(ZERO, 0.0)
+        return pin, parent.angle + turned(joint.home_deg), Twist(ZERO, 0.0)
     if isinstance(joint, schema.Slider):
-        axis = rotation(parent.angle + math.radians(joint.axis_deg))[:, 0]
+        axis = rotation(parent.angle) @ direction(joint)
         pin = pin + state.value[0] * axis
-        return pin, parent.angle + math.radians(joint.angle_deg), Twist(state.rate[0] * axis, 0.0)
+        return pin, parent.angle + turned(joint.home_deg), Twist(state.rate[0] * axis, 0.0)
     shift, speed = (state.value[:2], state.rate[:2]) if isinstance(joint, schema.Free) else (ZERO, ZERO)
     pin, rate = pin + shift, -float(state.rate[-1])
     return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)

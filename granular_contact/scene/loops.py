@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault
-from granular_contact.scene.layout import JointState, Pose, is_rigid, point, pose
+from granular_contact.scene.layout import JointState, Pose, direction, is_rigid, point, pose
 from granular_contact.scene.start import Start
-from granular_contact.scene.types import Drive, Vector, rotation
+from granular_contact.scene.types import Drive, Vector, rotation, turned
 
 Mask = NDArray[np.bool_]
 # A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.
@@ -58,7 +58,7 @@ class Loops:
         gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
         if isinstance(joint, schema.HingeClosure):
             return gap
-        turn = child.angle - parent.angle - math.radians(joint.angle_deg)
+        turn = child.angle - parent.angle - turned(joint.home_deg)
         turn -= 2.0 * math.pi * round(turn / (2.0 * math.pi))
         if isinstance(joint, schema.SliderClosure):
             return np.array([_across(joint, parent.angle) @ gap, turn])
@@ -107,7 +107,8 @@ class Loops:
 
 
 def _across(joint: schema.SliderClosure, angle: float) -> Vector:
-    return rotation(angle + math.radians(joint.axis_deg))[:, 1]
+    along = rotation(angle) @ direction(joint)
+    return np.array([-along[1], along[0]])
 
 
 def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:

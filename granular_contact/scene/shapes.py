@@ -12,7 +12,7 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.media.kinds import Kind
-from granular_contact.scene.types import Shape, Vector, rotation
+from granular_contact.scene.types import Shape, Vector, rotation, turned
 
 CHORDS = 48  # of a full circle, at the least
 
@@ -98,7 +98,7 @@ def _plate(part: str, spec: schema.PlateShape, _: int) -> tuple[Shape, Lump]:
 
 def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, Lump]:
     size, radius, center = section(spec), spec.radius_m, np.array(spec.center_m)
-    start, end = math.radians(spec.start_deg), math.radians(spec.end_deg)
+    start, end = turned(spec.from_deg), turned(spec.to_deg)
     half = abs(end - start) / 2
     chords = max(strips, math.ceil(CHORDS * half / math.pi))
     angles = np.linspace(start, end, chords + 1)
@@ -132,12 +132,12 @@ def _polygon(part: str, spec: schema.PolygonShape, _: int) -> tuple[Shape, Lump]
 def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, Lump]:
     radius = spec.height_m / 2
     half = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # from the x axis over y to its other side
-    turned = half @ rotation(math.pi / 2)  # the toe, from below to above
+    toe = half @ rotation(math.pi / 2)  # the toe, from below to above
     reach = np.array([spec.length_m / 2 - radius, 0.0])
-    outline = np.vstack([turned + reach, -turned - reach])
+    outline = np.vstack([toe + reach, -toe - reach])
     if not reach.any():
         outline = _circle(CHORDS)[:-1] * radius
-    corners = np.array(spec.center_m) + outline @ rotation(math.radians(spec.angle_deg)).T
+    corners = np.array(spec.center_m) + outline @ rotation(turned(spec.tilt_deg)).T
     shape, lump = _solid(part, corners, spec.width_m, spec.in_sand)
     turns = np.full(len(shape.points) - 1, 2 * math.pi / CHORDS)
     if reach.any():  # the sole and the top are straight

@@ -351,6 +351,12 @@ class Scene:
         return next((c for c in on_ground if c.kind == "hinge"), None)
 
     @property
+    def pendulum(self) -> Connection | None:
+        """The pivot of a mechanism that turns about it as one: nothing else of it moves but links that bend."""
+        moving = [joint for joint in self.connections if joint.kind != "weld"]
+        return self.pivot if moving == [self.pivot] else None
+
+    @property
     def floating(self) -> Connection | None:
         """The joint of a mechanism that flies free: its only joint to the ground, with three degrees of freedom."""
         on_ground = [c for c in self.connections if c.parent is None]
@@ -359,6 +365,14 @@ class Scene:
     def drive(self, joint: str) -> Drive | None:
         """Drive of a joint."""
         return next((drive for drive in self.drives if drive.joint == joint), None)
+
+
+def turned(clockwise_deg: float) -> float:
+    """Angle (rad) as scenes have it, counter-clockwise, of one of a config (deg), clockwise.
+
+    Here alone fixed angles change their sense; coordinates of hinges stay clockwise, see `layout.pose`.
+    """
+    return -math.radians(clockwise_deg)
 
 
 def rotation(angle: float) -> NDArray[np.float64]:

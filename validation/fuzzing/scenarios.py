@@ -108,7 +108,7 @@ def _shape(rng: Random, family: str) -> Tree:
         shape |= {"thickness_m": size(rng)} if kind == "disc" else {}
     elif kind == "arc":
         start = rng.uniform(-360.0, 360.0)
-        shape |= {"radius_m": size(rng), "start_deg": start, "end_deg": start + rng.uniform(-360.0, 360.0)}
+        shape |= {"radius_m": size(rng), "from_deg": start, "to_deg": start + rng.uniform(-360.0, 360.0)}
         shape |= _section(rng, family)
     elif kind == "polyline":
         shape |= {"points_m": [_point(rng) for _ in range(rng.randint(2, 6))]} | _section(rng, family)
@@ -212,10 +212,10 @@ def _tree(rng: Random, family: str) -> Tree:
             joint |= {"home_deg": rng.uniform(-180, 180)} | _in_hinge(rng)
             start = {"angle_deg": rng.uniform(-180, 180), "rate_rad_s": rng.gauss(0, 5)}
         elif kind == "slider":
-            joint |= {"axis_deg": rng.uniform(-180, 180), "angle_deg": rng.uniform(-180, 180)} | _in_slider(rng)
+            joint |= {"axis": [rng.gauss(0, 1), rng.gauss(0, 1)], "home_deg": rng.uniform(-180, 180)} | _in_slider(rng)
             start = {"position_m": rng.uniform(-0.1, 0.1), "speed_m_s": rng.gauss(0, 1)}
         elif kind == "weld":
-            joint["angle_deg"] = rng.uniform(-180, 180)
+            joint["home_deg"] = rng.uniform(-180, 180)
         else:
             start = {"x_m": rng.gauss(0, 0.2), "y_m": rng.gauss(0, 0.2), "angle_deg": rng.uniform(-180, 180)}
             start |= {"vx_m_s": rng.gauss(0, 1), "vy_m_s": -abs(rng.gauss(0, 2)), "rate_rad_s": rng.gauss(0, 5)}

@@ -1,16 +1,25 @@
 """Schema of joints: how two bodies move against each other in the plane, and what acts between them there.
 
-The coordinate of a joint is what its column in the results shows. A hinge turns clockwise: its angle is that of the
-child below the x axis of the parent, on the ground below the horizontal. A slider grows along its axis.
+The coordinate of a joint is what its column in the results shows. All angles turn clockwise (see models/README.md):
+that of a hinge is the child's below the x axis of the parent, on the ground below the horizontal. A slider grows along
+its axis.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import AfterValidator, model_validator
 
 from granular_contact.config.schema.base import NotNegative, Point, Positive, Strict, Tagged, refusal
+from granular_contact.config.schema.older import Renewed
+
+
+def _points_somewhere(axis: tuple[float, float]) -> tuple[float, float]:
+    if not 0.0 < math.hypot(*axis) < math.inf:
+        raise refusal([((), f"got {list(axis)}; allowed is a direction, as [0, 1] for upward")])
+    return axis
 
 
 class _Ends(Strict):
@@ -73,12 +82,12 @@ class Hinge(HingeClosure):
     """Angle at the start, unless the run says otherwise; clockwise, from the x axis of the parent."""
 
 
-class Weld(_Ends):
+class Weld(_Ends, Renewed):
     """The child is held at a fixed angle."""
 
     type: Literal["weld"]
-    angle_deg: float = 0.0
-    """From the x axis of the parent to that of the child, counter-clockwise."""
+    home_deg: float = 0.0
+    """The angle of the child, clockwise, from the x axis of the parent."""
 
 
 class SliderSpring(Strict):
@@ -113,14 +122,14 @@ class SliderFriction(Strict):
     """Of the bristle, so that it does not ring."""
 
 
-class SliderClosure(_Ends):
+class SliderClosure(_Ends, Renewed):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
     type: Literal["slider"]
-    axis_deg: float = 0.0
-    """Direction of the axis in the frame of the parent, counter-clockwise from its x axis; 90 on the ground is up."""
-    angle_deg: float = 0.0
-    """From the x axis of the parent to that of the child, counter-clockwise."""
+    axis: Annotated[Point, AfterValidator(_points_somewhere)] = (1.0, 0.0)
+    """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
+    home_deg: float = 0.0
+    """The angle of the child, clockwise, from the x axis of the parent, at which it stays."""
     spring: SliderSpring | None = None
     damping_N_s_per_m: NotNegative = 0.0
     stops: SliderStops | None = None

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.base import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
+from granular_contact.config.schema.older import Renewed
 from granular_contact.polygon import crossing, doubled_area, extent
 
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
@@ -91,23 +92,24 @@ class _Bent(_Shape):
         return self
 
 
-class ArcShape(_Bent):
+class ArcShape(_Bent, Renewed):
     """A round or flat bar along a circular arc, the C-leg of a walking machine."""
 
     type: Literal["arc"]
     radius_m: Positive
     """Of the middle line."""
     center_m: Point = (0.0, 0.0)
-    start_deg: Annotated[float, Field(ge=-720, le=720)]
-    """Where the arc begins, from the x axis of the body, counter-clockwise."""
-    end_deg: Annotated[float, Field(ge=-720, le=720)]
+    from_deg: Annotated[float, Field(ge=-720, le=720)]
+    """Where the arc begins, clockwise from the x axis of the body: 90 is below its centre."""
+    to_deg: Annotated[float, Field(ge=-720, le=720)]
+    """Where it ends; the smaller one may be either."""
 
     @model_validator(mode="after")
     def _has_an_opening(self) -> ArcShape:
-        sweep = abs(self.end_deg - self.start_deg)
+        sweep = abs(self.to_deg - self.from_deg)
         if not 0.0 < sweep <= 360.0:
-            got = f"got {self.end_deg:g}, which is {sweep:g} from start_deg"
-            raise refusal([(("end_deg",), f"{got}; allowed is above 0 and at most 360")])
+            got = f"got {self.to_deg:g}, which is {sweep:g} from from_deg"
+            raise refusal([(("to_deg",), f"{got}; allowed is above 0 and at most 360")])
         return self
 
 
@@ -147,7 +149,7 @@ class PolygonShape(_Shape):
         return self
 
 
-class FootShape(_Shape):
+class FootShape(_Shape, Renewed):
     """A flat sole with round toe and heel: a rectangle that ends in half circles, along the x axis of its own frame."""
 
     type: Literal["foot"]
@@ -157,8 +159,8 @@ class FootShape(_Shape):
     width_m: Positive
     """Extent normal to the plane of motion."""
     center_m: Point = (0.0, 0.0)
-    angle_deg: float = 0.0
-    """Of the sole in the frame of the body, counter-clockwise."""
+    tilt_deg: float = 0.0
+    """Of the sole in the frame of the body, clockwise: positive lowers the toe."""
 
     @model_validator(mode="after")
     def _is_longer_than_high(self) -> FootShape:
