@@ -31,7 +31,7 @@ from granular_contact.multibody.balance import Balance
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
 from granular_contact.multibody.weights import mass_matrix
-from granular_contact.scene.types import Scene, Vector
+from granular_contact.scene.types import Vector
 
 PLACES = 4000  # on the way; more are taken for a mechanism that finds no rest
 LIGHT = 0.01  # share of the weight with which it comes down
@@ -40,6 +40,7 @@ FAR = 0.05  # of the mechanism's length in a step, and of a radian
 STANDS, RESTS = 0.02, 1e-6  # acceleration left, of gravity's: it stands and can take more weight; it rests
 EXACT, ROUGH = 1e-10, 1e-4  # of the mechanism's length, and of the way of a step: what Newton's method leaves
 MOST, FEW = 25, 5  # iterations: more have failed, with fewer the pace may grow
+CREEPS = "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
 SHORTEST = 1e-12  # of the first pace: with less there is no step
 FASTEST = 1e6  # pace by which only what nothing holds can move far, of a swing's time squared
 
@@ -159,18 +160,12 @@ def settle(system: System, recorder: Recorder) -> None:
         raise OutOfTimeError(
             f"initial.settle: {allowed} before the mechanism rested; nothing was saved: take a larger one"
         )
-    if not descent.rests:
-        raise SolveError(
-            f"initial.settle: the mechanism finds no rest: it still moves after {descent.steps} steps; "
-            f"{_remedy(system.scene)}"
-        )
+    creeps = isinstance(system.scene.load.static, Smooth) and system.bed is not None
+    if not descent.rests or (creeps and system.bed.accepted.depth[-1] > 0.0):
+        remedy = CREEPS if creeps else "give the initial state without it"
+        still = "nothing holds it in the sand" if descent.rests else f"it still moves after {descent.steps} steps"
+        raise SolveError(f"initial.settle: the mechanism finds no rest: {still}; {remedy}")
     _begin(system, descent.q)
-
-
-def _remedy(scene: Scene) -> str:
-    if scene.media and isinstance(scene.load.static, Smooth):
-        return "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
-    return "give the initial state without it"
 
 
 def _begin(system: System, q: Vector) -> None:
