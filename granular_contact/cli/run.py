@@ -85,6 +85,7 @@ def act(chosen: argparse.Namespace) -> int:
             progress=progress,
             most_frames=MOST_FRAMES if chosen.film else 0,
             inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
+            compiling=None if chosen.quiet else complain,
         )
     elapsed = time.perf_counter() - begin
     if chosen.explain:
