@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.compiling import Compiling
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.interpolation import at_times, rates
@@ -149,8 +150,11 @@ def compare(
     overrides: Sequence[str] = (),
     repeats: int = 3,
     progress: Callable[[str], None] | None = None,
+    compiling: Compiling | None = None,
 ) -> Comparison:
     """Run a config by every model, `repeats` times after a warm-up for the run time.
+
+    progress: told what is run next; compiling: see `run`.
 
     Raises
     ------
@@ -163,7 +167,7 @@ def compare(
             progress(model.name)
         scenario = load(path, [*overrides, *model.overrides, EVERY_STEP]).scenario
         scene = build(scenario)
-        tries = [uninterrupted(run(scene, scenario)) for _ in range(repeats + 1)]
+        tries = [uninterrupted(run(scene, scenario, compiling=compiling)) for _ in range(repeats + 1)]
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
         runs.append((model, tries[-1], seconds))
     reference = runs[-1][1]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from granular_contact.compiling import Compiling
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.report import whole_folder
@@ -42,8 +43,11 @@ def compare_media(
     *,
     overrides: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
+    compiling: Compiling | None = None,
 ) -> tuple[Row, ...]:
     """Run a config in each of several media, named as in a config (preset, file, or several joined by +).
+
+    progress: told what is run next; compiling: see `run`.
 
     Raises
     ------
@@ -67,7 +71,7 @@ def compare_media(
     for (name, scene), (_, loaded) in zip(built, scenes, strict=True):
         if progress is not None:
             progress(name)
-        rows.append(Row(name, uninterrupted(run(scene, loaded.scenario))))
+        rows.append(Row(name, uninterrupted(run(scene, loaded.scenario, compiling=compiling))))
     return tuple(rows)
 
 

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from granular_contact.compiling import Compiling, announced
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.interpolation import Track, at_times
 from granular_contact.limits import Reach, warnings
-from granular_contact.media.kinds import term_names
+from granular_contact.media.kinds import WORDS, term_names
+from granular_contact.media.laws import LAWS
 from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Reduced, Scene, Vector
@@ -33,6 +35,7 @@ def run(
     *,
     most_frames: int = 0,
     inspect: Callable[[System, Trajectory], None] | None = None,
+    compiling: Compiling | None = None,
 ) -> Results:
     """Simulate a scene. However the run ends, what it reached is in the results; look at their status.
 
@@ -48,11 +51,13 @@ def run(
         From 2: the results get at most so many frames, for an animation.
     inspect : callable, optional
         Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
+    compiling : callable, optional
+        Called with a sentence when kernels have to be compiled, which is the case once for each law and installation.
     """
     if isinstance(scene.method, Reduced):
-        solved = _reduced(scene, scene.method, progress)
+        solved = _reduced(scene, scene.method, progress, compiling)
     else:
-        solved = _solved(scene, progress, inspect)
+        solved = _solved(scene, progress, inspect, compiling)
     columns, table, time = solved.columns, solved.table, solved.table[:, 0]
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
     greatest = extremes(time, solved.depths, solved.deflection)
@@ -124,27 +129,43 @@ class _Solved:
     doubts: tuple[str, ...] = ()
 
 
-def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajectory]:
+def _compiled(scene: Scene) -> str:
+    """What there is to compile for a scene, in words."""
+    laws = ", ".join(tag for tag, law in LAWS.items() if any(isinstance(medium, law) for medium in scene.media))
+    kinds = {shape.kind for body in scene.rigid for shape in body.shapes if shape.in_sand}
+    kinds |= {link.kind for link in scene.links}
+    shapes = " and ".join(words.partition(" (")[0] for kind, words in WORDS.items() if kind in kinds)
+    return f"the law {laws} for {shapes}" if laws else "the equations of motion"
+
+
+def _trajectory(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> tuple[System, Trajectory]:
     """By the engine, or in minimal coordinates: either way in the coordinates of the engine."""
     if scene.method is None:
         from granular_contact.multibody.build import build
         from granular_contact.multibody.solve import solve
 
         system = build(scene)
-        return system, solve(system, progress)
+        with announced(compiling, _compiled(scene)):
+            return system, solve(system, progress)
     from granular_contact.minimal.solve import solve as solve_tree
     from granular_contact.minimal.tree import tree
 
     made = tree(scene)
-    return made.system, solve_tree(made, progress)
+    with announced(compiling, _compiled(scene)):
+        return made.system, solve_tree(made, progress)
 
 
-def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, Trajectory], None] | None) -> _Solved:
+def _solved(
+    scene: Scene,
+    progress: Progress | None,
+    inspect: Callable[[System, Trajectory], None] | None,
+    compiling: Compiling | None,
+) -> _Solved:
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.observe_mechanism import key_numbers
     from granular_contact.multibody.stop import stop_after
 
-    system, trajectory = _trajectory(scene, progress)
+    system, trajectory = _trajectory(scene, progress, compiling)
     observer = Observer(system, trajectory)
     if scene.method is None and trajectory.load is not None:
         from granular_contact.multibody.strip_error import finer
@@ -188,13 +209,14 @@ def _doubts(observer: Observer) -> tuple[str, ...]:
         return tuple(doubts(observer))
 
 
-def _reduced(scene: Scene, method: Reduced, progress: Progress | None) -> _Solved:
+def _reduced(scene: Scene, method: Reduced, progress: Progress | None, compiling: Compiling | None) -> _Solved:
     from granular_contact.reduced.model import model
     from granular_contact.reduced.observe import Observer
     from granular_contact.reduced.solve import solve
 
     reduced = model(scene, method)
-    trajectory = solve(reduced, progress)
+    with announced(compiling, _compiled(scene)):
+        trajectory = solve(reduced, progress)
     observer = Observer(reduced, trajectory)
     return _Solved(
         trajectory.status,

@@ -163,7 +163,7 @@ def test_ctrl_c_ends_settling(
 ) -> None:
     from granular_contact.multibody import settle
 
-    struck(monkeypatch, settle._Watch, "__call__")
+    struck(monkeypatch, settle._Descent, "_step")
     config = tmp_path / "settled.yaml"
     config.write_text(SETTLED, encoding="utf-8")
     assert main(["run", str(config), "--out", str(tmp_path / "out"), "--no-plots"]) == 130

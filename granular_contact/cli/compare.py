@@ -69,6 +69,7 @@ def act(chosen: argparse.Namespace) -> int:
             tolerance=chosen.tolerance,
             overrides=chosen.set,
             progress=progress,
+            compiling=None if chosen.quiet else complain,
         )
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:

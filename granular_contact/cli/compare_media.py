@@ -49,7 +49,8 @@ def act(chosen: argparse.Namespace) -> int:
         complain(problem)
         return FAULTY_INPUT
     with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
-        rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress)
+        compiling = None if chosen.quiet else complain
+        rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
         _show(rows)

@@ -75,7 +75,12 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.run import run
 
     kept: list[tuple[System, Trajectory]] = []
-    explained: list[str] = []
+    explained, compiled = list[str](), list[str]()
+
+    def compiling(what: str) -> None:
+        compiled.append(what)
+        complain(what)
+
     begin = time.perf_counter()
     shown = sys.stderr.isatty() and not chosen.quiet
     with _progress(shown, scenario.solver.end_time_s) as progress:
@@ -85,6 +90,7 @@ def act(chosen: argparse.Namespace) -> int:
             progress=progress,
             most_frames=MOST_FRAMES if chosen.film else 0,
             inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
+            compiling=None if chosen.quiet else compiling,
         )
     elapsed = time.perf_counter() - begin
     if chosen.explain:
@@ -96,7 +102,7 @@ def act(chosen: argparse.Namespace) -> int:
         complain(f"the results can't be saved in {folder}: {error}")
         return FAULTY_INPUT
     if not chosen.quiet:
-        print("\n".join(_summary(results, elapsed, folder)))
+        print("\n".join(_summary(results, f"{elapsed:.2f} s{', compiling included' if compiled else ''}", folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
     if explained:
@@ -161,7 +167,7 @@ def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
         yield update
 
 
-def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
+def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
     """Lines that tell a person what came of a run; a quantity that the run has not is left out."""
     found: dict[str, Any] = results.summary
     yield f"{results.name}: {results.status.message}"
@@ -181,6 +187,6 @@ def _summary(results: Results, elapsed: float, folder: Path) -> Iterator[str]:
         yield f"  transport cost  {cost:.3g} of weight times way"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
         yield f"  energy          {imbalance:.1e} of it unaccounted for"
-    yield f"  wall time       {elapsed:.2f} s"
+    yield f"  wall time       {elapsed}"
     yield f"  saved in        {folder}"
     yield from (f"warning: {warning}" for warning in results.warnings)

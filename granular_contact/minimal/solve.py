@@ -40,17 +40,19 @@ class March:
         self.states = np.zeros((SHARE, 6 * bodies + 1))
         self.rows = np.zeros((SHARE, len(self.blank)))
         kernels.start(self.y, tree.forest, self.blank, self.states, self.rows)
+        self._march(self.rows[:1])  # is full: compiles the march or loads it, which is no part of a solve
 
     def go_on(self) -> int:
         """March until the tables are full, then make room; why is one of the kernels' codes."""
-        tables = self.blank, self.states, self.rows
-        code = int(
-            kernels.march(self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction, *tables)
-        )
+        code = self._march(self.rows)
         if code == kernels.PAUSE:
             self.states = np.concatenate([self.states, np.zeros((SHARE, self.states.shape[1]))])
             self.rows = np.concatenate([self.rows, np.zeros((SHARE, self.rows.shape[1]))])
         return code
+
+    def _march(self, rows: Vector) -> int:
+        state = self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction
+        return int(kernels.march(*state, self.blank, self.states, rows))
 
     @property
     def time(self) -> float:

@@ -12,7 +12,6 @@ from exudyn import itemInterface as items
 
 from granular_contact.multibody.joints import add_joint
 from granular_contact.multibody.overlay import Overlay
-from granular_contact.multibody.settle import add_dampers
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
 from granular_contact.multibody.weights import weights
 from granular_contact.scene.reach import dips, reaches
@@ -34,8 +33,6 @@ def build(scene: Scene) -> System:
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
-    if scene.settle:
-        add_dampers(system)
     system = replace(system, bed=lay_bed(system))
     if system.bed is not None:
         system.bed.attach(weights(system))

@@ -41,8 +41,8 @@ def _joints(system: System) -> Iterator[str]:
     free = [c.name for c in system.scene.connections if c.law.is_idle and c.name not in acting]
     if free:
         yield f"loads in joints: {', '.join(free)}: no spring, damping, friction, stop or drive"
-    if not system.dampers:
-        yield "settling: not asked for, so there are no dampers"
+    if not system.scene.settle:
+        yield "settling: not asked for"
 
 
 def _bed(system: System) -> Iterator[str]:

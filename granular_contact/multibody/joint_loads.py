@@ -122,13 +122,13 @@ class JointLoad:
     def accept(self, q: Vector, v: Vector) -> None:
         """End of a step at this state (all coordinates of the system, as the engine has them)."""
         if self.law.friction > 0.0:
-            s, _, _ = self.coordinate.at(q[self._where].tolist(), v[self._where].tolist())
+            s, _, _ = self.coordinate.at(q[self.where].tolist(), v[self.where].tolist())
             self.anchor = follow(self.law, s, self.anchor)
 
     def start(self, mbs: Any) -> None:
         """Find the nodes' coordinates in the assembled system."""
         data = mbs.systemData
-        self._where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
+        self.where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
 
     def _force(self, mbs: Any, t: float, item: int, q: Numbers, v: Numbers) -> Numbers:  # noqa: ARG002
         s, rate, slope = self.coordinate.at(q, v)

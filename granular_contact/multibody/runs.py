@@ -89,6 +89,7 @@ class Group:
         self._force = entry(kernels.force, q, v, *self._awake_sand, v)
         self._tangent = entry(kernels.tangent, q, v, *self._awake_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
         self._accept = entry(kernels.accept, q, v, *self._all_sand, v, self.columns, self.reach)
+        entry(kernels.wake, self.reach, 0.0, self.awake)
         self._compiled = True
 
     @property

@@ -1,86 +1,148 @@
-"""Rest under gravity before the clock starts: the same system with damping, at negative times.
+"""Rest under gravity before the clock starts: the mechanism set down on the sand as a careful hand would do it.
 
-Every body is held back in proportion to its mass. Nothing else is changed, so that the rest that is found is one of the
-undamped system: in sand one in which the static resistance carries what it has to, with the strips' anchors as they
-then are. Drives keep the value that they start with, and want no speed.
+Sand keeps every overshoot, so nothing is dropped. The mechanism comes down with a hundredth of its weight until it
+stands; then its weight rises to the whole, in steps small enough that what carries it is carried all the way. What is
+stood on is only ever pressed deeper, and its static resistance is mobilised in full at the end: it is what a body let
+down at vanishing speed stands on. Torques and forces of drives rise as the weight does; springs, stops and controls
+act in full, and clocks stand.
+
+Nothing has inertia on the way. From one place to the next, q to q + d, every body is held back by its mass,
+
+    M d / s = F(q + d) + G^T mu,    g(q + d) = 0,
+
+F all forces at rest (see `balance`), g the joints. It is the implicit Euler step of a motion that is slow everywhere,
+which never passes what it comes to rest at. s (s^2) is the pace: a free body goes on by its acceleration times s. The
+pace is chosen so that nothing goes far in a step, and grows without bound where something is stood on: the last steps
+are those of Newton's method.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass
 
 import exudyn as exu
 import numpy as np
-from exudyn import itemInterface as items
 
 from granular_contact.errors import OutOfTimeError, SolveError
 from granular_contact.media.static_friction import Smooth
+from granular_contact.multibody.balance import Balance
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.scene.types import Scene
+from granular_contact.multibody.weights import mass_matrix
+from granular_contact.scene.types import Vector
 
-# In swings of a pendulum as long as the mechanism, divided by 2 pi.
-LONGEST, STILL = 60.0, 1.0
-SLOW = 1e-2  # of solver.rest_speed_m_s: this is rest
-COARSE = 4.0  # steps of the run
-
-
-def swing(scene: Scene) -> float:
-    """Angular frequency (rad/s) of a pendulum as long as the mechanism."""
-    return math.sqrt(max(abs(scene.gravity), 0.1) / max(scene.length, 1e-3))
-
-
-def add_dampers(system: System) -> None:
-    """Hold every body back by twice its mass times the swing's frequency: critical damping of that swing."""
-    mbs, rate = system.mbs, 2.0 * swing(system.scene)
-    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-    for rigid in system.rigid.values():
-        body = rigid.body
-        for coordinate, inertia in enumerate((body.mass, body.mass, body.inertia)):
-            system.dampers.append(_damper(mbs, ground, rigid.node, coordinate, rate * inertia))
-    for link in system.links.values():
-        share = link.link.mass / len(link.nodes)
-        system.dampers.extend(_damper(mbs, ground, node, i, rate * share) for node in link.nodes for i in (0, 1))
+PLACES = 4000  # on the way; more are taken for a mechanism that finds no rest
+LIGHT = 0.01  # share of the weight with which it comes down
+GROWTH, RISE = 1.25, 0.05  # of the weight in a step: by this factor, by no more than this share
+FAR = 0.05  # of the mechanism's length in a step, and of a radian
+STANDS, RESTS = 0.02, 1e-6  # acceleration left, of gravity's: it stands and can take more weight; it rests
+EXACT, ROUGH = 1e-10, 1e-4  # of the mechanism's length, and of the way of a step: what Newton's method leaves
+MOST, FEW = 25, 5  # iterations: more have failed, with fewer the pace may grow
+CREEPS = "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
+SHORTEST = 1e-12  # of the first pace: with less there is no step
+FASTEST = 1e6  # pace by which only what nothing holds can move far, of a swing's time squared
 
 
-def _damper(mbs: Any, ground: Any, node: int, coordinate: int, damping: float) -> int:
-    marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-    item = items.ObjectConnectorCoordinateSpringDamper(markerNumbers=[ground, marker], damping=damping)
-    return int(mbs.AddObject(item))
+@dataclass(frozen=True)
+class _Found:
+    """End of a step: place, forces there, multipliers of joints, iterations that it took."""
+
+    q: Vector
+    force: Vector
+    multipliers: Vector
+    iterations: int
 
 
-class _Watch:
-    """Post-step function: stops once all has been slow for long enough."""
+class _Descent:
+    """Way of a system down to its rest; `share` of the weight, `pace` (s^2), `steps` so far, `rests` once there."""
 
-    def __init__(self, system: System, recorder: Recorder, hold: float) -> None:
-        self.system, self.recorder, self.lever, self.hold = system, recorder, recorder.lever, hold
-        self.slow = SLOW * system.scene.solver.rest_speed
-        self.since: float | None = None
-        self.rests = False
-        wall = system.scene.solver.max_wall
+    def __init__(self, system: System, recorder: Recorder) -> None:
+        scene = system.scene
+        self.recorder = recorder
+        self.balance = Balance(system, PLACES)
+        mass = mass_matrix(system)
+        self.mass: Vector = mass if isinstance(mass, np.ndarray) else mass.toarray()
+        self.size, self.gravity = max(scene.length, 1e-3), max(abs(scene.gravity), 0.1)
+        self.lever = np.where(recorder.lever > 0.0, recorder.lever, 0.0)
+        self.share, self.steps, self.rests = LIGHT, 0, False
+        self.pace = self.pace_taken = 0.25 * FAR * self.size / (LIGHT * self.gravity)
+        self.q: Vector = system.mbs.systemData.GetODE2Coordinates()
+        self.last = np.zeros_like(self.q)  # way of the last step
+        self.turning = np.zeros_like(self.mass)  # of the forces of joints, see `Balance.turning`
+        self.force, _ = self.balance.at(self.q, self.share)
+        wall = scene.solver.max_wall
         self.deadline = math.inf if wall is None else time.perf_counter() + wall
 
-    def __call__(self, mbs: Any, t: float) -> bool:
-        data = mbs.systemData
-        q, v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
-        for load in self.system.loads.values():
-            load.accept(q, v)
-        if np.abs(self.lever * v).max() > self.slow:
-            self.since = None
-        elif self.since is None:
-            self.since = t
-        self.rests = self.since is not None and t - self.since >= self.hold
-        return not self.rests and not self.recorder.reason and time.perf_counter() < self.deadline
+    def run(self) -> None:
+        """Go on to rest, or as far as one gets."""
+        left, shortest = math.inf, SHORTEST * self.pace
+        while not self.rests and self.steps < PLACES and self.pace > shortest:
+            if self.recorder.reason or time.perf_counter() > self.deadline:
+                return
+            share = self.share
+            if left <= STANDS * share * self.gravity:
+                share = min(1.0, GROWTH * share, share + RISE)
+            moved = self._step(share)
+            self.steps += 1
+            if moved is None:
+                self.pace *= 0.25
+                continue
+            left = moved / self.pace_taken
+            self.rests = self.share == 1.0 and left <= RESTS * self.gravity
+
+    def _step(self, share: float) -> float | None:
+        """One step with a share of the weight; greatest way (m) of any point, None where it is to be tried shorter."""
+        found = self._newton(share)
+        if found is None:
+            return None
+        way = found.q - self.q
+        moved = float(np.abs(self.lever * way).max())
+        downhill = float((self.force + (share - self.share) * self.balance.rising(self.q)) @ way)
+        if moved > FAR * self.size or (moved > 1e-6 * self.size and downhill < 0.0):
+            return None
+        self.q, self.force, self.last, self.share = found.q, found.force, way, share
+        self.balance.accept(found.q)
+        self.pace_taken = self.pace
+        if found.iterations > FEW:
+            self.turning = self.balance.turning(found.q, found.multipliers)
+        if found.iterations <= FEW and moved < 0.4 * FAR * self.size:
+            self.pace = min(2.0 * self.pace, FASTEST * self.size / self.gravity)
+        return moved
+
+    def _newton(self, share: float) -> _Found | None:
+        """Where a step ends; None if that is not found."""
+        n, before, factor = len(self.q), math.inf, 1.0
+        q = self.q + min(1.0, self.pace / self.pace_taken) * self.last  # as it went before
+        for iteration in range(1, MOST + 1):
+            force, gap = self.balance.at(q, share)
+            matrix = self.balance.tangent()
+            residual = np.concatenate([force - self.mass @ (q - self.q) / self.pace, gap])
+            # The multipliers are found whole: the engine's are zero throughout.
+            matrix[:n, :n] += self.turning - self.mass / self.pace
+            try:
+                found = np.linalg.solve(matrix, -residual)
+            except np.linalg.LinAlgError:
+                return None
+            change, multipliers = found[:n], found[n:]
+            size = float(np.abs(self.lever * change).max())
+            if not size < 1e3 * self.size:
+                return None
+            # Between stretching and yielding a full step can go to and fro.
+            factor = max(0.25, 0.5 * factor) if size > 0.7 * before and iteration > 4 else 1.0
+            q = q + min(factor, FAR * self.size / max(size, 1e-300)) * change
+            moved = float(np.abs(self.lever * (q - self.q)).max())
+            if size <= max(EXACT * self.size, ROUGH * moved):
+                return _Found(q, force, multipliers, iteration)
+            before = size
+        return None
 
 
-def settle(system: System, simulation: Any, recorder: Recorder) -> None:
+def settle(system: System, recorder: Recorder) -> None:
     """Bring an assembled system to rest, and make that its initial state at t = 0.
 
-    simulation: Exudyn's settings of the run; recorder: that of the run, which hears of Ctrl-C.
+    recorder: that of the run, which hears of Ctrl-C.
 
     Raises
     ------
@@ -89,59 +151,27 @@ def settle(system: System, simulation: Any, recorder: Recorder) -> None:
     KeyboardInterrupt
         It was asked for; there is nothing to keep.
     """
-    mbs, t = system.mbs, simulation.timeIntegration
-    kept = t.startTime, t.endTime, t.numberOfSteps, t.generalizedAlpha.spectralRadius
-    unit = 1.0 / swing(system.scene)
-    with _negative_times():
-        t.startTime = -LONGEST * unit
-    t.endTime = 0.0
-    t.numberOfSteps = max(1, math.ceil(LONGEST * unit / (COARSE * system.scene.solver.step)))
-    t.generalizedAlpha.spectralRadius = 0.5
-    watch = _Watch(system, recorder, STILL * unit)
-    mbs.SetPostStepUserFunction(watch)
-    problem = f"it still moves after {LONGEST * unit:.3g} s"
-    try:
-        exu.MainSolverImplicitSecondOrder().SolveSystem(mbs, simulation)
-    except (exu.ExudynError, RuntimeError) as error:
-        problem = str(error).strip().splitlines()[0]
+    descent = _Descent(system, recorder)
+    descent.run()
     if recorder.reason == "interrupted":
         raise KeyboardInterrupt
-    if not watch.rests and time.perf_counter() >= watch.deadline:
+    if not descent.rests and time.perf_counter() >= descent.deadline:
         allowed = f"solver.max_wall_s ({system.scene.solver.max_wall:g}) was over"
         raise OutOfTimeError(
             f"initial.settle: {allowed} before the mechanism rested; nothing was saved: take a larger one"
         )
-    if not watch.rests:
-        raise SolveError(f"initial.settle: the mechanism finds no rest: {problem}; {_remedy(system.scene)}")
-    t.startTime, t.endTime, t.numberOfSteps, t.generalizedAlpha.spectralRadius = kept
-    _begin(system)
+    creeps = isinstance(system.scene.load.static, Smooth) and system.bed is not None
+    if not descent.rests or (creeps and system.bed.accepted.depth[-1] > 0.0):
+        remedy = CREEPS if creeps else "give the initial state without it"
+        still = "nothing holds it in the sand" if descent.rests else f"it still moves after {descent.steps} steps"
+        raise SolveError(f"initial.settle: the mechanism finds no rest: {still}; {remedy}")
+    _begin(system, descent.q)
 
 
-def _remedy(scene: Scene) -> str:
-    if scene.media and isinstance(scene.load.static, Smooth):
-        return "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
-    return "give the initial state without it"
-
-
-@contextmanager
-def _negative_times() -> Iterator[None]:
-    """Let a solve start before t = 0: the engine can, but its settings refuse the number."""
-    checks = exu.special.exceptions
-    before, checks.parameterRangeChecks = checks.parameterRangeChecks, False
-    try:
-        yield
-    finally:
-        checks.parameterRangeChecks = before
-
-
-def _begin(system: System) -> None:
-    """Make where the system is now its initial state, at rest, without the dampers."""
-    mbs, initial = system.mbs, exu.ConfigurationType.Initial
-    data = mbs.systemData
-    q = data.GetODE2Coordinates()
+def _begin(system: System, q: Vector) -> None:
+    """Make a place the system's initial state, at rest."""
+    data, initial = system.mbs.systemData, exu.ConfigurationType.Initial
     data.SetODE2Coordinates(q, configuration=initial)
     data.SetODE2Coordinates_t(np.zeros_like(q), configuration=initial)
-    for damper in system.dampers:
-        mbs.SetObjectParameter(damper, "activeConnector", False)
     for load in system.loads.values():
         load.first_anchor = load.anchor

@@ -83,7 +83,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
     problem, success = "", False
     with _on_interrupt(recorder.interrupt), _silent():
         if scene.settle:
-            settle(system, simulation, recorder)
+            settle(system, recorder)
         if scene.solver.accuracy is not None:
             recorder.control = StepControl(system, solver, recorder.lever, scene.solver.accuracy)
             mbs.SetPostNewtonUserFunction(recorder.control)

@@ -35,8 +35,7 @@ class LinkHandle:
 class System:
     """An assembled Exudyn system and where the scene's bodies are in it. `bed` is None where no load is needed.
 
-    loads: what acts in joints, by name. motions: constraint objects of prescribed motions, by joint. dampers:
-    connectors that act while the mechanism settles.
+    loads: what acts in joints, by name. motions: constraint objects of prescribed motions, by joint.
     """
 
     scene: Scene
@@ -47,7 +46,6 @@ class System:
     bed: Any
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
-    dampers: list[int] = field(default_factory=list)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -47,6 +49,7 @@ class March:
         self.rows = np.zeros((1024, 1 + len(self.y) + 9))
         self._rest_bristles()
         self.decide()
+        self.warm()
 
     def _rest_bristles(self) -> None:
         w, q = self.world, self.y[: self.size]
@@ -82,10 +85,15 @@ class March:
             self.rows = np.concatenate([self.rows, np.zeros_like(self.rows)])
         return code
 
-    def _march(self) -> int:
+    def warm(self) -> None:
+        """Compile what the march needs, or load it, which is no part of a solve; nothing is changed."""
+        self._march(0)
+        kernels.write_row(self.time, self.y, self.regime, self.world, np.zeros_like(self.rows[0]))
+
+    def _march(self, share: int = SHARE) -> int:
         return int(
             kernels.march(
-                SHARE, self.y, self.regime, self.world, self.control, self.allowed, self.clock, self.rows, self.counts,
+                share, self.y, self.regime, self.world, self.control, self.allowed, self.clock, self.rows, self.counts,
                 self.watch, self.stopped,
             )
         )  # fmt: skip
@@ -108,10 +116,38 @@ ANY = 1e6  # J: the two works are found from the motion, and do not limit the st
 RTOL = 1e-13  # the error allowed is absolute, see `March.allowed`; scipy wants some of the other kind
 
 
+class _Standing:
+    """A stepper of scipy's after a step in which nothing moved."""
+
+    t_old, t = 0.0, 1e-12
+
+    def __init__(self, y: Vector) -> None:
+        self.y = y.copy()
+
+    def dense_output(self) -> Callable[[Vector], Vector]:
+        """States (size, times) at times (s)."""
+        return lambda times: np.repeat(self.y[:, None], len(times), axis=1)
+
+
 class ScipyMarch(March):
     """The same march with a stepper of `scipy.integrate`, for comparison: many times slower, but implicit ones too."""
 
-    def _march(self) -> int:
+    def warm(self) -> None:
+        """Compile or load what a step calls, by a step that goes nowhere, of a copy."""
+        from scipy import integrate  # noqa: F401  # a fifth of a second
+
+        super().warm()
+        still = copy.deepcopy(self)
+        follow(still.y, still.regime, still.world)
+        sigma, slopes = np.zeros_like(still.regime), np.empty_like(still.y)
+        rates(still.y, still.regime, still.world, sigma, np.zeros((3, 3)), slopes)
+        still._take(_Standing(still.y))
+        events.shorten(np.ascontiguousarray(FIT @ np.tile(still.y, (len(NODES), 1))), 1.0)
+        kernels.rests(still.y, still.regime, still.world, still.control[0], still.clock)
+
+    def _march(self, share: int = SLOW_SHARE) -> int:
+        if share == 0:
+            return super()._march(0)
         try:
             return self._steps()
         except FloatingPointError:

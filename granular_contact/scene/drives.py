@@ -12,6 +12,8 @@ from granular_contact.errors import Fault
 from granular_contact.scene import signals
 from granular_contact.scene.types import Drive
 
+FEWEST = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
+
 
 def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
     """All drives of a scenario; what can't be made is appended to the faults."""
@@ -27,8 +29,45 @@ def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
             faults.append(Fault("", None, f"drives.{name}.{key}", words))
             continue
         signal = _signal(given, math.radians(1.0) if key == "angle_deg" else 1.0, phase)
+        if isinstance(spec, schema.Motion):
+            signal = _without_jumps(signal, scenario, name, spec, faults)
         made.append(_drive(name, spec, signal))
     return tuple(made)
+
+
+def _without_jumps(
+    signal: signals.Signal, scenario: schema.Scenario, name: str, spec: schema.Motion, faults: list[Fault]
+) -> signals.Signal:
+    """The signal of a motion with a rate that does not jump during the run; a fault is appended where it would.
+
+    A jump of rate is an impact, of a force without bound, of which an integrator makes what its step allows.
+    """
+    solver, key = scenario.solver, target(spec)
+    found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
+    if spec.smooth_s is None:
+        faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []
+        return signal
+    least = FEWEST * solver.step_s
+    if solver.accuracy is None and spec.smooth_s < least:
+        words = (
+            f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST} times solver.step_s, or solver.accuracy"
+        )
+        faults.append(Fault("", None, f"drives.{name}.smooth_s", words))
+    return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
+
+
+def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
+    unit, factor = ("deg/s", math.degrees(1.0)) if key.endswith("angle_deg") else ("m/s", 1.0)
+    time, before, after = found[0]
+    words = f"at t = {time:g} s the rate jumps from {factor * before:.4g} to {factor * after:.4g} {unit}"
+    words += f" (the first of {len(found)} jumps)" if len(found) > 1 else ""
+    return Fault(
+        "",
+        None,
+        key,
+        f"{words}, which takes a force without bound; allowed are interpolation: cubic, and smooth_s: a time (s) over "
+        "which the rate changes",
+    )
 
 
 def _drive(name: str, spec: schema.AnyDrive, signal: signals.Signal) -> Drive:

@@ -8,10 +8,12 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+ROUNDING = 1e-4  # of the greatest rate: a jump of less comes of the digits of a table
 
 
 class Signal(Protocol):
@@ -156,14 +158,15 @@ class Buehler:
 class Piecewise:
     """Cubic pieces: over the interval that begins at times[i], the polynomial coefficients[i] of the time since then.
 
-    times (n,) s, increasing; coefficients (n - 1, 4), lowest power first; constant outside.
+    times (n,) s, increasing; coefficients (n - 1, 4), lowest power first; constant outside. Where derivatives jump they
+    are those after it.
     """
 
     times: tuple[float, ...]
     coefficients: tuple[tuple[float, float, float, float], ...]
 
     def _piece(self, t: float) -> tuple[tuple[float, float, float, float], float, bool]:
-        inside = self.times[0] <= t <= self.times[-1]
+        inside = self.times[0] <= t < self.times[-1]
         t = min(max(t, self.times[0]), self.times[-1])
         i = min(bisect_right(self.times, t), len(self.times) - 1) - 1
         return self.coefficients[i], t - self.times[i], inside
@@ -182,6 +185,62 @@ class Piecewise:
         """Second derivative by time; zero outside the table."""
         (_, _, c, d), tau, inside = self._piece(t)
         return 2.0 * c + 6.0 * d * tau if inside else 0.0
+
+
+class Jump(NamedTuple):
+    """Instant (s) at which the rate of a signal jumps, and the rates before and after it."""
+
+    time: float
+    before: float
+    after: float
+
+
+def jumps(signal: Signal) -> tuple[Jump, ...]:
+    """All jumps of a signal's rate but for what the rounding of a table leaves; only tables have any."""
+    if not isinstance(signal, Piecewise):
+        return ()
+    steps = np.diff(signal.times)
+    a, b, c, d = np.array(signal.coefficients).T
+    before = np.concatenate([[0.0], b + steps * (2.0 * c + steps * 3.0 * d)])
+    after = np.concatenate([b, [0.0]])
+    way = np.diff([*a, signal.value(signal.times[-1])])  # cubics may be at rest at every instant of the table
+    least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(way / steps).max())
+    found = zip(signal.times, before.tolist(), after.tolist(), strict=True)
+    return tuple(Jump(*one) for one in found if abs(one[2] - one[1]) > least)
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """A signal whose rate goes over every jump by b^2 (3 - 2 b), b from 0 to 1 in `duration` (s) around it.
+
+    Acceleration and rate are continuous; away from the jumps by half the duration the signal is as it was. jumps: in
+    the order of time.
+    """
+
+    signal: Signal
+    jumps: tuple[Jump, ...]
+    duration: float
+
+    def _near(self, t: float) -> list[tuple[float, float, float]]:
+        """Of the jumps that t is near: their height, b, and the time since them (s)."""
+        first = bisect_right(self.jumps, t - 0.5 * self.duration, key=lambda jump: jump.time)
+        last = bisect_right(self.jumps, t + 0.5 * self.duration, key=lambda jump: jump.time)
+        near = self.jumps[first:last]
+        return [(j.after - j.before, (t - j.time) / self.duration + 0.5, t - j.time) for j in near]
+
+    def value(self, t: float) -> float:
+        """Value at t (s)."""
+        rounded = sum(h * (self.duration * b**3 * (1.0 - 0.5 * b) - max(since, 0.0)) for h, b, since in self._near(t))
+        return self.signal.value(t) + rounded
+
+    def rate(self, t: float) -> float:
+        """First derivative by time."""
+        rounded = sum(h * (b**2 * (3.0 - 2.0 * b) - (since >= 0.0)) for h, b, since in self._near(t))
+        return self.signal.rate(t) + rounded
+
+    def acceleration(self, t: float) -> float:
+        """Second derivative by time."""
+        return self.signal.acceleration(t) + sum(h * 6.0 * b * (1.0 - b) / self.duration for h, b, _ in self._near(t))
 
 
 def piecewise(times: NDArray[np.float64], values: NDArray[np.float64], cubic: bool) -> Piecewise:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support_runs import DENSITY, simulate
+from support_runs import DENSITY, scene_of, simulate
+
+from granular_contact.errors import SceneError
 
 MASS = DENSITY * np.pi / 4 * 0.01**2 * 0.2
 INERTIA = MASS * (0.2**2 / 3 + 0.01**2 / 16)
@@ -150,3 +152,88 @@ def test_travel_of_a_driven_cart() -> None:
     assert run.summary["forward_speed_m_s"] == pytest.approx(way / 0.5, rel=1e-6)
     assert run.summary["cost_of_transport"] == pytest.approx(1.5 / (MASS * 9.81), rel=1e-6)
     assert run.summary["stopping_time_measure"] is None
+
+
+# ---- jumps of rate ----
+
+UP_AND_DOWN = "{type: table, time_s: [0.1, 0.2, 0.4], values: [0, 0.05, 0], interpolation: linear}"
+CORNERED = f"rail: {{type: motion, position_m: {UP_AND_DOWN}"
+
+
+def test_a_jump_of_rate_is_refused_with_its_instant() -> None:
+    """84 % of the energy was lost in one, by forces that grew as steps shrank."""
+    with pytest.raises(SceneError) as refused:
+        scene_of(LIFT, f"drives={{{CORNERED}}}}}")
+    (fault,) = refused.value.faults
+    assert fault.key == "drives.rail.position_m"
+    assert fault.message.startswith("at t = 0.1 s the rate jumps from 0 to 0.5 m/s (the first of 3 jumps)")
+    assert "allowed are interpolation: cubic, and smooth_s" in fault.message
+    table = "{type: table, time_s: [0, 0.2], values: [0, 40], interpolation: linear}"
+    with pytest.raises(SceneError, match=r"at t = 0.2 s the rate jumps from 200 to 0 deg/s, which"):
+        scene_of(ARM, f"drives={{elbow: {{type: motion, angle_deg: {table}}}}}")
+
+
+@pytest.mark.parametrize("end", [0.1, 0.05])
+def test_a_jump_after_the_end_is_none(end: float) -> None:
+    assert scene_of(LIFT, f"drives={{{CORNERED}}}}}", f"solver.end_time_s={end}").drives
+
+
+def test_a_table_may_start_with_a_rate() -> None:
+    """The joint starts with it."""
+    table = "{type: table, time_s: [0, 1], values: [0, 0.5], interpolation: linear}"
+    run = simulate(LIFT, f"drives={{rail: {{type: motion, position_m: {table}}}}}")
+    assert run["rail_speed_m_s"][0] == 0.5
+    np.testing.assert_allclose(run["rail_force_N"], MASS * 9.81, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("solver", "swing"),
+    [("step_s: 4e-4", 0.24), ("step_s: 2e-4", 0.12), ("step_s: 5e-5", 0.03), ("accuracy: 1e-3", 0.03)],
+)
+def test_a_smoothed_jump_takes_a_force_that_steps_do_not_change_and_balances(solver: str, swing: float) -> None:
+    run = simulate(LIFT, f"drives={{{CORNERED}, smooth_s: 0.02}}}}", f"solver={{end_time_s: 0.5, {solver}}}")
+    # From 0 to 0.5 m/s in 20 ms, at most 3/2 times as fast as the mean; the force of the scheme swings about the true
+    # one by some of what the acceleration changes in a step, which is 6 h / 0.02 of its mean: twice that is allowed.
+    greatest = MASS * (1.5 * 0.5 / 0.02 + 9.81)
+    assert np.abs(run["rail_force_N"]).max() == pytest.approx(greatest, rel=swing)
+    assert np.abs(run["energy_imbalance_J"]).max() < 1e-3 * np.ptp(run["kinetic_J"])
+    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+    assert not run.warnings
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
+def test_chosen_steps_do_not_shrink_before_a_prescribed_motion(accuracy: float) -> None:
+    """Steps went down to 2e-8 s and forces up to 1e6 N, where 5 N are at work."""
+    ramp = "{type: ramp, from: 0, to: 0.05, start_s: 0.1, duration_s: 0.1}"
+    drive = f"drives={{rail: {{type: motion, position_m: {ramp}}}}}"
+    run = simulate(LIFT, drive, f"solver={{end_time_s: 0.5, accuracy: {accuracy}}}")
+    greatest = MASS * (0.05 * 10.0 / np.sqrt(3.0) / 0.1**2 + 9.81)  # of the polynomial's second derivative
+    assert np.abs(run["rail_force_N"]).max() == pytest.approx(greatest, rel=0.05)
+    assert np.diff(run["time_s"]).min() > 1e-5
+    assert run.summary["energy"]["imbalance_relative"] < 2e-3
+
+
+@pytest.mark.parametrize("config", ["flexible_leg_rigid", "c_leg"])
+def test_torques_of_shipped_legs_do_not_depend_on_how_steps_are_chosen(config: str) -> None:
+    """They were 25 N m where 0.03 are at work, in steps of 5e-8 s."""
+    peaks = [
+        np.abs(simulate(config, *solver)["axle_torque_Nm"]).max()
+        for solver in ((), ("solver.accuracy=1e-2",), ("solver.accuracy=1e-3",))
+    ]
+    # Peaks as of a touch are sampled, and swing with the steps.
+    assert max(peaks) < 1.05 * min(peaks)
+
+
+def test_a_smoothed_angle_balances_on_a_flexible_link_too() -> None:
+    table = "{type: table, time_s: [0.05, 0.2, 0.3], values: [0, 40, 0], interpolation: linear}"
+    drive = f"drives={{elbow: {{type: motion, angle_deg: {table}, smooth_s: 0.04}}}}"
+    run = simulate(
+        ARM, drive, "model.bodies.upper.flexible={youngs_modulus_Pa: 2.0e+11}", "initial.impact_angle_deg=15"
+    )
+    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+
+
+def test_a_time_too_short_for_the_steps_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"got 0.001; allowed is at least 0.01, 50 times solver.step_s, or solver.acc"):
+        scene_of(LIFT, f"drives={{{CORNERED}, smooth_s: 0.001}}}}", "solver.step_s=2e-4")
+    assert scene_of(LIFT, f"drives={{{CORNERED}, smooth_s: 0.001}}}}", "solver.accuracy=1e-3").drives

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from granular_contact.scene.signals import Buehler, Constant, Ramp, Signal, Sine, piecewise
+from granular_contact.scene.signals import Buehler, Constant, Ramp, Signal, Sine, Smoothed, jumps, piecewise
 
 TIMES, VALUES = np.array([0.0, 0.2, 0.5, 0.6, 1.0]), np.array([0.0, 1.0, 0.5, 0.6, 2.0])
+LINEAR = piecewise(TIMES, VALUES, cubic=False)
 SIGNALS = {
     "constant": Constant(3.0),
     "sine": Sine(0.3, 5.0, 1.0, 0.2),
@@ -19,6 +21,8 @@ SIGNALS = {
     "buehler, all blend": Buehler(0.7, 2.0, 1.5, 0.5, 0.0, 0.5),
     "cubic": piecewise(TIMES, VALUES, cubic=True),
     "linear": piecewise(TIMES, VALUES, cubic=False),
+    "smoothed": Smoothed(LINEAR, jumps(LINEAR), 0.05),
+    "smoothed over neighbours": Smoothed(LINEAR, jumps(LINEAR), 0.3),
 }
 
 
@@ -86,3 +90,32 @@ def test_linear_table_is_straight_between_its_values() -> None:
     signal = SIGNALS["linear"]
     for t in np.linspace(0.0, 1.0, 101):
         assert signal.value(t) == pytest.approx(np.interp(t, TIMES, VALUES), abs=1e-15)
+
+
+def test_rates_jump_at_the_corners_of_a_linear_table_and_nowhere_else() -> None:
+    found = jumps(LINEAR)
+    rates = [0.0, 5.0, -5.0 / 3.0, 1.0, 3.5, 0.0]
+    assert [jump.time for jump in found] == TIMES.tolist()
+    np.testing.assert_allclose([(j.before, j.after) for j in found], list(pairwise(rates)), rtol=1e-12)
+    assert all(not jumps(signal) for name, signal in SIGNALS.items() if name != "linear")
+    # Five digits of a straight line: its pieces differ by less than 1e-4.
+    line = np.linspace(0.0, 1.0, 8)
+    assert [jump.time for jump in jumps(piecewise(line, np.round(3.0 * line, 5), cubic=False))] == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("name", ["smoothed", "smoothed over neighbours"])
+def test_a_smoothed_table_is_continuous_to_its_acceleration(name: str) -> None:
+    signal: Signal = SIGNALS[name]
+    t = np.linspace(-0.3, 1.5, 180001)  # every corner and every end of a blend is one of these
+    for of, greatest in (
+        (signal.value, 5.0),
+        (signal.rate, 1.5 * 20.0 / 0.05),
+        (signal.acceleration, 6.0 * 20.0 / 0.05**2),
+    ):
+        values = np.array([of(float(at)) for at in t])
+        assert np.abs(np.diff(values)).max() < 1e-5 * greatest * 1.1
+
+
+def test_a_smoothed_table_is_the_table_away_from_its_corners() -> None:
+    for t in (0.03, 0.1, 0.17, 0.23, 0.4, 0.47, 0.53, 0.57, 0.63, 0.9, 1.03, 2.0):
+        assert SIGNALS["smoothed"].value(t) == pytest.approx(LINEAR.value(t), abs=1e-15)

@@ -45,13 +45,15 @@ class Force(Strict):
 
 
 class Motion(Strict):
-    """The joint follows the signal exactly, whatever torque or force it takes."""
+    """The joint follows the signal exactly, whatever torque or force it takes; its rate must not jump."""
 
     type: Literal["motion"]
     angle_deg: Signal | None = None
     """Of a hinge."""
     position_m: Signal | None = None
     """Of a slider."""
+    smooth_s: Positive | None = None
+    """Time around each jump of a table's rate in which the rate goes over smoothly; null: jumps are refused."""
 
     @model_validator(mode="after")
     def _one_target(self) -> Motion:

@@ -46,7 +46,7 @@ class Initial(Strict):
     joints: dict[str, JointStart] | None = None
     """By the name of the joint; joints that are not named start at home, at rest, or as a loop or a drive has them."""
     settle: bool = False
-    """Find rest under gravity first, with damping, and with the drives as they are at the start."""
+    """Find rest under gravity first, set down slowly, with the drives as they are at the start."""
 
     @model_validator(mode="after")
     def _is_a_start(self) -> Initial:

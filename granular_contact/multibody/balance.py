@@ -1,0 +1,107 @@
+"""Forces of an assembled system at rest, their tangent and the gaps of its joints, as the engine has them at one place.
+
+At rest means that all rates are zero: drag and dampers do nothing, bristles and springs all they can. Nothing of the
+system is advanced by asking; `accept` drags the bristles to where it is.
+"""
+
+from __future__ import annotations
+
+import exudyn as exu
+import numpy as np
+
+from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.multibody.system import System
+from granular_contact.multibody.weights import weights
+from granular_contact.scene.types import Vector
+
+REACH = 1e-5  # m, or rad, of central differences
+
+
+class Balance:
+    """Balance of a system whose weights, and torques and forces of drives, act to a share of 0 to 1.
+
+    size: number of coordinates; joined: of equations of joints. Times are pseudo-times below zero, at which clocks of
+    drives stand: one for each accepted place.
+    """
+
+    def __init__(self, system: System, places: int) -> None:
+        self.system, self.mbs, self.data = system, system.mbs, system.mbs.systemData
+        self._solver, self._settings = exu.MainSolverStatic(), exu.SimulationSettings()
+        self._settings.solution.file.write = False
+        self._settings.staticSolver.verboseMode = 0
+        self._time = -1.0 - places
+        self._solver.InitializeSolver(self.mbs, self._settings)
+        self.size, self.joined = self._solver.GetODE2size(), self._solver.GetAEsize()
+        self._rest = np.zeros(self.size)
+        self._weight = np.zeros(self.size)
+        for node, force in weights(system).items():
+            self._weight[self.data.GetNodeLTGODE2(node)] += force
+        self._driven = [load for load in system.loads.values() if load.drive is not None and load.drive.kind == "load"]
+        self.accept(self.data.GetODE2Coordinates(exu.ConfigurationType.Initial))
+
+    def at(self, q: Vector, share: float) -> tuple[Vector, Vector]:
+        """Generalised forces (size,) but for those of joints, and gaps (joined,) m or rad, at the coordinates q."""
+        self.data.SetODE2Coordinates(q)
+        self._solver.ComputeODE2RHS(self.mbs)
+        self._solver.ComputeAlgebraicEquations(self.mbs, False)
+        found = np.array(self._solver.GetSystemResidual())
+        return found[: self.size] - (1.0 - share) * self.rising(q), found[self.size :]
+
+    def rising(self, q: Vector) -> Vector:
+        """Generalised forces (size,) of which a share acts, as a whole."""
+        return sum((self._of_drive(load, q) for load in self._driven), self._weight)
+
+    def tangent(self) -> Vector:
+        """Derivatives of forces and gaps where `at` was asked for last, by coordinates and multipliers of joints.
+
+        (size + joined,) both ways; the multipliers' columns are generalised forces of joints.
+        """
+        self._solver.ComputeJacobianODE2RHS(self.mbs, 1.0, 0.0, 1.0)
+        self._solver.ComputeJacobianAE(self.mbs, 1.0, 0.0, 1.0, False)
+        return np.array(self._solver.GetSystemJacobian())
+
+    def turning(self, q: Vector, multipliers: Vector) -> Vector:
+        """Derivatives (size, size) of the generalised forces of joints, which turn with the bodies.
+
+        The engine leaves them out of its tangent. By central differences of directions: the error is of the order of
+        the reach squared, far below what Newton's method needs.
+        """
+        n, found = self.size, np.zeros((self.size,) * 2)
+        nothing = np.zeros((n + self.joined,) * 2)
+        for i in range(n if multipliers.any() else 0):
+            for side in (-REACH, REACH):
+                moved = q.copy()
+                moved[i] += side
+                self.data.SetODE2Coordinates(moved)
+                self._solver.SetSystemJacobian(nothing)
+                self._solver.ComputeJacobianAE(self.mbs, 1.0, 0.0, 1.0, False)
+                found[:, i] += multipliers @ np.array(self._solver.GetSystemJacobian())[n:, :n] / (2.0 * side)
+        self.data.SetODE2Coordinates(q)
+        return found
+
+    def accept(self, q: Vector) -> None:
+        """Take a place for one where the system was: bristles yield, and everything may move on from there."""
+        q = np.ascontiguousarray(q)
+        self._time += 1.0
+        self._pass_on(q)
+        for load in self.system.loads.values():
+            load.accept(q, self._rest)
+        if self.system.bed is not None:
+            self.system.bed.accept_state(self._time, q, self._rest)
+        self.data.SetTime(self._time + 1.0)
+
+    def _pass_on(self, q: Vector) -> None:
+        """Tell the engine where a step starts, and that it is at rest there."""
+        for configuration in (exu.ConfigurationType.Current, exu.ConfigurationType.StartOfStep):
+            self.data.SetODE2Coordinates(q, configuration=configuration)
+            self.data.SetODE2Coordinates_t(np.zeros_like(q), configuration=configuration)
+            self.data.SetTime(self._time, configuration)
+
+    def _of_drive(self, load: JointLoad, q: Vector) -> Vector:
+        """Generalised forces (size,) of the torque or force of a drive as its clock stands."""
+        assert load.drive is not None  # of those that have one
+        force = np.zeros(self.size)
+        place: list[float] = q[load.where].tolist()
+        _, _, slope = load.coordinate.at(place, [0.0] * len(place))
+        np.add.at(force, load.where, load.drive.signal.value(0.0) * np.asarray(slope))
+        return force

@@ -1,0 +1,101 @@
+"""Compiling is announced, and is neither time of the solve nor wall time of a run; in processes of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+# A clock that an hour passes on whenever a kernel is needed for the first time in a process, be it compiled or loaded
+# from the cache: what comes after the clock has started takes an hour of it.
+SLOWLY = """
+import json, sys, time
+from numba.core.dispatcher import Dispatcher
+
+real, compile_now, hours = time.perf_counter, Dispatcher.compile, [0]
+
+def slowly(self, *arguments, **options):
+    hours[0] += 1
+    return compile_now(self, *arguments, **options)
+
+Dispatcher.compile = slowly
+time.perf_counter = lambda: real() + 3600.0 * hours[0]
+sys.path.insert(0, TESTS)
+from support_runs import simulate
+
+results = simulate(*OVERRIDES, "solver.max_wall_s=60", "solver.end_time_s=0.005")
+print(json.dumps([results.status.code, results.summary["cost"]["solve_s"], hours[0]]))
+"""
+SOLVERS = {
+    "engine": ("pendulum_rigid",),
+    "engine, chosen steps, settled": (
+        "pendulum_rigid",
+        "solver.accuracy=1e-3",
+        "initial={settle: true, joints: {pivot: {angle_deg: 31}}}",
+        "solver.rest_time_s=null",
+    ),
+    "minimal": ("double_pendulum", "method={minimal: {}}"),
+    "reduced": ("pendulum", "method.reduced.modes=0"),
+    "reduced, bristles": ("pendulum", "method.reduced={modes: 1, static: elastoplastic}"),
+    "reduced, true sign, modes": ("pendulum", "method.reduced={modes: 1, static: true_sign}"),
+    "reduced, by scipy": ("pendulum", "method.reduced={modes: 0, integrator: DOP853}"),
+}
+
+
+def in_a_process(code: str, cache: Path | None = None) -> subprocess.CompletedProcess[str]:
+    environment = dict(os.environ, PYTHONPATH=str(ROOT))
+    if cache is not None:
+        environment["NUMBA_CACHE_DIR"] = str(cache)
+    return subprocess.run(
+        [sys.executable, "-c", code], env=environment, cwd=ROOT, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_compiling_is_no_wall_time(solver: str) -> None:
+    code = SLOWLY.replace("TESTS", repr(str(ROOT / "tests"))).replace("OVERRIDES", repr(SOLVERS[solver]))
+    done = in_a_process(code)
+    assert done.returncode == 0, done.stderr
+    status, seconds, kernels = json.loads(done.stdout)
+    assert kernels > 0
+    assert status == "end_time"
+    assert seconds < 60.0
+
+
+def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None:
+    from numba import njit
+
+    from granular_contact.compiling import announced
+
+    told: list[str] = []
+    kernel = njit(lambda x: x + 1.0)
+    with announced(told.append, "a sum"):
+        assert told == []
+        kernel(1.0)
+        assert told == ["compiling a sum; this takes up to a minute, once for each law and installation"]
+        kernel(1)
+        assert len(told) == 1
+    told.clear()
+    with announced(told.append, "a sum"):
+        kernel(2.0)
+    njit(lambda x: x - 1.0)(1.0)
+    with announced(None, "a sum"):
+        njit(lambda x: x - 2.0)(1.0)
+    assert told == []
+
+
+def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_path: Path) -> None:
+    """The reduced model compiles fastest: ten seconds. A library call says nothing."""
+    run = ["run", str(ROOT / "configs" / "pendulum.yaml"), "--set", "method.reduced.modes=0", "--no-plots"]
+    code = f"from granular_contact.cli import main; main({[*run, '--out', str(tmp_path / 'out')]!r})"
+    first, second = (in_a_process(code, tmp_path / "cache") for _ in range(2))
+    words = (
+        "compiling the law lee_marghitu for round bars; this takes up to a minute, once for each law and installation\n"
+    )
+    assert (first.stderr, second.stderr) == (words, "")
+    assert [", compiling included" in done.stdout for done in (first, second)] == [True, False]
