@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.results import Force, Outline, Snapshot
+from granular_contact.surface import height_at
 
 Vector = NDArray[np.float64]
 Pictures = Sequence[tuple[Outline, ...]]
@@ -81,11 +82,9 @@ def _forces(outlines: tuple[Outline, ...], wrenches: Mapping[str, Vector], surfa
 
 
 def surface_height(surface: ArrayLike, x: ArrayLike) -> Vector:
-    """Height (n,) m of the free surface at x (n,) m: level at a number, or straight between corners (k, 2) m."""
+    """Height (n,) m of the free surface at x (n,) m: level at a number, or with corners (k, 2) m, see `Results`."""
     corners, x = np.asarray(surface, dtype=np.float64), np.asarray(x, dtype=np.float64)
-    if corners.ndim == 0:
-        return np.full(np.shape(x), float(corners))
-    return np.asarray(np.interp(x, corners[:, 0], corners[:, 1]), dtype=np.float64)
+    return height_at(np.array([[0.0, float(corners)]]) if corners.ndim == 0 else corners, x)
 
 
 def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:

@@ -117,16 +117,7 @@ class Template:
         node = _restated(read, node)
         found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
-        scenario = None
-        try:
-            scenario = Scenario.model_validate(tree.plain(node))
-        except ValidationError as error:
-            errors = error.errors(include_url=False, include_input=False)
-            found += faults_of([*errors, *_structure_errors(node, errors)], node)
-        # What is broken can't be valid, but its fault may have been told by whoever read it.
-        if found or scenario is None:
-            raise ConfigError(sorted(found, key=by_place))
-        return Loaded(scenario, SourceMap(node))
+        return Loaded(scenario_of(node, found), SourceMap(node))
 
     @property
     def names_columns(self) -> bool:
@@ -149,6 +140,26 @@ class Template:
                 self._resolved.clear()
             self._resolved[references] = node
         return node
+
+
+def scenario_of(node: tree.Node, faults: Sequence[Fault]) -> Scenario:
+    """The scenario of a tree in which nothing is left to be resolved.
+
+    Raises
+    ------
+    ConfigError
+        With `faults` and what was found besides.
+    """
+    found, scenario = list(faults), None
+    try:
+        scenario = Scenario.model_validate(tree.plain(node))
+    except ValidationError as error:
+        errors = error.errors(include_url=False, include_input=False)
+        found += faults_of([*errors, *_structure_errors(node, errors)], node)
+    # What is broken can't be valid, but its fault may have been told by whoever read it.
+    if found or scenario is None:
+        raise ConfigError(sorted(found, key=by_place))
+    return scenario
 
 
 def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from granular_contact.config import schema
+from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed, bed
@@ -39,13 +40,22 @@ LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic
 
 
 def build(scenario: schema.Scenario) -> Scene:
-    """Resolve a scenario into a scene.
+    """Resolve a scenario into a scene, which holds it as its `scenario`.
 
     Raises
     ------
+    ConfigError
+        The scenario was changed from Python to what no config may say.
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
     """
+    valid = checked(scenario)
+    scene = _built(valid)
+    object.__setattr__(scene, "scenario", valid)  # no argument of a scene, so that none but this can say it
+    return scene
+
+
+def _built(scenario: schema.Scenario) -> Scene:
     solver, faults = scenario.solver, list[Fault]()
     driven = drives(scenario, faults)
     layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
@@ -93,7 +103,7 @@ def build(scenario: schema.Scenario) -> Scene:
     elif scene.method is not None:
         check_treelike(scene)
     elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
-        return replace(build(_with_rigid(scenario, stiff)), stiff=stiff)
+        return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
     return scene
 
 

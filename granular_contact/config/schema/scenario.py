@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -109,6 +110,22 @@ class Scenario(Strict):
     solver: Solver = Solver()
     method: Method = Method()
     output: Output = Output()
+
+    def replace(self, values: Mapping[str, Any]) -> Scenario:
+        """The run with other values, by dotted key: `scenario.replace({"medium.eta_d": 5, "model": "chain"})`.
+
+        Checked as `--set` is. A medium with a changed number no longer says that it is what its source published.
+        Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
+        are looked up, paths are from the working folder.
+
+        Raises
+        ------
+        ConfigError
+            With every fault, each with its key, what was got and what is allowed.
+        """
+        from granular_contact.config.changed import replaced  # which needs this class
+
+        return replaced(self, values)
 
     @property
     def media(self) -> tuple[AnyLaw, ...]:
