@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from granular_contact.kernels.kinematics import scatter, scatter_tangent, stations
 from granular_contact.kernels.law import provide
 
-SPATIAL_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8")])
+SPATIAL_STATION = np.dtype([("z", "f8"), ("x", "f8"), ("y", "f8")])  # not to begin as the stations of planar bodies
 SIZE = 7
 
 

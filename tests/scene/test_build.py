@@ -60,7 +60,7 @@ def test_welded_bodies_are_one() -> None:
 
 def test_inertia_and_gravity_moment_of_the_rigid_pendulum() -> None:
     inertia, moment = about_pivot(scene_of("pendulum_rigid"))
-    # physics.md gives five and four digits.
+    # Half a unit of the last digit that the numbers are given with, see support_runs.
     assert inertia == pytest.approx(INERTIA, abs=5e-8)
     assert moment == pytest.approx(GRAVITY_MOMENT, abs=5e-6)
 
