@@ -11,9 +11,9 @@ from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.run import run
 from granular_contact.scene import build
 
-# Angle deg, speed rad/s of the source's twelve impacts; stopping time s, angle at the stop deg: of a rigid pendulum with
-# the true sign, integrated apart from this package before there was any of it (one equation of motion, scipy's solve_ivp
-# with rtol 1e-9, events at the reversals). No numbers of the source, whose own table is lost.
+# Angle deg, speed rad/s of the source's twelve impacts; stopping time s, angle at the stop deg: of a rigid pendulum
+# with the true sign, integrated apart from this package before there was any of it (one equation of motion, scipy's
+# solve_ivp with rtol 1e-9, events at the reversals). No numbers of the source, whose own table is lost.
 TABLE = [
     (22.0, 1.75, 0.0352, 24.668),
     (22.0, 3.38, 0.0275, 25.049),
@@ -63,9 +63,9 @@ def test_rigid_pendulum_stops_where_and_when_the_table_says(
 ) -> None:
     summary = simulate("pendulum_rigid", *case(angle, speed)).summary
     assert summary["status"] == "rest"
-    # The table is rounded to 5e-5 s and 5e-4 deg; the bristle yields within 1e-5 m, which shifts times by 5e-5 s (so far
-    # do the times of the two static laws lie apart in the impacts tried) and the angle by 1e-5 / 0.26 rad = 2e-3 deg. Together 0.45 % at most, well inside the 1 %
-    # asked for.
+    # The table is rounded to 5e-5 s and 5e-4 deg; the bristle yields within 1e-5 m, which shifts times by 5e-5 s (so
+    # far do the times of the two static laws lie apart in the impacts tried) and the angle by 1e-5 / 0.26 rad = 2e-3
+    # deg. Together 0.45 % at most, well inside the 1 % asked for.
     assert summary["stopping_time_s"] == pytest.approx(time, abs=1e-4)
     assert summary["angle_at_stop_deg"] == pytest.approx(stop_angle, abs=3e-3)
 

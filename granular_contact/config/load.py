@@ -15,7 +15,7 @@ from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
-from granular_contact.config.messages import faults_of, got
+from granular_contact.config.messages import faults_of, is_foreign, kind_of
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.scalars import resolve
 from granular_contact.config.schema import Medium, Scenario
@@ -90,9 +90,11 @@ class Template:
         ConfigError
             It is no mapping; with the `faults` found so far.
         """
-        if not isinstance(root, tree.Mapping | tree.Broken):
-            known = ", ".join(allowed.keys(allowed.root()))
-            faults.append(root.position.fault((), f"got {got(root)}; allowed is a mapping with the keys {known}"))
+        known = allowed.keys(allowed.root())
+        if not isinstance(root, tree.Broken) and is_foreign(root, [*known, "config"]):
+            words = f"is no config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
+            faults.append(tree.Position(root.position.file, None).fault((), words))
+            root = tree.Broken(root.position)
         elif isinstance(root, tree.Mapping) and "config" in root.nodes and "model" not in root.nodes:
             at = root.keys["config"]
             faults.append(at.fault(("config",), "stands in a sweep only; the config of one run is needed here"))

@@ -107,13 +107,19 @@ def tangents(P, V, anchors, run, profile, m, KP, KV):
 _KNOWN: dict[np.dtype, str] = {}  # record types of laws, with the function that came first
 
 
+def _fields(dtype):
+    """Names of the fields of a record type, with their types and places."""
+    return [(name, dtype.fields[name]) for name in dtype.names]
+
+
 def _keep_apart(dtype: np.dtype, name: str) -> None:
     """Refuse a record type that numba would take for another: one that begins with all the fields of the other."""
     for other, known in _KNOWN.items():
-        one, two = ([(name, each.fields[name]) for name in each.names] for each in (dtype, other))
+        one, two = _fields(dtype), _fields(other)
         if dtype != other and all(a == b for a, b in zip(one, two, strict=False)):
+            names, others = ([field for field, _ in each] for each in (one, two))
             raise TypeError(
-                f"the records of {name}, {list(dtype.names)}, and of {known}, {list(other.names)}, begin alike to the "
+                f"the records of {name}, {names}, and of {known}, {others}, begin alike to the "
                 "end of the shorter one, so kernels would take one for the other: let them begin with different fields"
             )
     _KNOWN.setdefault(dtype, name)

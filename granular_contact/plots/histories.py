@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
+from granular_contact.plots.panels import cleared, curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import DPI, INK, PALETTE, style
 from granular_contact.results import Results
-from granular_contact.units import unit_for
+from granular_contact.units import greatest, unit_for
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]
@@ -59,4 +59,5 @@ def _differences(axes: Axes, runs: Runs, column: str, scale: float, factor: floa
         both = one["time_s"] <= reference["time_s"][-1]
         time = one["time_s"][both]
         difference = one[column][both] - np.interp(time, reference["time_s"], reference[column])
+        difference = cleared(difference, greatest(reference[column]))
         curve(axes, time * scale, difference * factor, colour, name, linestyle=line, linewidth=0.8)

@@ -23,6 +23,7 @@ from granular_contact.scene.start import start
 from granular_contact.scene.suited import unsuited
 from granular_contact.scene.treelike import check_treelike
 from granular_contact.scene.types import (
+    FASTEST,
     Drive,
     FlexibleLink,
     Load,
@@ -266,6 +267,12 @@ def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
         yield _fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
+        return
+    for body in scene.bodies:
+        speed, rate = math.hypot(*body.motion.velocity), abs(body.motion.rate)
+        for got, unit in ((speed, "m/s"), (rate, "rad/s")):
+            if not got < FASTEST:
+                yield _fault("initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}")
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:

@@ -20,6 +20,7 @@ from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
 
 Vector = NDArray[np.float64]
+FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run away
 
 
 @dataclass(frozen=True)

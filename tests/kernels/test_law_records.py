@@ -24,7 +24,7 @@ def test_no_record_begins_with_another() -> None:
 
 
 @njit
-def return_nothing(px, py, ax, ay, m):
+def return_nothing(px, py, ax, ay, m):  # noqa: ARG001
     return ax, ay
 
 

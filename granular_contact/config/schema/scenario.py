@@ -101,7 +101,8 @@ class Scenario(Strict):
     below it there starts in the medium, as if it had been laid there without moving a grain."""
     bed: Bed | None = None
     """Slope or profile of the surface, floor, container and layers; null: level and without end."""
-    initial: Initial
+    initial: Initial = Initial()
+    """What is left out is at home and at rest; where a hinge on the ground starts has to be said."""
     drives: dict[str, Drive] = Field(default_factory=dict)
     """What acts at joints over time, by the name of the joint."""
     signals: dict[str, Signal] = Field(default_factory=dict)
@@ -145,7 +146,10 @@ class Scenario(Strict):
 
     @model_validator(mode="after")
     def _fits_its_mechanism(self) -> Scenario:
-        faults = [*initial_faults(self.initial, self.model), *drive_faults(self.drives, self.signals, self.model)]
+        faults = [
+            *initial_faults(self.initial, self.model, self.drives),
+            *drive_faults(self.drives, self.signals, self.model),
+        ]
         if faults:
             raise refusal(faults)
         return self
