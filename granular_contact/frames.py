@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.results import Force, Outline, Snapshot
+from granular_contact.surface import height_at
 
 Vector = NDArray[np.float64]
 Pictures = Sequence[tuple[Outline, ...]]
 
+CENTERED = 0.1  # how much a point's distance from the middle counts beside that from the line of action
 RATE = 25  # pictures a second when played
 # Seconds played for one second simulated: what a viewer can make sense of.
 _PACES = sorted(m * 10.0**e for e in range(-6, 10) for m in (1.0, 2.0, 5.0))
@@ -81,11 +83,9 @@ def _forces(outlines: tuple[Outline, ...], wrenches: Mapping[str, Vector], surfa
 
 
 def surface_height(surface: ArrayLike, x: ArrayLike) -> Vector:
-    """Height (n,) m of the free surface at x (n,) m: level at a number, or straight between corners (k, 2) m."""
+    """Height (n,) m of the free surface at x (n,) m: level at a number, or with corners (k, 2) m, see `Results`."""
     corners, x = np.asarray(surface, dtype=np.float64), np.asarray(x, dtype=np.float64)
-    if corners.ndim == 0:
-        return np.full(np.shape(x), float(corners))
-    return np.asarray(np.interp(x, corners[:, 0], corners[:, 1]), dtype=np.float64)
+    return height_at(np.array([[0.0, float(corners)]]) if corners.ndim == 0 else corners, x)
 
 
 def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
@@ -105,16 +105,14 @@ def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
 
 
 def point_of_action(wrench: Vector, under: Vector) -> Vector:
-    """Point (2,) m of a force's line of action that is nearest to the middle of the immersed points (k, 2) m.
+    """Where a force is drawn: of the immersed points (k, 2) m, the one nearest to its line of action.
 
-    wrench: force x, y (N) and moment about the origin (N m). A force that nearly vanishes beside its moment has its
-    line far away; its point stays within reach of the immersed part.
+    wrench: force x, y (N) and moment about the origin (N m). The line itself may pass beside the body: between two
+    feet, or, of a force that nearly vanishes beside its moment, far away. Of points as near, the middle one is taken.
     """
-    middle: Vector = under.mean(axis=0)
     fx, fy, moment = wrench
-    square = fx * fx + fy * fy
-    across = (moment - (middle[0] * fy - middle[1] * fx)) / square
-    arm = across * np.array([fy, -fx])
-    reach = float(np.max(np.linalg.norm(under - middle, axis=1)))
-    length = float(np.linalg.norm(arm))
-    return middle if length == 0.0 else middle + arm * min(1.0, reach / length)
+    size = float(np.hypot(fx, fy))
+    beside = (under[:, 0] * fy - under[:, 1] * fx - moment) / size
+    off = np.linalg.norm(under - under.mean(axis=0), axis=1)
+    point: Vector = under[np.argmin(np.hypot(beside, CENTERED * off))]
+    return point

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import glob
 import json
 import math
 import os
+import re
 import secrets
 import shutil
 import sys
+import time
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -20,6 +23,11 @@ import numpy as np
 import yaml
 
 from granular_contact.results import Results
+
+try:
+    import fcntl
+except ImportError:  # on Windows, where nothing is locked
+    fcntl = None  # type: ignore[assignment]
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
@@ -36,6 +44,7 @@ ENTRIES = {
     "media": (LAW,),
     "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
 }
+YOUNG = 60.0  # s: age up to which nobody's folder is cleared away
 CHUNK = 4096  # rows of the table that are Python floats at one time
 
 
@@ -108,13 +117,54 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
     target = directory.resolve()  # of a symbolic link, what it points to is replaced
     check_target(target, kind)
     target.parent.mkdir(parents=True, exist_ok=True)
+    _clear_left(target, kind)
     making = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
         making.mkdir()
-        yield making
-        swap(making, target)
+        with _held(making):
+            yield making
+            swap(making, target)
     finally:  # either the unfinished new folder or, after an exchange, the old one
         shutil.rmtree(making, ignore_errors=True)
+
+
+@contextmanager
+def _held(folder: Path) -> Iterator[bool]:
+    """Lock a folder as one that a process is at work on; whether that could be done.
+
+    The system takes the lock away when the process dies, however it does.
+    """
+    if fcntl is None:
+        yield False
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locked = True
+        except OSError:  # another has it; or a file system without locks
+            locked = False
+        yield locked
+    finally:
+        os.close(handle)
+
+
+def _clear_left(target: Path, kind: str) -> None:
+    """Remove unfinished folders beside `target` of processes that were killed while they wrote there.
+
+    Only what bears the name of such a folder, is older than a minute, holds nothing but results and is held by nobody.
+    """
+    if fcntl is None:
+        return
+    name = re.compile(rf"\.{re.escape(target.name)}\.[a-z0-9_]{{8}}")
+    for path in target.parent.glob(f".{glob.escape(target.name)}.*"):
+        with suppress(OSError):
+            if not name.fullmatch(path.name) or path.is_symlink() or time.time() - path.stat().st_mtime < YOUNG:
+                continue
+            check_target(path, kind)
+            with _held(path) as free:
+                if free:
+                    shutil.rmtree(path, ignore_errors=True)
 
 
 def _summary(results: Results) -> str:

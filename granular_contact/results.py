@@ -97,7 +97,8 @@ class Results:
     table: (rows, len(columns)), one row per accepted step (or per `output.interval_s`), the first at t = 0.
     summary: what summary.json holds (JSON types only, SI units in the keys).
     scenario: the scenario with every default resolved, as plain YAML types.
-    surface: height of the free surface (m), or of one that is not level its corners (k, 2) m; None in vacuum.
+    surface: height of the free surface (m), or of one that is not level its corners (k, 2) m, its first and last pieces
+    without end; None in vacuum.
     layers: depths (m) below the surface at which other media begin; floor: height (m) of the floor, None without one.
     terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
     frames: snapshots evenly spaced in time, for an animation; none unless the run was asked for them.

@@ -10,6 +10,8 @@ import numpy as np
 
 from granular_contact.compiling import Compiling, announced
 from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.config.changed import checked, differences
+from granular_contact.errors import scene_error
 from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.interpolation import Track, at_times
 from granular_contact.limits import Reach, warnings
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
 
 def run(
     scene: Scene,
-    scenario: Scenario,
+    scenario: Scenario | None = None,
     progress: Progress | None = None,
     *,
     most_frames: int = 0,
@@ -43,8 +45,8 @@ def run(
     ----------
     scene : Scene
         What `granular_contact.scene.build` made of the scenario.
-    scenario : Scenario
-        Kept with the results, with its defaults resolved.
+    scenario : Scenario, optional
+        What the scene was built from; the scene knows it, and any other is refused.
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
     most_frames : int
@@ -53,7 +55,13 @@ def run(
         Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled, which is the case once for each law and installation.
+
+    Raises
+    ------
+    SceneError
+        The scenario is another one than the scene was built from, or the scene was not built from any.
     """
+    told = _scenario_of(scene, scenario)
     if isinstance(scene.method, Reduced):
         solved = _reduced(scene, scene.method, progress, compiling)
     else:
@@ -85,7 +93,7 @@ def run(
         columns=columns,
         table=table[_rows(time, scene.output_interval)],
         summary=summary,
-        scenario=scenario_to_dict(scenario),
+        scenario=scenario_to_dict(told),
         snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in moments.items()),
         surface=_surface(scene),
         warnings=tuple(summary["warnings"]),
@@ -95,6 +103,18 @@ def run(
         floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
         sizes=() if solved.reach is None else tuple(sorted({size for _, size in solved.reach.sizes})),
     )
+
+
+def _scenario_of(scene: Scene, given: Scenario | None) -> Scenario:
+    """The scenario that a scene was built from, which results may name; a given one has to be the same."""
+    built = scene.scenario
+    if built is None:
+        why = "the scene was changed after it was built, so no scenario tells what it is"
+        raise scene_error("scene", f"{why}; change the scenario with its replace() and build that")
+    if given is None or given is built or given == built or checked(given) == built:
+        return built
+    keys = ", ".join(differences(scenario_to_dict(given), scenario_to_dict(built)))
+    raise scene_error("scenario", f"is not the one that the scene was built from: they differ in {keys}; leave it out")
 
 
 def uninterrupted(results: Results) -> Results:
@@ -275,7 +295,7 @@ def _surface(scene: Scene) -> float | Vector | None:
     """The free surface, see `Results`; None in vacuum."""
     if scene.bed is None or not scene.media:
         return None
-    return scene.bed.top if scene.bed.level else scene.bed.profile
+    return scene.surface if scene.bed.level else scene.bed.corners
 
 
 def _rows(time: Vector, interval: float | None) -> Any:

@@ -17,7 +17,9 @@ from granular_contact.scene import Scene, build
 ROOT = Path(__file__).parents[1]
 CONFIGS = ROOT / "configs"
 
-# The paper's pendulum: section 3 of physics.md.
+# The paper's pendulum, of models/compound_pendulum.yaml. Inertia about the pivot and moment of gravity of the level
+# rigid pendulum are sums over its three cylinders, by hand: the hub on the pivot J_1 = m_1 d_1^2 / 8, the stub and the
+# link J = m (l^2 / 12 + d^2 / 16 + s^2) with s from the pivot to their middles, and g sum(m s), with g 9.81 m/s2.
 INERTIA, GRAVITY_MOMENT = 1.4955e-3, 0.08593  # kg m2, N m
 L_RB, LENGTH, DIAMETER, DENSITY = 0.024765, 0.23876, 0.00635, 7700.0
 STIFFNESS = 15.1642  # N m2

@@ -119,12 +119,33 @@ def test_height_is_level_or_straight_between_corners() -> None:
     assert 0.4 <= under[:, 0].min() < 0.44  # it enters the slope at 0.4; points are 1/32 apart
 
 
-def test_point_of_action_stays_within_reach_of_the_immersed_part() -> None:
-    under = np.array([[0.1, -0.02], [0.14, -0.01]])
-    far = np.array([1e-9, 2e-9, -3e-2])
-    assert np.linalg.norm(point_of_action(far, under) - under.mean(axis=0)) == pytest.approx(np.hypot(0.02, 0.005))
-    through = np.array([0.0, 2.0, 2.0 * 0.125])
-    np.testing.assert_allclose(point_of_action(through, under), [0.125, -0.015], atol=1e-15)
+def test_an_arrow_starts_at_the_body_where_its_line_of_action_meets_it() -> None:
+    bar = np.linspace([0.1, -0.02], [0.14, -0.01], 65)
+    for x in bar[:, 0]:
+        point = point_of_action(np.array([0.0, 2.0, 2.0 * x]), bar)
+        assert point in bar
+        # Off by a twentieth of the distance from the middle at the most, see CENTERED, and half a step of the points.
+        assert abs(point[0] - x) < 0.05 * 0.0207 + 3.2e-4
+    far = point_of_action(np.array([1e-9, 2e-9, -3e-2]), bar)  # the line passes 1e4 km away
+    assert far in bar
+
+
+def test_no_arrow_hangs_in_the_sand_between_two_feet() -> None:
+    """The weight of a body on two feet acts in the middle between them, where there is nothing but sand."""
+    feet = np.array([[x, y] for x in (0.0, 0.01, 0.2, 0.21) for y in (-0.01, 0.0)])
+    point = point_of_action(np.array([0.0, 5.0, 5.0 * 0.105]), feet)
+    assert np.min(np.linalg.norm(feet - point, axis=1)) == 0.0
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_every_arrow_of_a_run_starts_at_a_body_below_the_surface(way: str) -> None:
+    results = filmed(way)
+    forces = [(frame, force) for frame in results.frames for force in frame.forces]
+    assert len(forces) > 20
+    for frame, force in forces:
+        assert results.surface is not None
+        own = [one for one in frame.outlines if one.part in force.body.split("+")] or frame.outlines
+        assert np.min(np.linalg.norm(immersed(own, results.surface) - force.point, axis=1)) == 0.0
 
 
 def test_a_run_keeps_no_frames_unless_asked_and_is_the_same_with_them() -> None:

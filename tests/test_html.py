@@ -384,6 +384,52 @@ def test_broken_folders_are_refused_in_one_line(tmp_path: Path, capsys: pytest.C
         assert not (tmp_path / "r" / "report.html").exists()
 
 
+PNG = "figures/forces.png"
+DAMAGES: tuple[tuple[str, bytes, str], ...] = (
+    (PNG, b"", "is empty"),
+    (PNG, b"\x89PNG\r\n\x1a\n and then no more", "is cut short"),
+    (PNG, b"<svg/>", "is no picture"),
+    ("animation.gif", b"", "is empty"),
+    ("animation.gif", b"GIF89a and then no more", "is cut short"),
+    ("summary.json", b'{"warnings": "none"}', "warnings is not a list"),
+    ("summary.json", b'{"energy": 3}', "energy is not an object"),
+    ("summary.json", b'{"contacts": []}', "contacts is not an object"),
+    ("summary.json", b'{"contacts": {"foot": 3}}', "holds what no run of this program writes"),
+    ("summary.json", b'{"contacts": {"foot": [[1, 2, 3]]}}', "holds what no run of this program writes"),
+    ("summary.json", b'{"max_depth_m": "deep"}', "holds what no run of this program writes"),
+    ("summary.json", b'{"versions": [1]}', "versions is not an object"),
+    ("summary.json", b"[" * 100_000, "is no JSON"),
+    ("summary.json", b"\xff\xfe", "is no text"),
+    ("scenario.yaml", b"\xff\xfe", "can't be read as text"),
+)
+
+
+@pytest.mark.parametrize(("name", "content", "words"), DAMAGES)
+def test_a_damaged_file_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes, words: str
+) -> None:
+    report.write(make(), tmp_path / "run")
+    (tmp_path / "run" / name).write_bytes(content)
+    assert cli.main(["report", str(tmp_path / "run")]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"report: {tmp_path / 'run' / name}")
+    assert words in told
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize("key", FIT)
+@pytest.mark.parametrize("value", [3, "text", [1, [2]], {"a": 1}, None])
+def test_a_fit_of_other_types_is_shown_or_named(tmp_path: Path, key: str, value: object) -> None:
+    (tmp_path / "fit.json").write_text(json.dumps({**FIT, key: value}))
+    try:
+        html.write(tmp_path)
+    except html.FolderError as error:
+        words = str(error)
+    else:
+        words = (tmp_path / "report.html").read_text(encoding="utf-8") and str(tmp_path / "fit.json")
+    assert str(tmp_path / "fit.json") in words
+
+
 # ---- in a browser ----
 
 IN_BROWSER = pytest.mark.skipif(DRIVER is None, reason="no chromedriver on this machine (Debian: chromium-driver)")

@@ -389,3 +389,49 @@ def test_all_figures_of_a_long_run_are_drawn_quickly(tmp_path: Path) -> None:
     begin = time.process_time()
     plots.draw(results, tmp_path)
     assert time.process_time() - begin < 1.5
+
+
+# ---- round-off ----
+
+
+def with_round_off(columns: tuple[str, ...], size: float) -> Results:
+    """Results in which these columns are round-off of this size."""
+    one = make(flexible=True)
+    table, random = one.table.copy(), np.random.default_rng(1)
+    for i, column in enumerate(one.columns):
+        if column.name.endswith(columns):
+            table[:, i] = size * random.normal(size=len(table))
+    return dataclasses.replace(one, table=table)
+
+
+def spread(axes: Axes) -> float:
+    return max(float(np.ptp(np.asarray(line.get_ydata(), dtype=float))) for line in axes.lines)
+
+
+ROUND_OFF = {
+    "moments": (plots.series.forces, ("_moment_Nm",), 1e-18, 2, ("N·m", "mN·m")),
+    "horizontal forces": (plots.series.forces, ("force_x_N",), 1e-15, 0, ("N",)),
+    "imbalance": (plots.series.energy, ("imbalance_J",), 1e-17, 1, ("J", "mJ")),
+    "deflection": (plots.series.deflection, ("deflection_m",), 1e-17, 0, ("m",)),
+}
+
+
+@pytest.mark.parametrize("name", ROUND_OFF)
+def test_round_off_is_drawn_as_zero_on_a_scale_of_the_rest(name: str) -> None:
+    draw, columns, size, panel, units = ROUND_OFF[name]
+    with plots.style.style():
+        axes = draw(with_round_off(columns, size)).axes[panel]
+        true = draw(make(flexible=True)).axes[panel]
+    assert spread(axes) == 0.0
+    assert axes.get_ylabel().endswith(tuple(f"({unit})" for unit in units))
+    assert spread(true) > 0.0
+
+
+def test_energies_that_are_round_off_have_no_curve() -> None:
+    with plots.style.style():
+        labels = [
+            plots.series.energy(one).axes[0].get_legend_handles_labels()[1]
+            for one in (make(flexible=True), with_round_off(("elastic_J",), 1e-17))
+        ]
+    assert "elastic" in labels[0]
+    assert "elastic" not in labels[1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import os
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 import yaml
 from support_results import make
+from support_runs import ROOT
 
 from granular_contact import plots, report
 from granular_contact.results import Results
@@ -207,3 +209,52 @@ def test_matplotlib_is_imported_for_figures_only_and_pyplot_never(
     here = Path(__file__).parent
     paths = f"import sys; sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
     subprocess.run([sys.executable, "-c", paths + code], check=True)
+
+
+def left_behind(folder: Path, name: str, age: float = 3600.0) -> Path:
+    """What a run that was killed while it wrote leaves, so many seconds (s) ago."""
+    made = folder / name
+    (made / "figures").mkdir(parents=True)
+    (made / "summary.json").write_text("{")
+    os.utime(made, (time.time() - age, time.time() - age))
+    return made
+
+
+def test_folders_of_killed_runs_are_cleared_away(tmp_path: Path) -> None:
+    old = [left_behind(tmp_path, name) for name in (".run.0123abcd", ".run.k2x_9ab1")]
+    young = left_behind(tmp_path, ".run.00000000", age=1.0)
+    others = [
+        left_behind(tmp_path, name) for name in (".run2.0123abcd", ".run.notes", "run.0123abcd", ".run.0123abcd.old")
+    ]
+    foreign = left_behind(tmp_path, ".run.deadbeef")
+    (foreign / "thesis.tex").write_text("mine")
+    os.utime(foreign, (0, 0))
+    report.write(make(), tmp_path / "run", figures=False)
+    assert not any(path.exists() for path in old)
+    assert all(path.exists() for path in (young, *others, foreign))
+
+
+def test_the_folder_of_a_run_at_work_is_left_alone(tmp_path: Path) -> None:
+    with report.whole_folder(tmp_path / "run") as making:
+        os.utime(making, (0, 0))
+        report.write(make(), tmp_path / "run", figures=False)
+        assert making.exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+def test_a_process_that_is_killed_holds_nothing(tmp_path: Path) -> None:
+    """The smallest case: kill -9 while the folder is written, then another run of the same name."""
+    code = f"""
+import os, signal
+from pathlib import Path
+from granular_contact import report
+with report.whole_folder(Path({str(tmp_path / "run")!r})) as making:
+    (making / "summary.json").touch()
+    os.utime(making, (0, 0))
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False)
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(".run.")
+    report.write(make(), tmp_path / "run", figures=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]

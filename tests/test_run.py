@@ -1,4 +1,4 @@
-"""Whole runs: the numbers of physics.md, balances, rest, convergence, repeatability."""
+"""Whole runs: stopping times by another integrator, balances, rest, convergence, repeatability."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.run import run
 from granular_contact.scene import build
 
-# physics.md section 3: angle deg, speed rad/s, stopping time s, angle at the stop deg; a rigid pendulum with the true
-# sign.
+# Angle deg, speed rad/s of the source's twelve impacts; stopping time s, angle at the stop deg: of a rigid pendulum
+# with the true sign, integrated apart from this package before there was any of it (one equation of motion, scipy's
+# solve_ivp with rtol 1e-9, events at the reversals). No numbers of the source, whose own table is lost.
 TABLE = [
     (22.0, 1.75, 0.0352, 24.668),
     (22.0, 3.38, 0.0275, 25.049),
@@ -62,9 +63,9 @@ def test_rigid_pendulum_stops_where_and_when_the_table_says(
 ) -> None:
     summary = simulate("pendulum_rigid", *case(angle, speed)).summary
     assert summary["status"] == "rest"
-    # The table is rounded to 5e-5 s and 5e-4 deg; the bristle yields within 1e-5 m, which shifts times by 5e-5 s
-    # (physics.md section 2) and the angle by 1e-5 / 0.26 rad = 2e-3 deg. Together 0.45 % at most, well inside the 1 %
-    # asked for.
+    # The table is rounded to 5e-5 s and 5e-4 deg; the bristle yields within 1e-5 m, which shifts times by 5e-5 s (so
+    # far do the times of the two static laws lie apart in the impacts tried) and the angle by 1e-5 / 0.26 rad = 2e-3
+    # deg. Together 0.45 % at most, well inside the 1 % asked for.
     assert summary["stopping_time_s"] == pytest.approx(time, abs=1e-4)
     assert summary["angle_at_stop_deg"] == pytest.approx(stop_angle, abs=3e-3)
 
@@ -96,8 +97,9 @@ def test_faster_impacts_stop_sooner_and_deeper(config: str, angle: float) -> Non
 def test_both_forms_stop_within_a_per_cent(angle: float, speed: float) -> None:
     distributed = simulate("pendulum_rigid", *case(angle, speed)).summary["stopping_time_s"]
     resultant = simulate("pendulum_rigid", *case(angle, speed), "load.form=resultant").summary["stopping_time_s"]
-    # physics.md section 1: less than 1 %, and not nothing. With the force lower down (horizontal part at 2/3 of the
-    # depth) the distributed form brakes harder: it stops sooner.
+    # The two have the same force and another moment: that of the horizontal part, proportional to depth, acts at 2/3 of
+    # the depth and not at half of it. So the distributed form brakes harder and stops sooner, by a little: the drag,
+    # which is most of the force, is spread along the link.
     assert 1e-3 < resultant / distributed - 1.0 < 1e-2
 
 
@@ -191,7 +193,8 @@ def drift(config: str, *overrides: str) -> float:
 @pytest.mark.parametrize("step", ["2e-4", "2e-3"])
 @BOTH
 def test_elastoplastic_friction_holds_still(config: str, step: str) -> None:
-    # The demand of physics.md section 2; smooth friction, below, goes 230 times as far.
+    # A tenth of the yield displacement: a bristle that holds may lean, and not creep. Smooth friction, below, goes 230
+    # times as far.
     assert drift(config, f"solver.step_s={step}") < 1e-6
 
 
@@ -285,7 +288,7 @@ def test_failed_run_keeps_what_it_reached(config: str) -> None:
     assert "solver.step_s" in results.status.message  # what to change
     assert "0.0002" in results.status.message
     assert f"{results['time_s'][-1]:.6g}" in results.status.message
-    # It got to the stop, which is as good as ever: the yield displacement shifts it by 5e-5 s (physics.md section 2),
+    # It got to the stop, which is as good as ever: the yield displacement shifts it by 5e-5 s (see the table above),
     # the chatter before the end by a step.
     assert results["time_s"][-1] == pytest.approx(simulate(config).summary["stopping_time_s"], abs=6e-4)
     assert len(results.table) > 100

@@ -444,3 +444,14 @@ def test_progress_is_a_bar_on_a_terminal_and_lines_in_a_log(monkeypatch, stream,
         for _ in range(4):
             advance()
     assert re.fullmatch(said, stream.getvalue())
+
+
+def test_what_varies_and_the_speed_are_shown(tmp_path):
+    text = "set: {method: {reduced: {modes: 0}}, output.figures: false}\nvary:\n  medium.eta_d: [4, 5.123456789]\n"
+    path = write(tmp_path, f"{text}  initial.impact_speed_rad_s: [2, 3]\n")
+    done = command("sweep", path, "--out", tmp_path / "out", "--workers", "1")
+    head, first, *_ = done.stdout.splitlines()
+    assert head.split()[:4] == ["case", "eta_d", "impact_speed_rad_s", "status"]
+    assert first.split()[:4] == ["case_1", "4", "2", "rest"]
+    assert "5.1235" in done.stdout
+    assert re.search(r"4 of 4 cases in [\d.]+ s \([\d.e+-]+ per s\), saved in", done.stdout)

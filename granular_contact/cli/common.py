@@ -60,7 +60,7 @@ def reason(error: Exception) -> str:
 
 def add_set(parser: argparse.ArgumentParser, example: str = "medium.eta_h=9") -> None:
     """Add the argument --set, with an example in its help."""
-    words = f"replace a value, as {example}; repeatable"
+    words = f"replace a value, as {example}; repeatable. Paths of a model or medium start from the folder of the config"
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
 
 

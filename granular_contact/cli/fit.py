@@ -39,7 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--bounds", metavar="KEY=LOW:HIGH", action="append", default=[], help=words)
     words = "names in the CSV files by what they hold, as time_s=t,tip_x_mm=X"
     parser.add_argument("--columns", metavar="COLUMN=NAME,...", help=words)
-    words = "the clock of each run starts at an unknown instant; a number of seconds if it is known"
+    words = (
+        "by how much the clock of the data is ahead: the run starts at S by it. Without a number it is looked for in "
+    )
+    words += "each run, from -0.02 to 0.02 s (wider in a fit file: time_offset_s: {from: LOW, to: HIGH})"
     parser.add_argument("--time-offset", metavar="S", nargs="?", const="fit", help=words)
     words = "known noise, as tip_x_mm=0.1; estimated where not given; repeatable"
     parser.add_argument("--noise", metavar="COLUMN=X", action="append", default=[], help=words)

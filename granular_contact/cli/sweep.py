@@ -6,7 +6,7 @@ import argparse
 import csv
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
 MOST_SHOWN = 40  # rows; the rest is in the table
+MOST_KEYS, WIDEST = 4, 20  # keys that vary, and letters of a value, in the shown rows
 # Summary key, heading, factor, format.
 _SHOWN = (
     ("stopping_time_s", "stop ms", 1e3, ".2f"),
@@ -155,7 +156,9 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folde
     part.finish()
     if not chosen.quiet:
         _show_sensitivity(found)
-        print(f"{sweep.name}: {count} of {count} cases in {time.perf_counter() - begin:.2f} s, saved in {folder}")
+        taken, new = time.perf_counter() - begin, count - len(part.done)
+        speed = f" ({new / taken:.3g} per s)" if new and taken > 0.0 else ""
+        print(f"{sweep.name}: {count} of {count} cases in {taken:.2f} s{speed}, saved in {folder}")
     for one in found:
         if one.refused:
             complain(f"no Sobol indices of {one.output}: {one.refused}")
@@ -188,24 +191,47 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     from rich.console import Console
     from rich.table import Table
 
-    shown = Table("case", "status", box=None, pad_edge=False)
+    keys = sweep.keys[:MOST_KEYS]
+    shown = Table("case", box=None, pad_edge=False)
+    for name in _short_names(keys):
+        shown.add_column(name, justify="right")
+    shown.add_column("status")
     for _, heading, _, _ in _SHOWN:
         shown.add_column(heading, justify="right")
     failed: list[str] = []
     count = 0
     for row in rows:
         if row.index < MOST_SHOWN:
-            shown.add_row(row.name, row.summary["status"], *_numbers(row.summary))
+            values = (_value(row.values.get(key)) for key in keys)
+            shown.add_row(row.name, *values, row.summary["status"], *_numbers(row.summary))
         if row.failed:
             count += 1
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
     if not quiet:
-        Console(markup=False, highlight=False, emoji=False).print(shown)
+        console = Console(markup=False, highlight=False, emoji=False)
+        console.width = max(120, console.width)
+        console.print(shown)
         if len(sweep.cases) > MOST_SHOWN:
             print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
         for line in failed:
             print(line)
     return count
+
+
+def _short_names(keys: Sequence[str]) -> list[str]:
+    """The last parts of dotted keys, with as much before them as tells them apart."""
+    parts = [key.split(".") for key in keys]
+    for size in range(1, max(map(len, parts), default=0) + 1):
+        names = [".".join(part[-size:]) for part in parts]
+        if len(set(names)) == len(names):
+            return names
+    return list(keys)
+
+
+def _value(value: Any) -> str:
+    """A value of a case in a cell."""
+    text = f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value)
+    return text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}..."
 
 
 def _numbers(summary: dict[str, Any]) -> Iterator[str]:

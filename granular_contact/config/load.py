@@ -15,7 +15,7 @@ from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
-from granular_contact.config.messages import faults_of, got
+from granular_contact.config.messages import faults_of, is_foreign, kind_of
 from granular_contact.config.older import renewed
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.scalars import resolve
@@ -92,9 +92,11 @@ class Template:
         ConfigError
             It is no mapping; with the `faults` found so far.
         """
-        if not isinstance(root, tree.Mapping | tree.Broken):
-            known = ", ".join(allowed.keys(allowed.root()))
-            faults.append(root.position.fault((), f"got {got(root)}; allowed is a mapping with the keys {known}"))
+        known = allowed.keys(allowed.root())
+        if not isinstance(root, tree.Broken) and is_foreign(root, [*known, "config"]):
+            words = f"is no config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
+            faults.append(tree.Position(root.position.file, None).fault((), words))
+            root = tree.Broken(root.position)
         elif isinstance(root, tree.Mapping) and "config" in root.nodes and "model" not in root.nodes:
             at = root.keys["config"]
             faults.append(at.fault(("config",), "stands in a sweep only; the config of one run is needed here"))
@@ -120,16 +122,7 @@ class Template:
         node = renewed(_restated(read, node), notices)
         found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
-        scenario = None
-        try:
-            scenario = Scenario.model_validate(tree.plain(node))
-        except ValidationError as error:
-            errors = error.errors(include_url=False, include_input=False)
-            found += faults_of([*errors, *_structure_errors(node, errors)], node)
-        # What is broken can't be valid, but its fault may have been told by whoever read it.
-        if found or scenario is None:
-            raise ConfigError(sorted(found, key=by_place))
-        return Loaded(scenario, SourceMap(node, notices))
+        return Loaded(scenario_of(node, found), SourceMap(node, notices))
 
     @property
     def names_columns(self) -> bool:
@@ -152,6 +145,26 @@ class Template:
                 self._resolved.clear()
             self._resolved[references] = node
         return node
+
+
+def scenario_of(node: tree.Node, faults: Sequence[Fault]) -> Scenario:
+    """The scenario of a tree in which nothing is left to be resolved.
+
+    Raises
+    ------
+    ConfigError
+        With `faults` and what was found besides.
+    """
+    found, scenario = list(faults), None
+    try:
+        scenario = Scenario.model_validate(tree.plain(node))
+    except ValidationError as error:
+        errors = error.errors(include_url=False, include_input=False)
+        found += faults_of([*errors, *_structure_errors(node, errors)], node)
+    # What is broken can't be valid, but its fault may have been told by whoever read it.
+    if found or scenario is None:
+        raise ConfigError(sorted(found, key=by_place))
+    return scenario
 
 
 def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:

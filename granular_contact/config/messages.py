@@ -46,6 +46,23 @@ def got(node: Node) -> str:
     return "a mapping" if isinstance(node, MappingNode) and node.nodes else "an empty mapping"
 
 
+def kind_of(node: Node) -> str:
+    """The YAML type of what a whole file holds. Its content is not told: it may be any file, with secrets in it."""
+    if isinstance(node, Scalar):
+        value = node.value
+        return "nothing" if value is None else "a text" if isinstance(value, str) else f"a {_scalar_kind(value)}"
+    if isinstance(node, MappingNode) and node.nodes:
+        return f"a mapping of {len(node.nodes)} key{'s' * (len(node.nodes) != 1)}, none of which is known here"
+    return got(node)
+
+
+def is_foreign(node: Node, known: Sequence[str]) -> bool:
+    """Whether a whole file holds no mapping, or one without a key that is known or nearly so: it is of another kind."""
+    if not isinstance(node, MappingNode):
+        return True
+    return bool(node.nodes) and not any(get_close_matches(key, known, 1, 0.75) for key in node.nodes)
+
+
 def _scalar_kind(value: bool | int | float) -> str:
     return "boolean" if isinstance(value, bool) else "number"
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from granular_contact.config.messages import got
+from granular_contact.config.messages import got, kind_of
 from granular_contact.config.schema.medium import LAWS
 from granular_contact.config.standing import restated
 from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
@@ -95,7 +95,9 @@ class Resolver:
             return _named_at(made, node.position) if library is MEDIA else made
         if isinstance(root, Broken):
             return root
-        return self._refuse(root.position, (library.key,), f"got {got(root)}; a {library.noun} is a mapping")
+        return self._refuse(
+            root.position, (library.key,), f"is no {library.noun}: it holds {kind_of(root)}; allowed is a mapping"
+        )
 
 
 def _named_at(node: Node, at: Position) -> Node:
@@ -121,7 +123,8 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
     quoted = repr(name if len(name) <= 60 else name[:57] + "...")
     if name.endswith((".yaml", ".yml")):
         path = file.parent / name
-        return path if _is_file(path) else f"got {quoted}, but there is no file {shown(path)}"
+        lost = f"got {quoted}, but there is no file {shown(path)}; paths start from the folder of the config, or from /"
+        return path if _is_file(path) else lost
     folders = library.folders(file.parent)
     if _NAME.fullmatch(name):
         for folder in folders:

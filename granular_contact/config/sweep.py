@@ -23,7 +23,7 @@ from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.load import Loaded, Template, by_place
-from granular_contact.config.messages import got, unknown
+from granular_contact.config.messages import got, is_foreign, kind_of, unknown
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
@@ -125,10 +125,10 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
     path = Path(path)
     faults: list[Fault] = []
     root = read_file(path, faults)
-    if not isinstance(root, tree.Mapping):
+    if not isinstance(root, tree.Mapping) or is_foreign(root, (*KEYS, "model")):
         if not isinstance(root, tree.Broken):
-            allowed = f"a mapping with the keys {', '.join(KEYS)}"
-            faults.append(root.position.fault((), f"got {got(root)}; allowed is {allowed}"))
+            words = f"is no sweep: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
+            faults.append(root.position.fault((), words))
         raise ConfigError(faults)
     if "model" in root.nodes and "config" not in root.nodes:
         raise ConfigError([root.position.fault((), "is the config of one run; a sweep has its name under config")])

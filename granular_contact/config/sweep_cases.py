@@ -14,6 +14,7 @@ from granular_contact.config.scalars import resolve
 from granular_contact.errors import Fault
 
 MOST_CASES = 100_000
+MOST_SAID = 6  # values of a case, where it is named
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,99}")
 _NAME_RULE = "a letter or digit, then letters, digits, _ . + = and -, at most 100, and no number, are allowed"
 
@@ -47,7 +48,9 @@ class Case:
         """The name, with the values where the name tells nothing."""
         if not self.numbered:
             return self.name
-        return f"{self.name}, " + ", ".join(f"{key} = {value}" for key, value in self.values.items())
+        said = [f"{key} = {value}" for key, value in self.values.items()]
+        more = [f"and {len(said) - MOST_SAID} more"] if len(said) > MOST_SAID else []
+        return ", ".join((self.name, *said[:MOST_SAID], *more))
 
 
 def read_set(root: tree.Mapping, faults: list[Fault]) -> list[Override]:

@@ -13,6 +13,9 @@ from granular_contact.config.sweep_cases import MOST_CASES, Case, read_overrides
 from granular_contact.config.sweep_range import read_range
 from granular_contact.errors import Fault
 
+READABLE = 10  # digits of a number that is told in full
+MOST_LISTED = 6
+
 
 class Numbered(Sequence[Case]):
     """Cases that differ in numbers or values only, called case_1 and so on; a subclass gives their overrides."""
@@ -62,6 +65,10 @@ def read_vary(root: tree.Mapping, faults: list[Fault]) -> Sequence[Case]:
     """Cases that follow from the values of some keys."""
     node = root.nodes["vary"]
     combine = _combine(root, faults)
+    if isinstance(node, tree.Mapping) and "combine" in node.nodes:
+        words = "stands in vary, whose keys are those of a config; it belongs beside vary, at the same indentation"
+        faults.append(node.keys["combine"].fault(("vary", "combine"), words))
+        node = tree.drop_key(node, "combine")
     keys = list(read_overrides(node, ("vary",), faults))
     if isinstance(node, tree.Mapping) and not node.nodes:
         faults.append(node.position.fault(("vary",), "got an empty mapping; allowed is one dotted key or more"))
@@ -71,18 +78,27 @@ def read_vary(root: tree.Mapping, faults: list[Fault]) -> Sequence[Case]:
     values = [level for level in levels if level is not None]
     sizes = [len(level) for level in values]
     if combine == "zip" and len(set(sizes)) > 1:
-        lengths = ", ".join(f"{size} of {'.'.join(key.path)}" for key, size in zip(keys, sizes, strict=True))
+        lengths = listed([f"{size} of {'.'.join(key.path)}" for key, size in zip(keys, sizes, strict=True)], ", ")
         faults.append(node.position.fault(("vary",), f"got {lengths}; for combine: zip all must be equally many"))
         return []
     count = math.prod(sizes) if combine == "grid" else sizes[0]
     if count > MOST_CASES:
-        parts = " x ".join(map(str, sizes)) if combine == "grid" else "zip"
-        faults.append(node.position.fault(("vary",), f"got {count} cases ({parts}); at most {MOST_CASES} are allowed"))
+        digits = sum(map(math.log10, sizes))
+        told = count if digits < READABLE else f"about 1e{digits:.0f}"
+        parts = listed(list(map(str, sizes)), " x ") if combine == "grid" else "zip"
+        faults.append(node.position.fault(("vary",), f"got {told} cases ({parts}); at most {MOST_CASES} are allowed"))
         return []
     columns = [
         [Override(key.path, value, value.position) for value in level] for key, level in zip(keys, values, strict=True)
     ]
     return Varied(columns, grid=combine == "grid")
+
+
+def listed(words: Sequence[str], between: str) -> str:
+    """Words in a row; of a great many the first few, and how many more there are."""
+    if len(words) <= MOST_LISTED:
+        return between.join(words)
+    return f"{between.join(words[:MOST_LISTED])}{between}... and {len(words) - MOST_LISTED} more"
 
 
 def _combine(root: tree.Mapping, faults: list[Fault]) -> str | None:

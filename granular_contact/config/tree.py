@@ -80,6 +80,24 @@ def plain(node: Node) -> Any:
     return BROKEN
 
 
+def made(value: Any, at: Position) -> Node:
+    """The tree of plain data (dict, list, scalars), all of it written at one place."""
+    if isinstance(value, dict):
+        nodes = {key: made(held, at) for key, held in value.items()}
+        return Mapping(at, nodes, dict.fromkeys(nodes, at))
+    return (
+        Items(at, tuple(made(held, at) for held in value))
+        if isinstance(value, list)
+        else Scalar(at, value, _text(value))
+    )
+
+
+def _text(value: Any) -> str:
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    return value if isinstance(value, str) else repr(value)
+
+
 def index_of(key: str | int, items: Items) -> int | None:
     """`key` as the index of one of `items`, or None."""
     text = str(key)

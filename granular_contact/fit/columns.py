@@ -13,11 +13,18 @@ UNITS = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
 }
 OBSERVED = ("deg", "m")
+# What the other columns of a run hold, by the end of their names.
+KINDS = {"_rad_s": "a rate", "_m_s": "a speed", "_Nm": "a moment", "_N": "a force", "_J": "an energy", "_W": "a power"}
 
 
 def observables(columns: Iterable[str]) -> list[str]:
     """The columns of a run that can be measured: its angles and lengths."""
     return [name for name in columns if name.rpartition("_")[2] in OBSERVED]
+
+
+def kind(column: str) -> str:
+    """What a column of a run holds that is neither an angle nor a length, as `a force`."""
+    return next((words for end, words in KINDS.items() if column.endswith(end)), "neither an angle nor a length")
 
 
 def recognise(name: str, known: Iterable[str]) -> tuple[str, float] | None:

@@ -1,9 +1,9 @@
 """Derivatives of the model by its parameters, by central differences in the scaled parameters.
 
 A reduced run with the default rtol of 1e-6 is off by 2e-8 m, and rough by less. A step of 0.3 % is long against that
-and short against the curvature of the curves: derivatives are right to 1e-5 for a rigid link and to 0.3 % at the worst
+and short against the curvature of the curves: derivatives are right to 1e-5 for a rigid link and to 0.4 % at the worst
 for one that bends (measured against rtol 1e-10, tests/fit/test_jacobian.py), where one-sided steps would be off by as
-much in the best of cases. Standard errors inherit that 0.3 %.
+much in the best of cases. Standard errors inherit that 0.4 %.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
-from granular_contact.fit.columns import TIME, in_words, recognise, spellings
+from granular_contact.fit.columns import KINDS, TIME, in_words, kind, recognise, spellings
 from granular_contact.fit.csv_table import Table, few, number
 
 Vector = NDArray[np.float64]
@@ -38,14 +39,18 @@ class Measured:
 
 
 def select(
-    table: Table, known: Sequence[str], mapping: Mapping[str, tuple[str, Position]], faults: list[Fault]
+    table: Table,
+    known: Sequence[str],
+    mapping: Mapping[str, tuple[str, Position]],
+    faults: list[Fault],
+    others: Sequence[str] = (),
 ) -> Measured | None:
     """The columns that a fit uses, as numbers; None, with faults, where that is not possible.
 
-    known: columns that the run has. mapping: measured name with unit -> header in the file and where that was said;
-    empty: the headers are such names themselves.
+    known: columns of the run that can be fitted; others: those that can't. mapping: measured name with unit -> header
+    in the file and where that was said; empty: the headers are such names themselves.
     """
-    chosen = _mapped(table, known, mapping, faults) if mapping else _named(table, known, faults)
+    chosen = _mapped(table, known, mapping, faults, others) if mapping else _named(table, known, faults)
     if chosen is None:
         return None
     before = len(faults)
@@ -88,18 +93,22 @@ def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | 
 
 def _is_of_a_run(name: str) -> bool:
     """Whether a run's own table has such columns, which no camera sees."""
-    return name.endswith(("_rad_s", "_m_s", "_N", "_Nm", "_J", "_W"))
+    return name.endswith(tuple(KINDS))
 
 
 def _mapped(
-    table: Table, known: Sequence[str], mapping: Mapping[str, tuple[str, Position]], faults: list[Fault]
+    table: Table,
+    known: Sequence[str],
+    mapping: Mapping[str, tuple[str, Position]],
+    faults: list[Fault],
+    others: Sequence[str],
 ) -> Chosen | None:
     found: Chosen = {}
     before = len(faults)
     for name, (header, at) in mapping.items():
         hit = recognise(name, [TIME, *known])
         if hit is None:
-            faults.append(at.fault(("columns", name), f"the run has no such column; {_nearest(name, (*known, TIME))}"))
+            faults.append(at.fault(("columns", name), f"{_why_not(name, others)}; {_nearest(name, (*known, TIME))}"))
         elif header not in table.header:
             message = f"got {header!r}, but {table.file} has no such column; {unknown(header, table.header)}"
             faults.append(at.fault(("columns", name), message))
@@ -110,6 +119,15 @@ def _mapped(
             found[header] = hit
     at = next(iter(mapping.values()))[1]
     return _complete(at.file, at.line, found, known, faults) if len(faults) == before else None
+
+
+def _why_not(name: str, others: Sequence[str]) -> str:
+    """Why a column can't be fitted: the run has none of the name, or only `others`, which a fit does not compare."""
+    near = get_close_matches(name, others, 1, cutoff=0.8)
+    if not near:
+        return "the run has no such column"
+    what = f"is {kind(near[0])}, and only angles and lengths can be fitted"
+    return what if near[0] == name else f"the run has no such column; the nearest, {near[0]}, {what}"
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
@@ -127,7 +145,14 @@ def _complete(file: str, line: int | None, found: Chosen, known: Sequence[str], 
             Fault(file, line, "", f"has no column of times; allowed is one of {', '.join(spellings([TIME]))}")
         )
     if set(columns) <= {TIME}:
-        faults.append(Fault(file, line, "", f"has nothing to compare a run with; allowed are {in_words(known)}"))
+        faults.append(
+            Fault(
+                file,
+                line,
+                "",
+                f"has nothing to compare a run with: only angles and lengths can be; allowed are {in_words(known)}",
+            )
+        )
     twice = sorted({column for column in columns if columns.count(column) > 1})
     faults += [Fault(file, line, column, "is measured by two columns; choose one of them by name") for column in twice]
     return found if len(faults) == before else None

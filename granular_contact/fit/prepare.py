@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from granular_contact.config.changed import filled
 from granular_contact.config.load import Template, by_place
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.fit import checks
-from granular_contact.fit.columns import in_words, observables, recognise
+from granular_contact.fit.columns import TIME, in_words, observables, recognise
 from granular_contact.fit.csv_table import read_table
 from granular_contact.fit.measurements import Measured, select
 from granular_contact.fit.parameters import Choice, choose, own_choices
 from granular_contact.fit.problem import OFFSET, Parameter, Problem, Run
-from granular_contact.fit.tracks import ModelFailed, Simulator, filled
+from granular_contact.fit.tracks import HERE, ModelFailed, Simulator
 from granular_contact.fit.wanted import RunWanted, Specification, Wanted
 from granular_contact.scene import build
 
@@ -80,7 +81,7 @@ class _Source:
             build(loaded.scenario)
         except SceneError as error:
             faults += loaded.sources.place(error.faults)
-        self.template = filled(loaded.scenario)
+        self.template = filled(loaded.scenario, HERE)
         self.simulator = Simulator(self.template)
         if table is None or len(faults) > before:
             return
@@ -90,8 +91,10 @@ class _Source:
             words = f"this run fails, so nothing can be fitted to it: {error}"
             faults.append(wanted.at_config.fault((), words))
             return
-        known = observables(column.name for column in self.first.columns)
-        self.measured = select(table, known, wanted.columns, faults)
+        names = [column.name for column in self.first.columns]
+        known = observables(names)
+        others = [name for name in names if name not in (*known, TIME)]
+        self.measured = select(table, known, wanted.columns, faults, others)
         if self.measured is not None:
             start, latest = _offsets(wanted)
             self.early = checks.early_by(self.measured, latest)

@@ -24,7 +24,7 @@ from typing import Any
 
 from granular_contact.config import tree
 from granular_contact.config.load import by_place
-from granular_contact.config.messages import got
+from granular_contact.config.messages import got, kind_of
 from granular_contact.config.sweep_cases import read_set
 from granular_contact.config.sweep_range import whole
 from granular_contact.config.yaml_source import read_file
@@ -56,7 +56,7 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
     """
     if not isinstance(root, tree.Mapping):
         if not isinstance(root, tree.Broken):
-            words = f"got {got(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
+            words = f"is no fit file: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
             faults.append(root.position.fault((), words))
         raise ConfigError(sorted(faults, key=by_place))
     reader = _Reader(root, path, faults)

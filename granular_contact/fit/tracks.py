@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.config import scenario_to_dict
 from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override, effective
-from granular_contact.config.tree import Items, Mapping, Node, Position, Scalar
+from granular_contact.config.tree import Position, Scalar
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import FINISHED, Results
 from granular_contact.run import run
@@ -24,9 +22,9 @@ Vector = NDArray[np.float64]
 Key = tuple[str, ...]
 
 _KEPT = 64  # runs of one config that are remembered
-_HERE = Position("fit", None)
+HERE = Position("fit", None)
 # Every accepted step is needed; pictures are not.
-_ALL_ROWS = (Override(("output", "interval_s"), Scalar(_HERE, None, "null"), _HERE),)
+_ALL_ROWS = (Override(("output", "interval_s"), Scalar(HERE, None, "null"), HERE),)
 
 
 class ModelFailed(Exception):
@@ -54,23 +52,11 @@ class Track:
         return values
 
 
-def filled(scenario: Scenario) -> Template:
-    """Template of a scenario with every default in place, so that each single value can be replaced."""
-    return Template(_node(scenario_to_dict(scenario)), Path(scenario.name or "fit"), [])
-
-
-def _node(plain: Any) -> Node:
-    if isinstance(plain, dict):
-        nodes = {key: _node(value) for key, value in plain.items()}
-        return Mapping(_HERE, nodes, dict.fromkeys(nodes, _HERE))
-    return Items(_HERE, tuple(map(_node, plain))) if isinstance(plain, list) else Scalar(_HERE, plain, repr(plain))
-
-
 class Simulator:
     """The runs of one config, by the values of some of its keys; the latest are remembered.
 
-    template: of `filled`. columns: which of the time series are kept. early: time (s) before the start for which
-    curves are needed.
+    template: of `config.changed.filled`. columns: which of the time series are kept. early: time (s) before the start
+    for which curves are needed.
     """
 
     def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
@@ -85,7 +71,7 @@ class Simulator:
     def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:
         """Scenario for values of the keys; raises ConfigError for a value that is not allowed."""
         varied = [
-            Override(key, Scalar(_HERE, float(value), repr(float(value))), _HERE)
+            Override(key, Scalar(HERE, float(value), repr(float(value))), HERE)
             for key, value in zip(self._keys, values, strict=True)
         ]
         return self._template.make(effective([*varied, *_ALL_ROWS, *more]))
@@ -136,4 +122,4 @@ class Simulator:
             turned["surface_height_m",] = build(scenario).surface
         if "bed" in scenario_to_dict(scenario):
             turned["bed",] = None
-        return self.results(values, [Override(key, Scalar(_HERE, v, repr(v)), _HERE) for key, v in turned.items()])
+        return self.results(values, [Override(key, Scalar(HERE, v, repr(v)), HERE) for key, v in turned.items()])

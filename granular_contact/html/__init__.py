@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import os
 import secrets
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
 from granular_contact.html import comparison, fit, other, run, sweep
 from granular_contact.html.folder import Folder, FolderError, open_folder
 from granular_contact.html.page import GENERATOR
-from granular_contact.report import PAGE
+from granular_contact.report import ENTRIES, PAGE
 
 __all__ = ["FolderError", "html", "write"]
 
@@ -26,6 +27,7 @@ _KINDS: dict[str, Callable[[Folder], str]] = {
     "sweep": sweep.page,
     "fit": fit.page,
 }
+_ODD = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error)
 
 
 def html(directory: Path) -> str:
@@ -37,7 +39,12 @@ def html(directory: Path) -> str:
         The folder holds no results, or broken ones.
     """
     folder = open_folder(directory)
-    return _KINDS.get(folder.kind, other.page)(folder)
+    try:
+        return _KINDS.get(folder.kind, other.page)(folder)
+    except _ODD as error:  # what is written here has other types somewhere
+        held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
+        files = " or ".join(name for name in held if Path(name).is_file())
+        raise FolderError(f"{files} holds what no {folder.kind} of this program writes ({error!r})") from error
 
 
 def write(directory: Path, file: Path | None = None) -> Path:

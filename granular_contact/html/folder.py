@@ -16,6 +16,12 @@ class FolderError(Exception):
 
 
 Rows = list[list[Any]]
+# Entries of JSON files that pages look into.
+_OBJECT, _LIST = (dict, "an object"), (list, "a list")
+_TYPES: dict[str, tuple[type, str]] = {
+    "warnings": _LIST,
+    **dict.fromkeys(("energy", "contacts", "columns", "cost", "versions"), _OBJECT),
+}
 
 
 @dataclass(frozen=True)
@@ -33,10 +39,13 @@ class Folder:
         """A JSON file that holds an object."""
         try:
             found = json.loads(self._text(name))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise FolderError(f"{self.path / name}: is no JSON: {error}") from None
         if not isinstance(found, dict):
             raise FolderError(f"{self.path / name}: holds no object")
+        for key, (kind, words) in _TYPES.items():
+            if not isinstance(found.get(key), kind | None):
+                raise FolderError(f"{self.path / name}: {key} is not {words}, as this program writes it")
         return found
 
     def table(self, name: str) -> tuple[list[str], Rows]:
@@ -66,6 +75,8 @@ class Folder:
             raise FolderError(f"{self.path} holds no {name}: it is no complete {self.kind}") from None
         except UnicodeDecodeError:
             raise FolderError(f"{self.path / name}: is no text") from None
+        except OSError as error:
+            raise FolderError(f"{self.path / name}: can't be read: {error.strerror}") from None
 
 
 def _value(cell: str) -> Any:
@@ -74,6 +85,29 @@ def _value(cell: str) -> Any:
     except ValueError:
         return cell or None
     return int(cell) if cell.lstrip("+-").isdecimal() else number
+
+
+# How pictures and films begin, and how they end where that is fixed.
+_ENDS = {".png": (b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"), ".gif": (b"GIF8", b";"), ".mp4": (b"", b"")}
+
+
+def picture(path: Path) -> bytes:
+    """Content of a PNG, GIF or MP4 file.
+
+    Raises
+    ------
+    FolderError
+        It is cut short, or no such file.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise FolderError(f"{path}: can't be read: {error.strerror}") from None
+    begin, end = _ENDS.get(path.suffix, (b"", b""))
+    if not content or not content.startswith(begin) or not content.endswith(end):
+        what = "is empty" if not content else "is cut short" if content.startswith(begin) else "is no picture"
+        raise FolderError(f"{path}: {what}; run again what wrote it, or remove it")
+    return content
 
 
 def open_folder(path: Path) -> Folder:

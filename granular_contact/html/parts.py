@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from granular_contact.html.folder import FolderError, picture
 from granular_contact.html.markup import Markup, join, tag
 from granular_contact.html.numbers import column, is_number, label, plain, quantity
 
@@ -76,19 +77,23 @@ def listing(caption: str, values: Mapping[str, Any]) -> Markup | None:
 
 def source(path: Path, words: str) -> Markup:
     """A text file as it is, under a line of words."""
-    text = tag("pre", tag("code", path.read_text(encoding="utf-8")), tabindex="0", aria_label=path.name, role="region")
+    try:
+        content = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        raise FolderError(f"{path}: can't be read as text") from None
+    text = tag("pre", tag("code", content), tabindex="0", aria_label=path.name, role="region")
     return join(tag("p", words), text)
 
 
 def embedded(path: Path) -> str:
     """A file as a data URI."""
-    return f"data:{_TYPES[path.suffix]};base64,{b64encode(path.read_bytes()).decode()}"
+    return f"data:{_TYPES[path.suffix]};base64,{b64encode(picture(path)).decode()}"
 
 
 def figure(path: Path, words: str) -> Markup:
     """A PNG, with words that serve as its caption and for those who can't see it."""
     image = tag("img", src=embedded(path), alt=words)
-    width, height = struct.unpack(">II", path.read_bytes()[16:24])
+    width, height = struct.unpack(">II", picture(path)[16:24])
     wide = width > WIDE * height
     if wide:  # too small to read on a phone, unless it can be moved
         image = tag("div", image, class_="scroll", tabindex="0", role="region", aria_label=path.stem)

@@ -82,11 +82,39 @@ def forces(P, V, anchors, run, profile, m, F, totals):
     raise NotImplementedError
 
 
+_KNOWN: dict[np.dtype, str] = {}  # record types of laws, with the function that came first
+
+
+def _fields(dtype):
+    """Names of the fields of a record type, with their types and places."""
+    return [(name, dtype.fields[name]) for name in dtype.names]
+
+
+def _keep_apart(dtype: np.dtype, name: str) -> None:
+    """Refuse a record type that numba would take for another: one that begins with all the fields of the other."""
+    for other, known in _KNOWN.items():
+        one, two = _fields(dtype), _fields(other)
+        if dtype != other and all(a == b for a, b in zip(one, two, strict=False)):
+            names, others = ([field for field, _ in each] for each in (one, two))
+            raise TypeError(
+                f"the records of {name}, {names}, and of {known}, {others}, begin alike to the "
+                "end of the shorter one, so kernels would take one for the other: let them begin with different fields"
+            )
+    _KNOWN.setdefault(dtype, name)
+
+
 def provide(stub, argument: str, dtype: np.dtype):
-    """Decorate a compiled function to be what `stub` means where its `argument` has the record type `dtype`."""
+    """Decorate a compiled function to be what `stub` means where its `argument` has the record type `dtype`.
+
+    Raises
+    ------
+    TypeError
+        One record type begins with all the fields of another.
+    """
     wanted = from_dtype(dtype)
 
     def decorate(implementation):
+        _keep_apart(dtype, f"{implementation.py_func.__module__}.{implementation.py_func.__name__}")
         names = tuple(inspect.signature(stub).parameters)
 
         def choose(*arguments):

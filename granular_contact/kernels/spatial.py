@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import provide
 
-SPATIAL_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8"), ("kept", "?")])
+# z first: not to begin as the stations of planar bodies.
+SPATIAL_STATION = np.dtype([("z", "f8"), ("x", "f8"), ("y", "f8"), ("kept", "?")])
 SIZE = 7
 
 

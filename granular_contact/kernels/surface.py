@@ -1,6 +1,6 @@
 """Height of the free surface, a line of straight pieces.
 
-profile (k, 2) m: corners x, y with rising x; beyond its ends the surface goes on level, so one corner is a level bed.
+profile (k, 2) m: corners x, y with rising x; its first and last pieces have no end, and one corner is a level bed.
 """
 
 from __future__ import annotations
@@ -12,10 +12,8 @@ from numba import njit
 def height(profile, x):
     """Height (m) and slope (-) of the surface at x (m)."""
     last = profile.shape[0] - 1
-    if last == 0 or x <= profile[0, 0]:
+    if last == 0:
         return profile[0, 1], 0.0
-    if x >= profile[last, 0]:
-        return profile[last, 1], 0.0
     low, high = 0, last
     while high - low > 1:
         middle = (low + high) // 2

@@ -36,6 +36,7 @@ from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.runs import Group, Run, named
+from granular_contact.surface import surface as corners
 
 Vector = NDArray[np.float64]
 LEANING = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
@@ -52,6 +53,8 @@ class GranularBed:
         For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
     surface : float or (k, 2) array
         Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
+    slope : float
+        Rise per length of a surface given by its height, which is then that at x = 0; it has no end.
     gravity : float
         Magnitude of gravity (m/s2) in the static resistance of the medium.
     static : Elastoplastic or Smooth
@@ -84,6 +87,7 @@ class GranularBed:
         medium: Medium | Layer | Sequence[Medium | Layer],
         surface: ArrayLike,
         *,
+        slope: float = 0.0,
         gravity: float = 9.81,
         static: Elastoplastic | Smooth | None = None,
         form: str = "distributed",
@@ -95,7 +99,7 @@ class GranularBed:
         if np.ndim(gravity) != 0 or not np.isfinite(gravity):
             raise ValueError(f"gravity: got {gravity}, allowed is a finite number, its magnitude (m/s2)")
         self.mbs = mbs
-        self.profile = _profile(surface)
+        self.profile = _profile(surface, slope)
         given = tuple(medium) if isinstance(medium, Sequence) and not isinstance(medium, str) else (medium,)
         _expect("medium", given, (Medium, Layer), "a medium, such as preset('play_sand'), a Layer, or several of these")
         if not given:
@@ -489,8 +493,8 @@ def _layered(run: Run, layer: Layer) -> NDArray[np.void]:
     return record
 
 
-def _profile(surface: ArrayLike) -> Vector:
-    """Corners (k, 2) m of a surface given as a height or as corners."""
+def _profile(surface: ArrayLike, slope: float) -> Vector:
+    """Corners (k, 2) m, as the kernels read them, of a surface given as a height and a slope, or as corners."""
     given = np.asarray(surface, float)
     profile = np.array([[0.0, float(given)]]) if given.ndim == 0 else given
     if profile.ndim != 2 or profile.shape[1] != 2 or len(profile) == 0:
@@ -499,4 +503,8 @@ def _profile(surface: ArrayLike) -> Vector:
         raise ValueError(f"surface: got {given.tolist()}, allowed are finite numbers")
     if (np.diff(profile[:, 0]) <= 0.0).any():
         raise ValueError("surface: x of the corners must rise from one to the next")
-    return np.ascontiguousarray(profile)
+    if np.ndim(slope) != 0 or not np.isfinite(slope):
+        raise ValueError(f"slope: got {slope}, allowed is a finite number, the rise per length")
+    if slope != 0.0 and len(profile) > 1:
+        raise ValueError(f"slope: got {slope} and corners of the surface; allowed is one of the two")
+    return np.ascontiguousarray(corners(profile, slope))

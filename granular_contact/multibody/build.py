@@ -93,10 +93,9 @@ def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
 def lay_bed(system: System) -> Any:
     """Bed with all parts that can reach its surface, to be attached; None when there are none."""
     scene = system.scene
-    if scene.bed is None or scene.surface is None or not scene.media:
+    if scene.bed is None or not scene.media:
         return None
-    top = scene.bed.top
-    shapes = [(h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(top, h.body, shape)]
+    shapes = [(h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(scene.bed, h.body, shape)]
     runs = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
     if not shapes and not any(elements for _, elements in runs):
         return None
@@ -107,6 +106,7 @@ def lay_bed(system: System) -> Any:
         system.mbs,
         scene.bed.layers,
         scene.bed.profile,
+        slope=scene.bed.slope,
         gravity=scene.gravity,
         static=load.static,
         form="resultant" if load.resultant else "distributed",
@@ -146,9 +146,9 @@ def _width(part: Shape | FlexibleLink) -> dict[str, float]:
 def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
     """Elements of a link from the first to the last that can reach the surface."""
     places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
-    assert scene.surface is not None
+    assert scene.bed is not None
     ends = [(np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
-    near = [reaches(scene.surface, handle.link, *pair) for pair in ends]
+    near = [reaches(scene.bed, handle.link, *pair) for pair in ends]
     if not any(near):
         return ()
     return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]

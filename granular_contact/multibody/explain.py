@@ -58,7 +58,7 @@ def _bed(system: System) -> Iterator[str]:
     for handle in system.rigid.values():
         shapes = handle.body.shapes
         out = [shape for shape in shapes if not shape.in_sand]
-        far = [shape for shape in shapes if shape.in_sand and not dips(scene.bed.top, handle.body, shape)]
+        far = [shape for shape in shapes if shape.in_sand and not dips(scene.bed, handle.body, shape)]
         for spared, why in ((far, "cannot reach the surface"), (out, "meet no medium (in_sand: false)")):
             if spared:
                 yield f"load on {handle.body.name}: {len(spared)} of its {len(shapes)} shapes {why}"

@@ -12,9 +12,8 @@ import numpy as np
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System
 from granular_contact.results import Progress
-from granular_contact.scene.types import Vector
+from granular_contact.scene.types import FASTEST, Vector
 
-FASTEST = 1e8  # m/s, in any coordinate: beyond it a run has run away
 CROWD = 20  # times the steps of the run, and some: with so many it does not get on
 MOST_CHOSEN = 200_000  # steps, where they are chosen
 

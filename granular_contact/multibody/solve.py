@@ -17,14 +17,14 @@ import numpy as np
 from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
 from granular_contact.multibody.history import LoadHistory
-from granular_contact.multibody.recorder import FASTEST, Recorder
+from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System
 from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status
-from granular_contact.scene.types import Vector
+from granular_contact.scene.types import FASTEST, Vector
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,11 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
             problem = str(error).strip().splitlines()[0]
         seconds = time.perf_counter() - began
     if recorder.rows == 0:
-        fast = f"a speed at the start is not below {FASTEST:g} m/s (or rad/s)" if recorder.reason == "away" else ""
+        fast = (
+            f"a speed at the start is not below {FASTEST:g} m/s (or rad/s): give a slower one"
+            if recorder.reason == "away"
+            else ""
+        )
         raise SolveError(f"the engine could not begin: {problem or fast or 'it gave no reason'}")
     states, count = recorder.states[: recorder.rows], recorder.size
     return Trajectory(

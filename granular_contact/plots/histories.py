@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granular_contact.interpolation import at_times, rates
-from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
+from granular_contact.plots.panels import cleared, curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import DPI, INK, PALETTE, style
 from granular_contact.results import Results
-from granular_contact.units import unit_for
+from granular_contact.units import greatest, unit_for
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]
@@ -60,4 +60,5 @@ def _differences(axes: Axes, runs: Runs, column: str, scale: float, factor: floa
         time = one["time_s"][both]
         known = reference["time_s"], reference[column]
         difference = one[column][both] - at_times(*known, rates(*known), time)
+        difference = cleared(difference, greatest(reference[column]))
         curve(axes, time * scale, difference * factor, colour, name, linestyle=line, linewidth=0.8)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from granular_contact.plots.events import mark_events
 from granular_contact.plots.hinges import Hinge, hinges_of
-from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
+from granular_contact.plots.panels import cleared, curve, finish, fitting_columns, stacked
 from granular_contact.plots.style import BLUE, FAINT, INK, PALETTE, SKY, VERMILION
 from granular_contact.results import Results
 from granular_contact.units import Array, greatest, unit_for
@@ -26,9 +26,10 @@ def motion(results: Results) -> Figure:
         _angles(upper, results, time, hinges, colours)
         _rates(lower, results, time, hinges, colours)
     else:
-        unit = unit_for(np.concatenate([results["tip_x_m"], results["tip_y_m"]]), "m")
+        both = np.concatenate([results["tip_x_m"], results["tip_y_m"]])
+        unit, scale = unit_for(both, "m"), greatest(both)
         for axes, letter in ((upper, "x"), (lower, "y")):
-            curve(axes, time, results[f"tip_{letter}_m"] * unit.factor, BLUE)
+            curve(axes, time, cleared(results[f"tip_{letter}_m"], scale) * unit.factor, BLUE)
             finish(axes, f"tip {letter} ({unit.name})")
     mark_events(results, [upper, lower])
     return figure

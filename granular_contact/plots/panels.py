@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from granular_contact.plots.style import DPI, LEGEND_ROW, SINGLE
 from granular_contact.plots.units import time_unit
 from granular_contact.results import Results
-from granular_contact.units import Array
+from granular_contact.units import Array, greatest
 
 _PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths, mm: of a panel, of what stands by a label in a legend, of a letter
+
+ROUND_OFF = 1e-9  # of its scale: what is smaller is no motion, force or energy
 
 
 def blank(width: float, height: float, **options: Any) -> Figure:
@@ -26,6 +28,17 @@ def blank(width: float, height: float, **options: Any) -> Figure:
     figure = Figure(figsize=(width / 25.4, height / 25.4), **options)
     FigureCanvasAgg(figure)
     return figure
+
+
+def cleared(values: Array, scale: float) -> Array:
+    """Values that are nothing but the round-off of a quantity of this scale as zeros, else as they are."""
+    return np.zeros_like(values) if greatest(values) < ROUND_OFF * scale else values
+
+
+def size_of(results: Results) -> float:
+    """Extent (m) of the mechanism in its pictures."""
+    points = [outline.points for shot in results.snapshots for outline in shot.outlines]
+    return float(np.max(np.ptp(np.concatenate(points), axis=0))) if points else 0.0
 
 
 def stacked(results: Results, height: float, ratios: tuple[float, ...]) -> tuple[Figure, list[Axes], Array]:

@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granular_contact.plots.events import mark_events
-from granular_contact.plots.panels import curve, finish, fitting_columns, stacked
+from granular_contact.plots.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
 from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
 from granular_contact.plots.units import instant, time_unit
 from granular_contact.results import Results
 from granular_contact.series import CENTRAL_MOMENT, MOMENT
-from granular_contact.units import Array, minus, unit_for
+from granular_contact.units import Array, greatest, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
     (BLUE, "-"),
@@ -28,7 +28,7 @@ _LOOKS = (  # of the terms of the granular force, one after another: colour, kin
 def deflection(results: Results) -> Figure:
     """Deflection of the flexible link's tip over time, its greatest value marked."""
     figure, (axes,), time = stacked(results, 55.0, (1,))
-    values = results["deflection_m"]
+    values = cleared(results["deflection_m"], 1e-2 * size_of(results))  # links bend by 1e-7 of their length and more
     unit = unit_for(values, "m")
     axes.axhline(0, color=FAINT, linewidth=0.5)
     curve(axes, time, values * unit.factor, BLUE)
@@ -46,19 +46,21 @@ def deflection(results: Results) -> Figure:
 def forces(results: Results) -> Figure:
     """The terms of the granular force and their sum over time: horizontal, vertical, and their moment."""
     figure, panels, time = stacked(results, 118.0, (1, 1, 1))
-    both = [results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]
-    newton = unit_for(np.concatenate(both), "N")
+    force = greatest(np.concatenate([results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]))
+    lever = force * size_of(results)
     pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
-    turning, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
-    moment = unit_for(np.concatenate([results[f"{term}_{turning}"] for term in results.terms]), "N·m")
+    column, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
+    turning = greatest(np.concatenate([results[f"{term}_{column}"] for term in results.terms]))
+    newton = unit_for(np.array([force]), "N")
+    moment = unit_for(np.array([turning if turning > ROUND_OFF * lever else lever]), "N·m")
     rows = (
-        ("force_x_N", newton, "horizontal force"),
-        ("force_y_N", newton, "vertical force"),
-        (turning, moment, f"moment about {about}"),
+        ("force_x_N", force, newton, "horizontal force"),
+        ("force_y_N", force, newton, "vertical force"),
+        (column, lever, moment, f"moment about {about}"),
     )
-    for axes, (column, unit, words) in zip(panels, rows, strict=True):
+    for axes, (column, scale, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)
-        parts = [results[f"{term}_{column}"] * unit.factor for term in results.terms]
+        parts = [cleared(results[f"{term}_{column}"], scale) * unit.factor for term in results.terms]
         curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
         for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
             curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
@@ -93,20 +95,22 @@ def energy(results: Results) -> Figure:
             values = sign * results[name]
             curves.append((label, values - values[0] if name == "gravity_J" else values, colour, kind))
     total = np.sum([values for _, values, _, _ in curves], axis=0)
-    unit = unit_for(np.concatenate([total, *(values for _, values, _, _ in curves)]), "J")
+    scale = max(greatest(values) for _, values, _, _ in curves)
+    curves = [one for one in curves if greatest(one[1]) >= ROUND_OFF * scale]
+    unit = unit_for(np.array([scale]), "J")
     curve(upper, time, total * unit.factor, INK, "total", linewidth=0.8)
     for label, values, colour, kind in curves:
         curve(upper, time, values * unit.factor, colour, label, linestyle=kind)
     finish(upper, f"energy ({unit.name})", columns=2)
-    _imbalance(lower, results, time)
+    _imbalance(lower, results, time, scale)
     mark_events(results, [upper, lower])
     return figure
 
 
-def _imbalance(axes: Axes, results: Results, time: Array) -> None:
-    """What the total changes by, on its own scale."""
-    values = results["energy_imbalance_J"]
-    unit = unit_for(values, "J")
+def _imbalance(axes: Axes, results: Results, time: Array, scale: float) -> None:
+    """What the total changes by, on its own scale; of round-off of the energies (J) on theirs."""
+    values = cleared(results["energy_imbalance_J"], 1e-3 * scale)
+    unit = unit_for(values if values.any() else np.array([scale]), "J")
     axes.axhline(0, color=FAINT, linewidth=0.5)
     curve(axes, time, values * unit.factor, INK, linewidth=0.8)
     finish(axes, f"imbalance ({unit.name})")

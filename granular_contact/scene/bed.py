@@ -16,20 +16,21 @@ from granular_contact.media.kinds import Medium
 from granular_contact.media.laws import WITH_RESULTANT
 from granular_contact.media.layer import Layer
 from granular_contact.scene.media import medium, missing
+from granular_contact.surface import greatest_depth, height_at, surface
 
 Vector = NDArray[np.float64]
 
 NOTHING = 1e-9  # a depth that is round-off (m)
-FAR = 1e3  # half the width of a sloped surface (m), beyond which it goes on level
 
 
 @dataclass(frozen=True)
 class Bed:
-    """profile: corners (k, 2) m of the free surface, level beyond them; layers: none in vacuum; container: x of both
-    walls (m).
+    """profile: corners (k, 2) m of the free surface, level beyond them, or one corner and a slope (-) without end;
+    layers: none in vacuum; container: x of both walls (m).
     """
 
     profile: Vector
+    slope: float
     layers: tuple[Layer, ...]
     floor: Floor | None = None
     container: tuple[float, float] | None = None
@@ -40,14 +41,14 @@ class Bed:
         return tuple(layer.medium for layer in self.layers)
 
     @property
-    def top(self) -> float:
-        """Height of the highest point of the surface (m)."""
-        return float(self.profile[:, 1].max())
+    def corners(self) -> Vector:
+        """Corners (k, 2) m of the surface, its first and last pieces without end."""
+        return surface(self.profile, self.slope)
 
     @property
     def level(self) -> bool:
         """Whether the surface is level."""
-        return len(self.profile) == 1
+        return len(self.profile) == 1 and self.slope == 0.0
 
     @property
     def plain(self) -> bool:
@@ -57,8 +58,11 @@ class Bed:
 
     def height(self, x: Vector) -> Vector:
         """Height of the surface (m) at x (m), any shape."""
-        height: Vector = np.interp(x, self.profile[:, 0], self.profile[:, 1])
-        return height
+        return height_at(self.corners, x)
+
+    def greatest_depth(self, center: Vector, radius: float) -> float:
+        """Greatest depth (m, negative above) below the surface of what is within a radius (m) of a place (2,) m."""
+        return greatest_depth(self.corners, center, radius)
 
     def slope(self, x: Vector) -> Vector:
         """Slope of the surface at x (m), any shape; level beyond the corners."""
@@ -80,8 +84,8 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     layers = tuple(_layers(scenario, faults))
     if scenario.load.form == "resultant":
         faults += _resultant(scenario, layers)
-    profile = _profile(scenario, spec, ends)
-    placed = Bed(profile, layers, container=spec.container_x_m)
+    profile, slope = _profile(scenario, spec, ends), math.tan(math.radians(spec.slope_deg))
+    placed = Bed(profile, slope, layers, container=spec.container_x_m)
     if spec.depth_m is None:
         return placed
     contact = spec.floor
@@ -161,13 +165,11 @@ def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
 
 
 def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]) -> Vector:
-    """Corners of the surface as given; without a height, as high as touches the lowest end."""
+    """Corners of the surface as given, or where it is at x = 0; without a height, as high as touches the lowest end."""
     if spec.profile_m is not None:
         return np.array(spec.profile_m)
     slope = math.tan(math.radians(spec.slope_deg))
     height = scenario.surface_height_m if spec.height_m is None else spec.height_m
     if height is None:
         height = min((float(y - slope * x) for x, y in ends), default=0.0)
-    if slope == 0.0:
-        return np.array([[0.0, height]])
-    return np.array([[-FAR, height - slope * FAR], [FAR, height + slope * FAR]])
+    return np.array([[0.0, height]])

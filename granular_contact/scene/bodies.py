@@ -10,7 +10,7 @@ import numpy as np
 from granular_contact.config import schema
 from granular_contact.scene.layout import ZERO, Frame, Layout, point
 from granular_contact.scene.shapes import Lump, bar, made, section
-from granular_contact.scene.types import FlexibleLink, RigidBody, Shape, Tether, Vector
+from granular_contact.scene.types import FlexibleLink, RigidBody, Shape, Vector
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
             mass = masses[name].mass if density is None else density * lump.volume
             shapes.append(replace(shape, points=points, free=layout.is_free(name, shape.points[-1]), mass=mass))
     root = layout.tethers[group[0]]
-    tether = Tether(own.local(frames[group[0]].world(root.point)), root.length)
+    tether = replace(root, point=own.local(frames[group[0]].world(root.point)))
     return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), tether)
 
 

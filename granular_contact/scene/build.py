@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from granular_contact.config import schema
+from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed, bed
@@ -22,6 +23,7 @@ from granular_contact.scene.start import start
 from granular_contact.scene.suited import unsuited
 from granular_contact.scene.treelike import check_treelike
 from granular_contact.scene.types import (
+    FASTEST,
     Drive,
     FlexibleLink,
     Load,
@@ -40,13 +42,22 @@ LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic
 
 
 def build(scenario: schema.Scenario) -> Scene:
-    """Resolve a scenario into a scene.
+    """Resolve a scenario into a scene, which holds it as its `scenario`.
 
     Raises
     ------
+    ConfigError
+        The scenario was changed from Python to what no config may say.
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
     """
+    valid = checked(scenario)
+    scene = _built(valid)
+    object.__setattr__(scene, "scenario", valid)  # no argument of a scene, so that none but this can say it
+    return scene
+
+
+def _built(scenario: schema.Scenario) -> Scene:
     solver, faults = scenario.solver, list[Fault]()
     driven = drives(scenario, faults)
     layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
@@ -94,7 +105,7 @@ def build(scenario: schema.Scenario) -> Scene:
     elif scene.method is not None:
         check_treelike(scene)
     elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
-        return replace(build(_with_rigid(scenario, stiff)), stiff=stiff)
+        return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
     return scene
 
 
@@ -257,6 +268,12 @@ def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
         yield _fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
+        return
+    for body in scene.bodies:
+        speed, rate = math.hypot(*body.motion.velocity), abs(body.motion.rate)
+        for got, unit in ((speed, "m/s"), (rate, "rad/s")):
+            if not got < FASTEST:
+                yield _fault("initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}")
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -123,14 +123,27 @@ def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> t
     return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)
 
 
-def tethers(model: schema.Model) -> dict[str, Tether]:
-    """How far from the origin each body can get, whatever the joints do; without end behind sliders and free joints."""
-    held = {GROUND: Tether(ZERO, 0.0)}
+def tethers(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, Tether]:
+    """How far from where it hangs on the ground each body can get, whatever the joints do.
+
+    frames: of the bodies at the start. There is no end behind sliders and free joints. What is welded moves with the
+    body that it is welded to.
+    """
+    held: dict[str, Tether] = {}
+    fixed = {GROUND}
     for _, joint in _joints_outward(model):
-        length = held[joint.parent].reach(point(joint.parent_point_m))
-        if isinstance(joint, schema.Slider | schema.Free):
-            length = math.inf
-        held[joint.child] = Tether(point(joint.child_point_m), length)
+        parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
+        rigidly = isinstance(joint, schema.Weld) and is_rigid(model, joint.child) and is_rigid(model, parent)
+        if parent in fixed:
+            tether = Tether(frames[parent].world(on_parent), on_child, 0.0)
+            fixed |= {joint.child} if rigidly else set()
+        elif rigidly:
+            tether = held[parent]
+            tether = replace(tether, point=frames[joint.child].local(frames[parent].world(tether.point)))
+        else:
+            tether = Tether(held[parent].root, on_child, held[parent].reach(on_parent))
+        no_end = isinstance(joint, schema.Slider | schema.Free)
+        held[joint.child] = replace(tether, length=math.inf) if no_end else tether
     return held
 
 
@@ -191,4 +204,5 @@ class Layout:
 
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
     """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
-    return Layout(model, pose(model, states, ground_angle), tethers(model), _weld_groups(model))
+    placed = pose(model, states, ground_angle)
+    return Layout(model, placed, tethers(model, placed.frames), _weld_groups(model))

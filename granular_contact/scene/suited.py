@@ -10,7 +10,7 @@ from granular_contact.config import schema
 from granular_contact.errors import Fault
 from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
 from granular_contact.media.laws import laws_for
-from granular_contact.scene.bed import places
+from granular_contact.scene.bed import Bed, places
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import Scene
 
@@ -20,13 +20,13 @@ def unsuited(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
     if scene.bed is None or not scene.media:
         return
     layers, keys = scene.bed.layers, [key for _, key, _, _ in places(scenario)]
-    parts = _getting_to(scene, scene.bed.top)
+    parts = _getting_to(scene, scene.bed, 0.0)
     if not all(layer.whole for layer in layers) and any(kind == "ball" for _, kind in parts):
         yield Fault("", None, "bed.layers", "a sphere is met as a whole: no layers are allowed with one")
         return
     for top in sorted({layer.top for layer in layers}):
         here = {keys[i]: layer.medium for i, layer in enumerate(layers) if layer.top == top}
-        yield from _unsuited_at(top, here, _getting_to(scene, scene.bed.top - top))
+        yield from _unsuited_at(top, here, _getting_to(scene, scene.bed, top))
 
 
 def _unsuited_at(top: float, media: dict[str, Medium], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
@@ -52,8 +52,9 @@ def _fitting(kind: Kind) -> str:
     return f"laws for {WORDS[kind]} are {', '.join(laws_for(kind))}"
 
 
-def _getting_to(scene: Scene, height: float) -> list[tuple[str, Kind]]:
-    """Parts that can get below a height (m), each once, with what a medium meets there."""
-    parts = [(link.name, link.kind) for link in scene.links if reaches(height, link, np.array([link.length, 0.0]))]
-    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(height, body, s)]
+def _getting_to(scene: Scene, bed: Bed, depth: float) -> list[tuple[str, Kind]]:
+    """Parts that can get below a depth (m), each once, with what a medium meets there."""
+    ends = [(link, np.array([[0.0, 0.0], [link.length, 0.0]])) for link in scene.links]
+    parts = [(link.name, link.kind) for link, both in ends if reaches(bed, link, *both, depth=depth)]
+    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(bed, body, s, depth)]
     return list(dict.fromkeys(parts))

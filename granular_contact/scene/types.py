@@ -7,18 +7,20 @@ here; those of hinges turn clockwise, as configs and results have them: on the g
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.config.schema import Scenario
 from granular_contact.media.kinds import Kind, Medium
 from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
 
 Vector = NDArray[np.float64]
+FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run away
 
 
 @dataclass(frozen=True)
@@ -60,13 +62,17 @@ class Motion:
 
 @dataclass(frozen=True)
 class Tether:
-    """Where a body hangs from the rest: its point (2,) m in its frame, at most `length` (m) away from the origin."""
+    """Where a body hangs: its point (2,) m in its frame is at most `length` (m) away from a root that stays in place.
 
+    root: (2,) m, world frame, the joint on the ground behind which the body comes.
+    """
+
+    root: Vector
     point: Vector
     length: float
 
     def reach(self, point: Vector) -> float:
-        """Greatest distance (m) from the origin that a point (2,) of the body can get."""
+        """Greatest distance (m) from the root that a point (2,) of the body can get."""
         return self.length + float(np.linalg.norm(point - self.point))
 
 
@@ -247,7 +253,8 @@ class Scene:
 
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
     method: None for the engine. settle: find rest first. body_columns: report the motion of every body. stiff: links of
-    the scenario that bend too little to show, and are rigid here.
+    the scenario that bend too little to show, and are rigid here. scenario: what `build` made the scene of; None of a
+    scene that was put together or changed otherwise, as by `dataclasses.replace`.
     """
 
     name: str
@@ -265,11 +272,12 @@ class Scene:
     settle: bool = False
     body_columns: bool = False
     stiff: tuple[str, ...] = ()
+    scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
 
     @property
     def surface(self) -> float | None:
-        """Height of the highest point of the free surface (m); None without one."""
-        return None if self.bed is None else self.bed.top
+        """Height of the free surface at x = 0 (m), everywhere if it is level; None without one."""
+        return None if self.bed is None else float(self.bed.height(np.zeros(1))[0])
 
     @property
     def media(self) -> tuple[Medium, ...]:

@@ -13,7 +13,7 @@ from granular_contact.reduced.marching import March
 from granular_contact.reduced.solve import Trajectory, solve
 from granular_contact.scene.types import Reduced
 
-# Impact angle (deg) and speed (rad/s), stopping time (s) and angle at stop (deg): physics.md, section 3.
+# Impact angle (deg) and speed (rad/s), stopping time (s) and angle at stop (deg): see the table in tests/test_run.py.
 TABLE = [
     (22, 1.75, 0.0352, 24.668),
     (22, 3.38, 0.0275, 25.049),

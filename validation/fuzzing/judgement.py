@@ -89,9 +89,9 @@ def _outcome(path: Path) -> Outcome:
         return Outcome("fine, too large to run here")
     end = min(scene.solver.end_time, MOST_STEPS * scene.solver.step)
     wall = min(WALL, scene.solver.max_wall or WALL)
-    scene = replace(scene, solver=replace(scene.solver, end_time=end, max_wall=wall))
+    scene = build(scenario.replace({"solver.end_time_s": end, "solver.max_wall_s": wall}))
     try:
-        return _honesty(scene, run(scene, scenario))
+        return _honesty(scene, run(scene))
     except SolveError as error:
         return Outcome("could not begin" if _is_a_line(str(error)) else "bad sentence", str(error))
 

@@ -38,7 +38,8 @@ class Initial(Strict):
     """The start: the undeformed mechanism, in the state of its joints."""
 
     impact_angle_deg: Annotated[float, Field(ge=-90, le=90)] | None = None
-    """Angle below the horizontal of all that is hinged or welded to the ground; not needed if joints say the start."""
+    """Angle below the horizontal of all that is hinged or welded to the ground; needed if a hinge on the ground would
+    not be placed otherwise: by joints, by a prescribed motion, or by settling."""
     impact_speed_rad_s: float = 0.0
     """Rate of the ground hinge; positive turns the link into the medium."""
     impact_tip_speed_m_s: float | None = None
@@ -51,9 +52,6 @@ class Initial(Strict):
     @model_validator(mode="after")
     def _is_a_start(self) -> Initial:
         faults: list[LocalFault] = []
-        if self.impact_angle_deg is None and self.joints is None and not self.settle:
-            message = "is missing; allowed is a finite number from -90 to 90, or joints in its place ({}: all at home)"
-            faults.append((("impact_angle_deg",), message))
         if self.impact_tip_speed_m_s is not None and self.impact_speed_rad_s != 0.0:
             message = "got both this and impact_speed_rad_s; allowed is one of them"
             faults.append((("impact_tip_speed_m_s",), message))

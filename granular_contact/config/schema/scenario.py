@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -100,7 +101,8 @@ class Scenario(Strict):
     below it there starts in the medium, as if it had been laid there without moving a grain."""
     bed: Bed | None = None
     """Slope or profile of the surface, floor, container and layers; null: level and without end."""
-    initial: Initial
+    initial: Initial = Initial()
+    """What is left out is at home and at rest; where a hinge on the ground starts has to be said."""
     drives: dict[str, Drive] = Field(default_factory=dict)
     """What acts at joints over time, by the name of the joint."""
     signals: dict[str, Signal] = Field(default_factory=dict)
@@ -109,6 +111,22 @@ class Scenario(Strict):
     solver: Solver = Solver()
     method: Method = Method()
     output: Output = Output()
+
+    def replace(self, values: Mapping[str, Any]) -> Scenario:
+        """The run with other values, by dotted key: `scenario.replace({"medium.eta_d": 5, "model": "chain"})`.
+
+        Checked as `--set` is. A medium with a changed number no longer says that it is what its source published.
+        Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
+        are looked up, paths are from the working folder.
+
+        Raises
+        ------
+        ConfigError
+            With every fault, each with its key, what was got and what is allowed.
+        """
+        from granular_contact.config.changed import replaced  # which needs this class
+
+        return replaced(self, values)
 
     @property
     def media(self) -> tuple[AnyLaw, ...]:
@@ -128,7 +146,10 @@ class Scenario(Strict):
 
     @model_validator(mode="after")
     def _fits_its_mechanism(self) -> Scenario:
-        faults = [*initial_faults(self.initial, self.model), *drive_faults(self.drives, self.signals, self.model)]
+        faults = [
+            *initial_faults(self.initial, self.model, self.drives),
+            *drive_faults(self.drives, self.signals, self.model),
+        ]
         if faults:
             raise refusal(faults)
         return self

@@ -1,0 +1,48 @@
+"""Every file that code, tests, configs and docs name is there."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+
+import pytest
+from support_runs import ROOT
+
+# Code and pages anywhere, other files in a folder of the project.
+FOLDERS = ("granular_contact", "tests", "configs", "models", "validation")
+OTHER = rf"(?:{'|'.join(FOLDERS)})/[\w./-]*\w\.(?:yaml|css|png|csv|json)"
+PATH = re.compile(rf"(?<![\w/.:~}}-])((?:\w[\w.-]*/)+\w+\.(?:py|md)|\w+\.md|{OTHER})\b")
+MADE = re.compile(r"^(results|home|tmp)/|^configs/zzz")  # by a run of the one who reads, or by a test
+SUFFIXES = {".py", ".md", ".yaml", ".toml", ".css"}
+
+
+def tracked() -> list[str]:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
+    return [name for name in listed.stdout.splitlines() if (ROOT / name).suffix in SUFFIXES]
+
+
+FILES = tracked() or [
+    str(path.relative_to(ROOT)) for top in FOLDERS for path in (ROOT / top).rglob("*") if path.suffix in SUFFIXES
+]
+
+
+def cited(text: str) -> set[str]:
+    return {found for found in PATH.findall(text) if not MADE.match(found)}
+
+
+def test_it_would_be_noticed() -> None:
+    text = "see physics.md section 1, tests/fit/test_nothing.py and [those](validation/README.md#a); not results/a.md"
+    assert cited(text) == {"physics.md", "tests/fit/test_nothing.py", "validation/README.md"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_that_are_named_are_there(name: str) -> None:
+    path = ROOT / name
+    if name == "tests/test_cited_paths.py":
+        return
+    lost = [
+        one
+        for one in cited(path.read_text(encoding="utf-8"))
+        if not any((base / one).exists() for base in (ROOT, path.parent, ROOT / "granular_contact", ROOT / "tests"))
+    ]
+    assert lost == []

@@ -1,0 +1,158 @@
+"""Scenarios changed from Python: as strict as `--set`, and results never name a scenario that was not run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support_runs import CONFIGS, scenario_of, scene_of
+
+import granular_contact
+from granular_contact.config import Scenario, load, load_medium, scenario_to_dict
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.scene import build
+
+SHORT = ("output.figures=false", "solver.end_time_s=0.002", "method={reduced: {modes: 0}}")
+CHANGES: tuple[tuple[str, object, str], ...] = (
+    ("medium.eta_d", 5, "5"),
+    ("medium.plunging.lambda", 1.3, "1.3"),
+    ("medium", "rft_generic", "rft_generic"),
+    ("medium", None, "null"),
+    ("load.friction", {"type": "smooth", "reference_speed_m_s": 0.01}, "{type: smooth, reference_speed_m_s: 0.01}"),
+    ("initial.impact_angle_deg", np.float64(12.5), "12.5"),
+    ("bed.profile_m", np.array([[-1.0, 0.0], [1.0, -0.2]]), "[[-1.0, 0.0], [1.0, -0.2]]"),
+    ("model.bodies.link.flexible", None, "null"),
+    ("output.figures", False, "false"),
+)
+FAULTY: tuple[tuple[str, object, str], ...] = (
+    ("medium.eta_d", -5, "-5"),
+    ("medium.eta_q", 5, "5"),
+    ("initial.impact_angle_deg", 120, "120"),
+    ("solver.step_s", None, "null"),
+    ("solver.step_s", "fast", "fast"),
+    ("medium", "no_sand", "no_sand"),
+    ("model.joints.pivot.parent", "nobody", "nobody"),
+    ("load.friction.type", True, "true"),
+)
+
+
+def pendulum(*overrides: str) -> Scenario:
+    return scenario_of("pendulum", *overrides)
+
+
+@pytest.mark.parametrize(("key", "value", "text"), CHANGES)
+def test_replace_is_as_set(key: str, value: object, text: str) -> None:
+    assert pendulum().replace({key: value}) == pendulum(f"{key}={text}")
+
+
+def test_several_values_at_once() -> None:
+    found = pendulum().replace({"medium": "poppy_seeds_loose", "medium.zeta": 0.5, "gravity_m_s2": 1.62})
+    assert found == pendulum("medium=poppy_seeds_loose", "medium.zeta=0.5", "gravity_m_s2=1.62")
+    assert pendulum().replace({}) == pendulum()
+
+
+@pytest.mark.parametrize(("key", "value", "text"), FAULTY)
+def test_replace_refuses_what_set_refuses_in_the_same_words(key: str, value: object, text: str) -> None:
+    with pytest.raises(ConfigError) as by_set:
+        pendulum(f"{key}={text}")
+    with pytest.raises(ConfigError) as by_replace:
+        pendulum().replace({key: value})
+    said = [[(fault.key, fault.message) for fault in error.value.faults] for error in (by_replace, by_set)]
+    assert said[0] == said[1]
+    assert by_replace.value.faults[0].file.startswith(f"replace {key}=")
+
+
+def test_a_changed_medium_is_not_what_was_published() -> None:
+    before = pendulum().medium
+    for changed in (
+        pendulum().replace({"medium.eta_d": 5}),
+        build(pendulum().model_copy(update={"medium": before.model_copy(update={"eta_d": 5.0})})).scenario,
+    ):
+        assert changed is not None
+        assert (before.provenance, changed.medium.provenance) == ("published", "own")
+        assert changed.medium.standing == "changed from play_sand: eta_d"
+    layered = pendulum().replace({"bed.layers": [{"top_m": 0.1, "medium": before.model_copy(update={"eta_h": 9.0})}]})
+    assert build(layered).scenario.bed.layers[0].medium.provenance == "own"
+
+
+def test_what_was_said_of_a_medium_is_left_alone() -> None:
+    said = {"medium.eta_d": 5, "medium.provenance": "fitted", "medium.standing": "our own tests"}
+    medium = build(pendulum().replace(said)).scenario.medium
+    assert (medium.provenance, medium.standing) == ("fitted", "our own tests")
+    for name in ("play_sand", "rft_generic", "hill_cylinders", "rft3d_sand"):
+        own = load_medium(name)
+        assert pendulum().replace({"medium": own}).medium == own
+    open_number = pendulum().replace({"medium": {"from": "hill_cylinders", "density_kg_m3": 1500}})
+    assert build(open_number).scenario.medium.provenance == load_medium("hill_cylinders").provenance
+
+
+@pytest.mark.parametrize(
+    ("update", "key", "words"),
+    [
+        ({"gravity_m_s2": "down"}, "gravity_m_s2", "got the text 'down'; allowed is a finite number"),
+        ({"surface_height_m": float("nan")}, "surface_height_m", "allowed is a finite number"),
+        ({"drives": {"nowhere": {"type": "torque", "torque_Nm": 1.0}}}, "drives.nowhere", "pivot"),
+        ({"windy": 3}, "windy", "unknown key"),
+    ],
+)
+def test_what_model_copy_let_pass_is_refused_when_built(update: dict[str, object], key: str, words: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        build(pendulum().model_copy(update=update))
+    assert (caught.value.faults[0].key, words in caught.value.faults[0].message) == (key, True)
+
+
+def test_what_no_config_may_say_deep_down_is_refused_when_built() -> None:
+    scenario = pendulum()
+    wrong = scenario.model_copy(update={"medium": scenario.medium.model_copy(update={"eta_d": -5.0})})
+    with pytest.raises(ConfigError, match=r"medium\.eta_d: got the number -5\.0; allowed is a finite number"):
+        build(wrong)
+
+
+def test_a_scene_knows_its_scenario() -> None:
+    scenario = pendulum(*SHORT)
+    scene = granular_contact.build(scenario)
+    assert scene.scenario == scenario
+    alone, both = granular_contact.simulate(scene), granular_contact.simulate(scene, scenario)
+    assert alone.scenario == both.scenario == scenario_to_dict(scenario)
+    np.testing.assert_array_equal(alone.table, both.table)
+
+
+def test_a_scenario_that_was_not_run_is_refused() -> None:
+    scenario, scene = pendulum(*SHORT), scene_of("pendulum", *SHORT)
+    other = scenario.replace({"medium.eta_d": 5, "gravity_m_s2": 1})
+    with pytest.raises(SceneError) as caught:
+        granular_contact.simulate(scene, other)
+    (line,) = str(caught.value).splitlines()
+    assert line.startswith("scenario: is not the one that the scene was built from: they differ in medium.")
+    assert "medium.eta_d" in line
+    assert "gravity_m_s2" in line
+
+
+def test_a_scene_that_was_changed_is_no_scenarios() -> None:
+    scene = replace(scene_of("pendulum", *SHORT), gravity=1.0)
+    assert scene.scenario is None
+    for more in ((), (pendulum(*SHORT),)):
+        with pytest.raises(SceneError, match=r"^scene: the scene was changed after it was built"):
+            granular_contact.simulate(scene, *more)
+
+
+def test_a_copy_with_changed_numbers_is_run_as_such() -> None:
+    """The scenario that was built may be given again, though what it says of its medium was put right meanwhile."""
+    scenario = pendulum(*SHORT)
+    copied = scenario.model_copy(update={"medium": scenario.medium.model_copy(update={"eta_d": 5.0})})
+    told = granular_contact.simulate(build(copied), copied).scenario["medium"]
+    assert (told["eta_d"], told["provenance"]) == (5.0, "own")
+
+
+def test_a_link_too_stiff_to_bend_keeps_the_scenario_that_was_asked_for() -> None:
+    scenario = pendulum("model.bodies.link.flexible.bending_stiffness_N_m2=1e12", "medium=null")
+    scene = build(scenario)
+    assert (scene.stiff, scene.scenario) == (("link",), scenario)
+
+
+def test_every_config_is_its_own_scenario() -> None:
+    for path in sorted(CONFIGS.glob("*.yaml")):
+        if path.stem not in ("paper_cases", "sensitivity"):
+            scenario = load(path).scenario
+            assert build(scenario).scenario is scenario
