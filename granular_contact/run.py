@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.doubts import Doubt, told
 from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import term_names
@@ -65,7 +66,7 @@ def run(
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, _measure(scene), least)
     summary |= solved.more
     summary["warnings"] += [
-        *solved.doubts,
+        *told(summary["energy"]["imbalance_relative"], solved.doubts, scene),
         *_limits(scene, solved.reach),
         *_buried(scene, series),
         *_missed(scene, series),
@@ -116,7 +117,7 @@ class _Solved:
     terms: tuple[str, ...]
     reach: Reach | None
     more: dict[str, Any]
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
 
 def _trajectory(scene: Scene, progress: Progress | None) -> tuple[System, Trajectory]:
@@ -158,7 +159,7 @@ def _solved(scene: Scene, progress: Progress | None, inspect: Callable[[System, 
     )
 
 
-def _doubts(observer: Observer) -> tuple[str, ...]:
+def _doubts(observer: Observer) -> tuple[Doubt, ...]:
     from granular_contact.multibody.doubts import doubts
 
     with np.errstate(all="ignore"):  # of a run that failed by running away

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.energy import accumulate
+from granular_contact.energy import work
 from granular_contact.multibody.joint_loads import drive_force, follow, friction, stop, wanted
 from granular_contact.scene.types import Drive, JointLaw, Vector
 
@@ -24,13 +24,13 @@ class JointHistory:
 def joint_history(law: JointLaw, anchor: float, time: Vector, s: Vector, rate: Vector) -> JointHistory:
     """History of a joint with coordinate s (n,) rad or m and its rate (n,), its bristle held at the anchor at first."""
     stored = 0.5 * law.stiffness * (s - law.rest) ** 2 if law.stiffness > 0.0 else np.zeros_like(s)
-    power = -law.damping * rate**2
+    damping = -law.damping * rate
     if law.has_stops:
         depth = np.maximum(s - law.upper, 0.0) + np.maximum(law.lower - s, 0.0)
         stored = stored + 0.5 * law.stop_stiffness * depth**2
         forces = [stop(law, *state) for state in zip(s.tolist(), rate.tolist(), strict=True)]
-        power = power + rate * np.array([whole.value - elastic for elastic, whole in forces])
-    return JointHistory(stored, accumulate(time, power), accumulate(time, _friction(law, anchor, s, rate) * rate))
+        damping = damping + np.array([whole.value - elastic for elastic, whole in forces])
+    return JointHistory(stored, work(time, damping, rate), work(time, _friction(law, anchor, s, rate), rate))
 
 
 def _friction(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Vector:
