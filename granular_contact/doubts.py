@@ -18,7 +18,10 @@ USELESS = 0.05  # beyond it nothing else is worth saying of its accuracy
 
 @dataclass(frozen=True)
 class Doubt:
-    """A sentence, and what it says that positions are off by, relative to the way; NaN where it says no number."""
+    """A sentence, and what it says that positions are off by, relative to the way.
+
+    off: NaN where it says no number, infinite where the result is not usable.
+    """
 
     sentence: str
     off: float = math.nan
@@ -26,11 +29,12 @@ class Doubt:
 
 def told(imbalance: float, doubts: Sequence[Doubt], scene: Scene) -> list[str]:
     """Sentences on the accuracy of a run; imbalance: relative to its largest energy."""
-    if not imbalance > IMBALANCE_LIMIT:
-        return [doubt.sentence for doubt in doubts]
+    fatal = [doubt.sentence for doubt in doubts if doubt.off == math.inf]
     said = f"the energy balance is off by {share(imbalance)}"
     if imbalance > USELESS:
-        return [f"{said}: the result is not usable; {remedy(scene)}"]
+        return [f"{said}: the result is not usable; {remedy(scene)}", *fatal]
+    if fatal or not imbalance > IMBALANCE_LIMIT:
+        return fatal or [doubt.sentence for doubt in doubts]
     # Half of it: energies go with the square of velocities.
     return [f"{said}: {remedy(scene)}", *(doubt.sentence for doubt in doubts if not doubt.off < 0.5 * imbalance)]
 

@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 
 from granular_contact.doubts import Doubt, remedy
+from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.recorder import levers
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the way
+UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
 FEW = 8  # steps from the touch to the stop
 ROUGH_BEAM = 0.05  # of the way: jumps of curvature times the square of an element; positions are off by less
 ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
@@ -80,13 +82,30 @@ def _steps(observer: Observer) -> Iterator[Doubt]:
         time, v, fastest = time[since:], v[since:], fastest[since:]
     if len(time) < 4:
         return
+    unknown = _unknown_energy(observer)
+    if unknown > UNKNOWN:
+        said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
+        yield Doubt(f"{said}, and the result is not usable; {remedy(observer.scene)}", math.inf)
+        return
     way = max(float(np.sum(np.diff(time) * fastest[1:])), observer.scene.least_way)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / way
     if observer.scene.solver.accuracy is None:  # or every jump was judged as it came
-        error += jump_error(time, v, observer.trajectory.mass, fastest) / way
+        error = max(error + jump_error(time, v, observer.trajectory.mass, fastest) / way, 0.5 * unknown)
     if error > STEP_ERROR:
-        said = f"the steps are too long: they put the motion off by about {error:.1%} of its way"
+        said = f"the steps are too long: they put the motion off by about {error:.1%} of its way, {error * way:.2g} m"
         yield Doubt(f"{said}; {remedy(observer.scene)}", error)
+
+
+def _unknown_energy(observer: Observer) -> float:
+    """What the steps leave open of the medium's work, over the greatest energy there was; velocities go with its root.
+
+    It sees forces that change within a step in any direction, also across the motion, where they turn the heading.
+    """
+    trajectory = observer.trajectory
+    kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
+    work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
+    scale = max(float(kinetic.max()), work, observer.scene.force_scale * observer.scene.least_way)
+    return uncertain_work(observer) / scale if scale > 0.0 else 0.0
 
 
 def _entry(observer: Observer) -> Iterator[Doubt]:
