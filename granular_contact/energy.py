@@ -79,3 +79,15 @@ def damping_power(s: Strain, axial_damping: float, bending_damping: float) -> Ve
 def accumulate(time: Vector, rate: Vector) -> Vector:
     """Trapezoidal integral of a rate from the first instant on, (instants,)."""
     return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))])
+
+
+def work(time: Vector, force: Vector, rate: Vector) -> Vector:
+    """Work (instants,) J of forces along rates, (instants,) or (instants, n) each, from the first instant on.
+
+    Mean force of a step times its mean rate. A scheme of second order gives a step the momentum of the mean force, so
+    that the kinetic energy changes by just this; the mean power differs from it by a quarter of h dF dv, which is first
+    order in h where the force jumps, and is nothing that the motion has.
+    """
+    mean = 0.25 * (force[1:] + force[:-1]) * (rate[1:] + rate[:-1])
+    power = mean if mean.ndim == 1 else mean.sum(axis=1)
+    return np.concatenate([[0.0], np.cumsum(power * np.diff(time))])

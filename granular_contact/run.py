@@ -11,6 +11,7 @@ import numpy as np
 from granular_contact.compiling import Compiling, announced
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked, differences
+from granular_contact.doubts import Doubt, told
 from granular_contact.errors import scene_error
 from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.interpolation import Track, at_times
@@ -61,7 +62,7 @@ def run(
     SceneError
         The scenario is another one than the scene was built from, or the scene was not built from any.
     """
-    told = _scenario_of(scene, scenario)
+    known = _scenario_of(scene, scenario)
     if isinstance(scene.method, Reduced):
         solved = _reduced(scene, scene.method, progress, compiling)
     else:
@@ -80,7 +81,7 @@ def run(
     summary = summarise(scene.name, solved.status, solved.cost, series, touch, stop, greatest, _measure(scene), least)
     summary |= solved.more
     summary["warnings"] += [
-        *solved.doubts,
+        *told(summary["energy"]["imbalance_relative"], solved.doubts, scene),
         *_limits(scene, solved.reach),
         *_buried(scene, series),
         *_missed(scene, greatest),
@@ -93,7 +94,7 @@ def run(
         columns=columns,
         table=table[_rows(time, scene.output_interval)],
         summary=summary,
-        scenario=scenario_to_dict(told),
+        scenario=scenario_to_dict(known),
         snapshots=tuple(Snapshot(label, float(time[i]), solved.outlines(i)) for label, i in moments.items()),
         surface=_surface(scene),
         warnings=tuple(summary["warnings"]),
@@ -146,7 +147,7 @@ class _Solved:
     deflection: Track | None
     reach: Reach | None
     more: dict[str, Any]
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
 
 def _compiled(scene: Scene) -> str:
@@ -191,7 +192,7 @@ def _solved(
         from granular_contact.multibody.strip_error import finer
 
         if (shorter := finer(observer)) is not None:
-            again = _solved(shorter, progress, inspect)
+            again = _solved(shorter, progress, inspect, compiling)
             spent = trajectory.cost.solve_s + again.cost.solve_s
             return replace(again, cost=replace(again.cost, solve_s=spent))
     if inspect is not None and scene.method is None:
@@ -222,7 +223,7 @@ def _chosen_strips(scene: Scene, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def _doubts(observer: Observer) -> tuple[str, ...]:
+def _doubts(observer: Observer) -> tuple[Doubt, ...]:
     from granular_contact.multibody.doubts import doubts
 
     with np.errstate(all="ignore"):  # of a run that failed by running away

@@ -22,7 +22,6 @@ STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum 
 REST_MEASURE = "from touch until all of it came to rest, and stayed there"
 STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
 WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J", "floor_work_J")
-IMBALANCE_LIMIT = 1e-2  # of the largest energy; a run beyond it carries a warning
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def summarise(
     measure: str | None = STOP_MEASURE,
     least_energy: float = 0.0,
 ) -> dict[str, Any]:
-    """Key numbers of a run from all its accepted steps; series by column name, (n,) each.
+    """Key numbers of a run from all its accepted steps; series by column name, (n,) each. Warnings are left to `run`.
 
     None depends on which steps those are beyond the error of the steps: times, and what is greatest, are found between
     them (see `interpolation`), and works are integrals over time.
@@ -96,7 +95,7 @@ def summarise(
         "energy": _energy(series) | {"imbalance_relative": imbalance},
         "cost": asdict(cost),
         "versions": versions(),
-        "warnings": _warnings(imbalance),
+        "warnings": [],
     }
 
 
@@ -112,12 +111,6 @@ def _relative_imbalance(series: dict[str, Vector], least: float) -> float:
     """Largest imbalance over the largest single energy, or over the least (J) that counts."""
     scale = max(least, *(float(np.max(np.abs(series[name]))) for name in (*STORED, *WORKS) if name in series))
     return float(np.max(np.abs(series["energy_imbalance_J"]))) / scale if scale > 0.0 else 0.0
-
-
-def _warnings(imbalance: float) -> list[str]:
-    if imbalance <= IMBALANCE_LIMIT:
-        return []
-    return [f"the energy balance is off by {imbalance:.1%}: take a smaller solver.step_s or solver.accuracy"]
 
 
 def versions() -> dict[str, str]:

@@ -25,9 +25,20 @@ def height_at(corners: Vector, x: Vector) -> Vector:
     """Height of the surface (m) at x (m), any shape."""
     if len(corners) == 1:
         return np.full(np.shape(x), corners[0, 1])
-    low = np.clip(np.searchsorted(corners[:, 0], x, side="right") - 1, 0, len(corners) - 2)
+    low = _pieces(corners, x)
     height: Vector = corners[low, 1] + slopes(corners)[low] * (x - corners[low, 0])
     return height
+
+
+def slope_at(corners: Vector, x: Vector) -> Vector:
+    """Slope of the surface at x (m), any shape; at a corner that of the piece to its right."""
+    slope: Vector = slopes(corners)[_pieces(corners, x)]
+    return slope
+
+
+def _pieces(corners: Vector, x: Vector) -> NDArray[np.intp]:
+    """Number of the straight piece at x (m), any shape."""
+    return np.clip(np.searchsorted(corners[:, 0], x, side="right") - 1, 0, max(0, len(corners) - 2))
 
 
 def slopes(corners: Vector) -> Vector:

@@ -2,7 +2,7 @@
 
 Each sentence says what was measured on the trajectory. Silence is no proof: a run whose steps miss an event altogether
 has nothing of it in its states. What a run left (depth, speed, floor) is found in `granular_contact.limits`, the energy
-balance in `granular_contact.summary`.
+balance in `granular_contact.doubts`, which says which of all that is told.
 """
 
 from __future__ import annotations
@@ -13,12 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.doubts import Doubt, remedy
+from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.strip_error import strip_doubts
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the way
+UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
 FEW = 8  # steps from the touch to the stop
 ROUGH_BEAM = 0.05  # of the way: jumps of curvature times the square of an element; positions are off by less
 ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
@@ -26,7 +29,7 @@ TREMBLE = 1e-3  # of a link's length
 EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
 
 
-def doubts(observer: Observer) -> Iterator[str]:
+def doubts(observer: Observer) -> Iterator[Doubt]:
     """Sentences on steps, beams and vibration."""
     if len(observer.trajectory.time) < 4:
         return
@@ -71,7 +74,7 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     return most / math.sqrt(3.0)
 
 
-def _steps(observer: Observer) -> Iterator[str]:
+def _steps(observer: Observer) -> Iterator[Doubt]:
     lever = levers(observer.system)
     time, v, fastest = observer.trajectory.time, observer.trajectory.v, observer.speeds
     if observer.trajectory.load is not None:
@@ -81,15 +84,33 @@ def _steps(observer: Observer) -> Iterator[str]:
         time, v, fastest = time[since:], v[since:], fastest[since:]
     if len(time) < 4:
         return
+    unknown = _unknown_energy(observer)
+    if unknown > UNKNOWN:
+        said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
+        yield Doubt(f"{said}, and the result is not usable; {remedy(observer.scene)}", math.inf)
+        return
     way = max(float(np.sum(np.diff(time) * fastest[1:])), observer.scene.least_way)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / way
     if observer.scene.solver.accuracy is None:  # or every jump was judged as it came
-        error += jump_error(time, v, observer.trajectory.mass, fastest) / way
+        error = max(error + jump_error(time, v, observer.trajectory.mass, fastest) / way, 0.5 * unknown)
     if error > STEP_ERROR:
-        yield f"the steps are too long: they put the motion off by about {error:.1%} of its way; {_remedy(observer)}"
+        said = f"the steps are too long: they put the motion off by about {error:.1%} of its way, {error * way:.2g} m"
+        yield Doubt(f"{said}; {remedy(observer.scene)}", error)
 
 
-def _entry(observer: Observer) -> Iterator[str]:
+def _unknown_energy(observer: Observer) -> float:
+    """What the steps leave open of the medium's work, over the greatest energy there was; velocities go with its root.
+
+    It sees forces that change within a step in any direction, also across the motion, where they turn the heading.
+    """
+    trajectory = observer.trajectory
+    kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
+    work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
+    scale = max(float(kinetic.max()), work, observer.scene.force_scale * observer.scene.least_way)
+    return uncertain_work(observer) / scale if scale > 0.0 else 0.0
+
+
+def _entry(observer: Observer) -> Iterator[Doubt]:
     """Whether the first touch was passed over in a few steps."""
     load = observer.trajectory.load
     if load is None:
@@ -100,10 +121,11 @@ def _entry(observer: Observer) -> Iterator[str]:
     first = int(below[0])
     deepest = int(first + np.argmax(load.depth[first:]))
     if deepest - first + 1 < FEW and load.depth[first] > 0.0 and first > 0:
-        yield f"from the touch to the deepest point there are {deepest - first + 1} steps; {_remedy(observer)}"
+        said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
+        yield Doubt(f"{said}; {remedy(observer.scene)}")
 
 
-def _beam(observer: Observer, name: str) -> Iterator[str]:
+def _beam(observer: Observer, name: str) -> Iterator[Doubt]:
     """Whether a link bends within single elements: what cubics miss shows as jumps of curvature from one to the next.
 
     At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
@@ -120,7 +142,7 @@ def _beam(observer: Observer, name: str) -> Iterator[str]:
     size = float(jump.max()) * length**2
     if size > ROUGH_BEAM * way:
         more = min(elements * int(np.ceil(np.sqrt(size / way / ROUGH_BEAM) + 1.0)), 1024)
-        yield (
+        yield Doubt(
             f"{name} bends too much within its elements: take model.bodies.{name}.flexible.elements: {more} "
             f"(now {elements})"
         )
@@ -138,7 +160,7 @@ def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
     return found[0], found[1]
 
 
-def _vibration(observer: Observer, name: str) -> Iterator[str]:
+def _vibration(observer: Observer, name: str) -> Iterator[Doubt]:
     bend = observer.bend(name).values
     first, second = np.diff(bend), np.diff(bend, 2)
     size = float(np.sqrt(np.mean(first**2)))
@@ -146,11 +168,4 @@ def _vibration(observer: Observer, name: str) -> Iterator[str]:
         return
     rough = float(np.sqrt(np.mean(second**2))) / (2.0 * size)
     if rough > ROUGH:
-        yield f"{name} vibrates faster than the steps can show; {_remedy(observer)}"
-
-
-def _remedy(observer: Observer) -> str:
-    solver = observer.scene.solver
-    if solver.accuracy is not None:
-        return f"take a smaller solver.accuracy (now {solver.accuracy:g})"
-    return f"take a smaller solver.step_s (now {solver.step:g}) or solver.accuracy: 1e-3"
+        yield Doubt(f"{name} vibrates faster than the steps can show; {remedy(observer.scene)}")

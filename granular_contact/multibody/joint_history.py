@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.energy import accumulate
+from granular_contact.energy import work
 from granular_contact.multibody.joint_loads import drive_force, follow, friction, stop, wanted
 from granular_contact.scene.types import Drive, JointLaw, Vector
 
@@ -61,11 +61,15 @@ class JointHistory:
 def joint_history(forces: JointForces, time: Vector, rate: Vector) -> JointHistory:
     """What the forces in a joint stored and lost, with the rate (n,) of its coordinate."""
     nothing = np.zeros_like(rate)
-    lossy = [forces.lost(name, rate) for name in forces.force if name not in ("spring", "friction")]
+    lossy = [
+        force - forces.elastic.get(name, nothing)
+        for name, force in forces.force.items()
+        if name not in ("spring", "friction")
+    ]
     return JointHistory(
         sum(forces.stored.values(), nothing),
-        accumulate(time, sum(lossy, nothing)),
-        accumulate(time, forces.force.get("friction", nothing) * rate),
+        work(time, sum(lossy, nothing), rate),
+        work(time, forces.force.get("friction", nothing), rate),
     )
 
 

@@ -14,6 +14,7 @@ from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
 from granular_contact.multibody import observe_mechanism as mechanism
 from granular_contact.multibody.joint_history import JointForces
+from granular_contact.multibody.medium_work import medium_works
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
@@ -229,7 +230,7 @@ class Observer:
         bed = self.scene.bed
         assert bed is not None
         x, y = place.T
-        slope = 0.0 if bed.level else bed.slope(x)
+        slope = 0.0 if bed.level else bed.slope_at(x)
         return Track(bed.height(x) - y + drop, slope * velocity[:, 0] - velocity[:, 1])
 
     def all_depths(self) -> list[Track]:
@@ -296,7 +297,7 @@ class Observer:
             s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
             elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
             damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
-        work = np.zeros_like(kinetic) if t.load is None else t.load.work
+        work = np.zeros_like(kinetic) if t.load is None else medium_works(self)[0]
         shown = elastic if self._links else None
         return series.energies(kinetic, gravity - gravity[0], shown, work, damping, mechanism.joint_energies(self))
 

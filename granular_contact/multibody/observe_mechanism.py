@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granular_contact import series
-from granular_contact.energy import accumulate
+from granular_contact.energy import work
 from granular_contact.interpolation import above_zero, at_times, positive_part
 from granular_contact.multibody.joint_history import JointForces, drive_history, joint_forces, joint_history
+from granular_contact.multibody.medium_work import medium_works
 from granular_contact.scene.types import Connection, Drive, Vector
 
 if TYPE_CHECKING:
@@ -32,6 +33,11 @@ def joint_columns(observer: Observer) -> series.Series:
             made = series.joint if joint.kind == "hinge" else series.slider
             columns |= made(joint.name, joint.child, joint.parent, *observer.coordinate(joint))
     return columns
+
+
+def _drive_work(observer: Observer, drive: Drive) -> Vector:
+    force, _ = observer.drive_forces[drive.joint]
+    return work(observer.trajectory.time, force, observer.coordinate(_joint(observer, drive.joint))[1])
 
 
 def _joint(observer: Observer, name: str) -> Connection:
@@ -101,10 +107,9 @@ def joint_energies(observer: Observer) -> dict[str, Vector]:
         energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
     load, bed = t.load, observer.scene.bed
     if load is not None and bed is not None and bed.floor is not None:
-        energies["floor_work_J"] = load.floor_work
+        energies["floor_work_J"] = medium_works(observer)[1]
     if observer.drive_forces:
-        power = np.sum([power for _, power in observer.drive_forces.values()], axis=0)
-        energies["drive_work_J"] = accumulate(t.time, power)
+        energies["drive_work_J"] = np.sum([_drive_work(observer, drive) for drive in observer.scene.drives], axis=0)
     return energies
 
 

@@ -15,6 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from granular_contact.doubts import Doubt
 from granular_contact.multibody.observe import Observer
 from granular_contact.results import FINISHED
 from granular_contact.scene.types import Load, Scene, Vector
@@ -80,7 +81,7 @@ def shorter(load: Load, factor: float) -> Load:
     )
 
 
-def strip_doubts(observer: Observer) -> Iterator[str]:
+def strip_doubts(observer: Observer) -> Iterator[Doubt]:
     """A sentence where the strips are too long."""
     scene = observer.scene
     allowed = ERROR if scene.solver.accuracy is None else max(ERROR, scene.solver.accuracy)
@@ -90,7 +91,8 @@ def strip_doubts(observer: Observer) -> Iterator[str]:
     keys = [f"load.strips_per_rigid_part: {load.strips_per_rigid_part} (now {now.strips_per_rigid_part})"]
     if observer.system.links:
         keys.append(f"load.strips_per_element: {load.strips_per_element} (now {now.strips_per_element})")
-    yield (
+    yield Doubt(
         f"the strips on which the medium acts are too long: they put the motion off by about {error:.1%} of its "
-        f"distance; take {' and '.join(keys)}"
+        f"distance; take {' and '.join(keys)}",
+        error,
     )

@@ -16,7 +16,7 @@ from granular_contact.media.kinds import Medium
 from granular_contact.media.laws import WITH_RESULTANT
 from granular_contact.media.layer import Layer
 from granular_contact.scene.media import medium, missing
-from granular_contact.surface import greatest_depth, height_at, surface
+from granular_contact.surface import greatest_depth, height_at, slope_at, surface
 
 Vector = NDArray[np.float64]
 
@@ -64,11 +64,9 @@ class Bed:
         """Greatest depth (m, negative above) below the surface of what is within a radius (m) of a place (2,) m."""
         return greatest_depth(self.corners, center, radius)
 
-    def slope(self, x: Vector) -> Vector:
-        """Slope of the surface at x (m), any shape; level beyond the corners."""
-        rise = np.diff(self.profile[:, 1]) / np.diff(self.profile[:, 0])
-        slopes: Vector = np.array([0.0, *rise, 0.0])[np.searchsorted(self.profile[:, 0], x, side="right")]
-        return slopes
+    def slope_at(self, x: Vector) -> Vector:
+        """Slope of the surface at x (m), any shape."""
+        return slope_at(self.corners, x)
 
 
 def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:

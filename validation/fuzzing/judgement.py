@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from granular_contact import config
+from granular_contact.doubts import IMBALANCE_LIMIT
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import Scene, build
-from granular_contact.summary import IMBALANCE_LIMIT
 
 LIMIT = 60.0  # s of processor time, some of which may go into compiling the kernels that a scene needs
 WALL = 10.0  # s, `solver.max_wall_s` of every run: an honest answer may take for ever, but not longer than it is let

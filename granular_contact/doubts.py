@@ -1,0 +1,55 @@
+"""What makes the answer of a finished solve doubtful, by how much, and what to change; the worst said first.
+
+Energy that is unaccounted for was put into the motion or taken out of it by the steps. No estimate of positions that
+promises less may stand beside it: such estimates look at single steps, the balance at the whole run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from granular_contact.scene.types import Minimal, Reduced, Scene
+
+IMBALANCE_LIMIT = 1e-3  # of the largest energy; a run beyond it carries a warning
+USELESS = 0.05  # beyond it nothing else is worth saying of its accuracy
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A sentence, and what it says that positions are off by, relative to the way.
+
+    off: NaN where it says no number, infinite where the result is not usable.
+    """
+
+    sentence: str
+    off: float = math.nan
+
+
+def told(imbalance: float, doubts: Sequence[Doubt], scene: Scene) -> list[str]:
+    """Sentences on the accuracy of a run; imbalance: relative to its largest energy."""
+    fatal = [doubt.sentence for doubt in doubts if doubt.off == math.inf]
+    said = f"the energy balance is off by {share(imbalance)}"
+    if imbalance > USELESS:
+        return [f"{said}: the result is not usable; {remedy(scene)}", *fatal]
+    if fatal or not imbalance > IMBALANCE_LIMIT:
+        return fatal or [doubt.sentence for doubt in doubts]
+    # Half of it: energies go with the square of velocities.
+    return [f"{said}: {remedy(scene)}", *(doubt.sentence for doubt in doubts if not doubt.off < 0.5 * imbalance)]
+
+
+def share(value: float) -> str:
+    """A part of one as a percentage of two digits at the least."""
+    return f"{value:.1%}" if value >= 0.01 else f"{value:.2%}"
+
+
+def remedy(scene: Scene) -> str:
+    """What to change for a finer run."""
+    if isinstance(scene.method, Reduced):
+        return f"take a smaller method.reduced.rtol (now {scene.method.rtol:g})"
+    if isinstance(scene.method, Minimal):
+        return f"take a smaller method.minimal.rtol (now {scene.method.rtol:g})"
+    if scene.solver.accuracy is not None:
+        return f"take a smaller solver.accuracy (now {scene.solver.accuracy:g})"
+    return f"take a smaller solver.step_s (now {scene.solver.step:g}) or solver.accuracy: 1e-3"

@@ -1,0 +1,215 @@
+"""The same scene seen otherwise: mirrored in x, moved away, with its parts in another order, computed more finely."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from typing import Any
+
+from granular_contact.config.schema.scenario import Load
+
+Tree = dict[str, Any]
+GROUND = "ground"
+AWAY = (800.0, 600.0)  # m
+
+
+class NoImage(Exception):
+    """The scene can't be put so: a clock that only turns one way, or nothing to put in another order."""
+
+
+# ---- mirror image in x ----
+# A frame at the angle a goes to pi - a with its y axis turned over: points (x, y) of a body go to (x, -y), angles
+# between bodies change their sign, and those on the ground go to 180 degrees minus themselves.
+
+
+def mirrored(tree: Tree) -> Tree:
+    """The mirror image; raises NoImage."""
+    tree = copy.deepcopy(tree)
+    model = tree["model"]
+    for body in model["bodies"].values():
+        _mirror_body(body)
+    turns = {}
+    for name, joint in (model["joints"] | model.get("closures", {})).items():
+        _mirror_joint(joint)
+        turns[name] = 180.0 if joint["parent"] == GROUND else 0.0
+    for name, start in tree["initial"].get("joints", {}).items():
+        _mirror_start(start, turns[name], model["joints"][name]["type"])
+    shared = tree.pop("signals", {})
+    for name, drive in tree.get("drives", {}).items():
+        _mirror_drive(drive, turns[name], shared, tree.get("files", {}))
+    _mirror_bed(tree.get("bed", {}))
+    return tree
+
+
+def _flip(point: list[float]) -> list[float]:
+    return [point[0], -point[1]]
+
+
+def _mirror_body(body: Tree) -> None:
+    if "center_of_mass_m" in body:
+        body["center_of_mass_m"] = _flip(body["center_of_mass_m"])
+    for shape in body.get("shapes", []):
+        for key in ("start_m", "end_m", "center_m"):
+            if key in shape:
+                shape[key] = _flip(shape[key])
+        if "points_m" in shape:
+            shape["points_m"] = [_flip(point) for point in shape["points_m"]]
+        for key in ("start_deg", "end_deg", "angle_deg"):
+            if key in shape:
+                shape[key] = -shape[key]
+
+
+def _mirror_joint(joint: Tree) -> None:
+    on_ground = joint["parent"] == GROUND
+    turn = 180.0 if on_ground else 0.0
+    if "parent_point_m" in joint:
+        x, y = joint["parent_point_m"]
+        joint["parent_point_m"] = [-x, y] if on_ground else [x, -y]
+    if "child_point_m" in joint:
+        joint["child_point_m"] = _flip(joint["child_point_m"])
+    if joint["type"] == "hinge":
+        if "home_deg" in joint or on_ground:
+            joint["home_deg"] = turn - joint.get("home_deg", 0.0)
+        if "spring" in joint:
+            joint["spring"]["rest_deg"] = turn - joint["spring"].get("rest_deg", 0.0)
+        if "stops" in joint:
+            stops = joint["stops"]
+            stops["lower_deg"], stops["upper_deg"] = turn - stops["upper_deg"], turn - stops["lower_deg"]
+    elif joint["type"] != "free":
+        for key in ("axis_deg", "angle_deg")[joint["type"] == "weld" :]:
+            joint[key] = turn - joint.get(key, 0.0)
+
+
+def _mirror_start(start: Tree, turn: float, kind: str) -> None:
+    if "angle_deg" in start or kind == "free":
+        start["angle_deg"] = turn - start.get("angle_deg", 0.0)
+    for key in ("rate_rad_s", "x_m", "vx_m_s"):
+        if key in start:
+            start[key] = -start[key]
+
+
+def _mirror_drive(drive: Tree, turn: float, shared: Tree, files: Tree) -> None:
+    for key, offset in (("angle_deg", turn), ("rate_rad_s", 0.0), ("torque_Nm", 0.0)):
+        if key in drive:
+            drive[key] = _opposite(_own(drive[key], shared), offset, files)
+    for key in ("position_m", "speed_m_s", "force_N"):
+        if key in drive:
+            drive[key] = _own(drive[key], shared)
+
+
+def _own(signal: Any, shared: Tree) -> Any:
+    """A signal that is written out where it was shared (sines only)."""
+    if not isinstance(signal, dict) or signal["type"] != "shared":
+        return signal
+    return shared[signal["name"]] | {"phase_deg": signal.get("phase_deg", 0.0)}
+
+
+def _opposite(signal: Any, offset: float, files: Tree) -> Any:
+    """`offset` minus a signal."""
+    if not isinstance(signal, dict):
+        return offset - signal
+    kind, signal = signal["type"], dict(signal)
+    if kind == "sine":
+        signal |= {"amplitude": -signal["amplitude"], "offset": offset - signal.get("offset", 0.0)}
+    elif kind == "ramp":
+        signal |= {"from": offset - signal["from"], "to": offset - signal["to"]}
+    elif kind == "table":
+        signal["values"] = [offset - value for value in signal["values"]]
+    elif kind == "csv":
+        column = files[signal["file"]]
+        column[signal["column"]] = [offset - value for value in column[signal["column"]]]
+    else:
+        raise NoImage(f"a {kind} clock turns one way")
+    return signal
+
+
+def _mirror_bed(bed: Tree) -> None:
+    if "slope_deg" in bed:
+        bed["slope_deg"] = -bed["slope_deg"]
+    if "profile_m" in bed:
+        bed["profile_m"] = [[-x, y] for x, y in reversed(bed["profile_m"])]
+
+
+# ---- elsewhere ----
+
+
+def shifted(tree: Tree) -> Tree:
+    """All of it 1 km away."""
+    tree = copy.deepcopy(tree)
+    x, y = AWAY
+    joints = tree["model"]["joints"] | tree["model"].get("closures", {})
+    for joint in joints.values():
+        if joint["parent"] == GROUND:
+            at = joint.get("parent_point_m", [0.0, 0.0])
+            joint["parent_point_m"] = [at[0] + x, at[1] + y]
+    bed = tree["bed"]
+    if "height_m" in bed:
+        bed["height_m"] += y - x * math.tan(math.radians(bed.get("slope_deg", 0.0)))
+    if "profile_m" in bed:
+        bed["profile_m"] = [[a + x, b + y] for a, b in bed["profile_m"]]
+    if "depth_m" in bed:  # is measured at x = 0
+        bed["depth_m"] -= x * math.tan(math.radians(bed.get("slope_deg", 0.0)))
+        if bed["depth_m"] <= 0.0 or "profile_m" in bed:
+            raise NoImage("the floor hangs on the surface at x = 0")
+    return tree
+
+
+def reordered(tree: Tree) -> Tree:
+    """Bodies, joints, drives and the shapes of a body from the last to the first; raises NoImage."""
+    tree = copy.deepcopy(tree)
+    model = tree["model"]
+    if len(model["bodies"]) == 1 and all(len(body.get("shapes", [])) < 2 for body in model["bodies"].values()):
+        raise NoImage("one part alone")
+    for holder, key in ((model, "bodies"), (model, "joints"), (tree, "drives")):
+        if key in holder:
+            holder[key] = dict(reversed(holder[key].items()))
+    for body in model["bodies"].values():
+        if "shapes" in body:
+            body["shapes"] = body["shapes"][::-1]
+    return tree
+
+
+# ---- more finely ----
+
+
+def finer(tree: Tree, factor: float) -> Tree:
+    """Steps (or the errors that are allowed for them) divided by a factor, at fixed steps where the engine chose them.
+
+    At chosen steps the error goes down with the accuracy.
+    """
+    tree = copy.deepcopy(tree)
+    method, solver = tree.get("method"), tree["solver"]
+    if method == "minimal":
+        tree["method"] = {"minimal": {"rtol": 1e-5 / factor**2}}
+    elif method is not None:
+        tree["method"]["reduced"]["rtol"] = 1e-6 / factor**2
+    else:
+        solver["step_s"] = solver.get("step_s", 2e-4) / factor
+        solver.pop("accuracy", None)
+    return tree
+
+
+def chosen(tree: Tree) -> Tree:
+    """With steps chosen where they were fixed, and the other way round; raises NoImage."""
+    tree = copy.deepcopy(tree)
+    if "method" in tree:
+        raise NoImage("not by the engine")
+    if tree["solver"].pop("accuracy", None) is None:
+        tree["solver"]["accuracy"] = 1e-3
+    return tree
+
+
+def divided(tree: Tree, strips: int, elements: int) -> Tree:
+    """So many times the strips and the elements."""
+    tree = copy.deepcopy(tree)
+    load, usual = tree["load"], Load()
+    for key, share, most in (("strips_per_rigid_part", strips, 1024), ("strips_per_element", strips // elements, 64)):
+        load[key] = min(most, max(1, share) * load.get(key, getattr(usual, key)))
+    for body in tree["model"]["bodies"].values():
+        if "flexible" in body:
+            body["flexible"]["elements"] = elements * body["flexible"].get("elements", 4)
+    return tree
+
+
+Image = Callable[[Tree], Tree]

@@ -1,0 +1,152 @@
+"""A seed -> a scene: mechanism, medium, bed, load and solver as a tree of plain YAML, and its files."""
+
+from __future__ import annotations
+
+import copy
+import csv
+import math
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import yaml
+
+from granular_contact.config import load_scenario
+from granular_contact.errors import GranularContactError
+from granular_contact.run import run
+from granular_contact.scene import build
+from validation.fuzzing.media import law
+from validation.random_scenes.bodies import media
+from validation.random_scenes.mechanisms import KINDS
+
+Tree = dict[str, Any]
+RUN = "run.yaml"
+TIMES, SEEDS = 8, 1_000_003
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A scene. kind: of mechanism; solver: fixed steps, chosen steps, minimal or reduced; tree: with `files`."""
+
+    seed: int
+    kind: str
+    solver: str
+    tree: Tree
+
+
+def draw(seed: int, folder: Path) -> Drawn:
+    """The scene of a seed, with an explicit surface; `folder` is written to, to find where the mechanism touches.
+
+    Draws again what does not fit together.
+
+    Raises
+    ------
+    GranularContactError
+        Nothing fitted.
+    """
+    for attempt in range(TIMES - 1):
+        with suppress(GranularContactError):
+            return _drawn(seed, Random(seed + SEEDS * attempt), folder)
+    return _drawn(seed, Random(seed + SEEDS * TIMES), folder)
+
+
+def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:
+    kind = rng.choices(list(KINDS), [weight for _, weight, _ in KINDS.values()])[0]
+    make, _, families = KINDS[kind]
+    family = rng.choice(families)
+    scene: Tree = {}
+    model, starts = make(rng, family, scene)
+    buried = scene.pop("buried", 0.0)
+    tree: Tree = {"model": {"name": "drawn"} | model, "medium": media(rng, family), "initial": {"joints": starts}}
+    tree |= scene | {"load": _load(rng, family, scene), "output": {"bodies": "all"}}
+    end = rng.uniform(0.08, 0.22)
+    tree["solver"] = {"end_time_s": round(end, 3), "rest_time_s": rng.choice((None, 0.02, 0.02))}
+    solver = _solver(rng, tree)
+    _refine_media(tree)
+    _lay(rng, tree, family, buried, folder)
+    build(load_scenario(write(tree, folder)))
+    return Drawn(seed, kind, solver, tree)
+
+
+def _solver(rng: Random, tree: Tree) -> str:
+    """How it is solved; steps are mostly the default."""
+    method = tree.get("method")
+    if method is not None:
+        return "minimal" if method == "minimal" else "reduced"
+    if rng.random() < 0.3:
+        tree["solver"]["accuracy"] = rng.choice((1e-2, 1e-3, 1e-3))
+        return "chosen steps"
+    if rng.random() < 0.3:
+        tree["solver"]["step_s"] = 10.0 ** rng.uniform(-4.0, -3.0)
+    return "fixed steps"
+
+
+def _load(rng: Random, family: str, scene: Tree) -> Tree:
+    """Mostly the default."""
+    load: Tree = {}
+    if rng.random() < 0.15 and scene.get("method", {}) in ({}, "minimal"):
+        load["friction"] = {"type": "smooth", "reference_speed_m_s": 10.0 ** rng.uniform(-3, -1.5)}
+    elif rng.random() < 0.3:
+        load["friction"] = {"type": "elastoplastic", "yield_displacement_m": 10.0 ** rng.uniform(-5.5, -3.5)}
+    if family == "bar" and rng.random() < 0.2:
+        load["end_cap"] = True
+    return load
+
+
+def _refine_media(tree: Tree) -> None:
+    """Give the one preset that lacks a number its number."""
+    if isinstance(tree["medium"], dict) and "from" in tree["medium"]:
+        tree["medium"]["stiffness_N_m"] = 60.0
+
+
+def _lay(rng: Random, tree: Tree, family: str, buried: float, folder: Path) -> None:
+    """Give the scene its bed: where it touches, or lower, with a slope, a profile, layers or a floor."""
+    plain = "method" in tree and tree["method"] != "minimal"
+    bed: Tree = {}
+    form = rng.random()
+    if form < 0.2 and not plain:
+        bed["slope_deg"] = rng.uniform(-25.0, 25.0)
+    lower = rng.choice((0.0, 0.0, rng.uniform(0.0, 0.02))) - buried
+    touch = touching(tree | {"bed": bed} if bed else tree, folder)
+    if 0.2 <= form < 0.35 and not plain:
+        x = [rng.uniform(-0.3, -0.05), rng.uniform(-0.04, 0.04), rng.uniform(0.05, 0.3)]
+        bed["profile_m"] = [[at, touch - lower - rng.uniform(0.0, 0.02)] for at in x]
+    else:
+        bed["height_m"] = touch - lower
+    if rng.random() < 0.15 and not plain:
+        bed["depth_m"] = rng.uniform(0.05, 0.12) + buried
+        if rng.random() < 0.7 and "method" not in tree:
+            stiffness = 10.0 ** rng.uniform(4, 6)
+            bed["floor"] = {"stiffness_N_m2": stiffness, "damping_s_m": rng.choice((0.0, 0.3))}
+    if rng.random() < 0.15 and "method" not in tree and family != "ball":
+        bed["layers"] = [{"top_m": rng.uniform(0.005, 0.04), "medium": law(rng, family)}]
+    tree["bed"] = bed
+
+
+def touching(tree: Tree, folder: Path) -> float:
+    """Height at x = 0 of the surface that the mechanism touches at its start (m)."""
+    scene = build(load_scenario(write(tree | {"output": {"figures": False}}, folder)))
+    assert scene.bed is not None
+    height = float(scene.bed.height(0.0))  # type: ignore[arg-type]
+    return height if math.isfinite(height) else 0.0
+
+
+def write(tree: Tree, folder: Path) -> Path:
+    """Write a scene and its files into a folder; returns its config."""
+    tree = copy.deepcopy(tree)
+    for name, columns in tree.pop("files", {}).items():
+        with (folder / name).open("w", encoding="utf-8", newline="") as file:
+            rows = csv.writer(file)
+            rows.writerow(columns)
+            rows.writerows(zip(*columns.values(), strict=True))
+    text = yaml.safe_dump(tree, sort_keys=False)
+    (folder / RUN).write_text(text, encoding="utf-8")
+    return folder / RUN
+
+
+def solve(tree: Tree, folder: Path) -> Any:
+    """Results of a scene, through the loader of the command line."""
+    scenario = load_scenario(write(tree, folder))
+    return run(build(scenario), scenario)

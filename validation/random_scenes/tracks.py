@@ -1,0 +1,124 @@
+"""How far two runs of a scene are apart: of what moves, and of the numbers of their summaries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Tree = dict[str, Any]
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Track:
+    """Motion since the start of all that moves.
+
+    time (n,) s; place (n, k) m: displacements in x and y of every body, and its turn times how far it reaches; rate
+    (n, k) m/s; signs (k,): of the mirror image; start (k,) m; way: of whatever moves most (m).
+    """
+
+    time: Vector
+    place: Vector
+    rate: Vector
+    signs: Vector
+    way: float
+
+
+def track(results: Any, tree: Tree, least_way: float) -> Track:
+    """Track of a run; least_way (m) counts as a way at the least."""
+    columns = [*_bodies(results, tree)] or [*_pivot(results, tree)]
+    place, rate = (np.column_stack([column[i] for column in columns]) for i in (0, 1))
+    place = place - place[0]
+    ways = [float(np.abs(np.diff(place[:, i])).sum()) for i in range(place.shape[1])]
+    bodies = [math.hypot(*ways[i : i + 2]) + sum(ways[i + 2 : i + 3]) for i in range(0, len(ways), 3)]
+    return Track(results["time_s"], place, rate, np.array([column[2] for column in columns]), max(least_way, *bodies))
+
+
+def _bodies(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:
+    names = {column.name for column in results.columns}
+    for name, body in sorted(tree["model"]["bodies"].items()):
+        turn = next((one for one in (f"{name}_orientation_deg", f"{name}_angle_deg") if one in names), None)
+        if f"{name}_x_m" not in names or turn is None:
+            continue
+        lever = reach(body)
+        yield results[f"{name}_x_m"], results[f"{name}_vx_m_s"], -1.0
+        yield results[f"{name}_y_m"], results[f"{name}_vy_m_s"], 1.0
+        yield lever * np.radians(results[turn]), lever * results[f"{name}_spin_rad_s"], -1.0
+
+
+def _pivot(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:
+    lever = max(reach(body) for body in tree["model"]["bodies"].values())
+    yield lever * np.radians(results["pivot_angle_deg"]), lever * results["pivot_rate_rad_s"], -1.0
+
+
+def reach(body: Tree) -> float:
+    """How far a body goes from its origin (m), about."""
+    if body["type"] == "link":
+        return float(body["length_m"])
+    most = 0.01
+    for shape in body["shapes"]:
+        points = [shape[key] for key in ("start_m", "end_m", "center_m") if key in shape] + shape.get("points_m", [])
+        size = shape.get("radius_m", 0.5 * max(shape.get("length_m", 0.0), shape.get("diameter_m", 0.0)))
+        most = max(most, size + max((math.hypot(*point) for point in points), default=0.0))
+    return most
+
+
+def apart(one: Track, other: Track, mirror: bool = False) -> float:
+    """Greatest distance of two runs at the instants of the first, over the way of the second."""
+    end = min(one.time[-1], other.time[-1])
+    known = one.time <= end * (1.0 + 1e-12)
+    at = _between(other, one.time[known])
+    place = one.place[known] * (one.signs if mirror else 1.0)
+    return float(np.abs(place - at).max()) / other.way
+
+
+def _between(track: Track, at: Vector) -> Vector:
+    """Places at other instants, by cubics that have the rates."""
+    time = track.time
+    if len(time) == len(at) and np.array_equal(time, at):
+        return track.place
+    k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    h = (time[k + 1] - time[k])[:, None]
+    s = np.clip((at - time[k])[:, None] / h, 0.0, 1.0)
+    a, b, va, vb = track.place[k], track.place[k + 1], track.rate[k] * h, track.rate[k + 1] * h
+    between: Vector = a + s * (va + s * (3.0 * (b - a) - 2.0 * va - vb + s * (2.0 * (a - b) + va + vb)))
+    return between
+
+
+LEFT_OUT = ("cost", "versions", "warnings", "name", "message", "status", "static_turns")
+
+
+def numbers(summary: Tree, prefix: str = "") -> Iterator[tuple[str, float]]:
+    """Numbers of a summary by their dotted keys, without those about the run itself."""
+    for key, value in summary.items():
+        if key in LEFT_OUT or key.startswith("imbalance"):
+            continue
+        if isinstance(value, dict):
+            yield from numbers(value, f"{prefix}{key}.")
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield f"{prefix}{key}", float(value)
+
+
+def summaries_apart(one: Any, other: Any, way: float, size: float) -> tuple[float, str]:
+    """Greatest difference of two summaries, over what such a number can be at most in the run; with its key."""
+    mine, theirs = dict(numbers(one.summary)), dict(numbers(other.summary))
+    end = max(float(one["time_s"][-1]), float(other["time_s"][-1]))
+    energies = [abs(value) for key, value in mine.items() if key.endswith("_J")]
+    scales = {
+        "_J": max(energies, default=0.0),
+        "_m_s": way / end,
+        "_m": way,
+        "_deg": math.degrees(way / size),
+        "_s": end,
+    }
+    worst = 0.0, ""
+    for key in mine.keys() & theirs.keys():
+        scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
+        scale = max(scale, 0.0 if scale else abs(theirs[key]), 1e-300)
+        worst = max(worst, (abs(mine[key] - theirs[key]) / scale, key))
+    return worst
