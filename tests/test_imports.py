@@ -22,7 +22,8 @@ MAY = {
     "scene": {"scene", "config", "media", "errors"},
     "energy": set(),
     "examples": set(),
-    "stopping": set(),
+    "interpolation": set(),
+    "stopping": {"interpolation"},
     "limits": {"media", "scene"},
     "results": set(),
     "series": {"media", "results"},
@@ -32,6 +33,7 @@ MAY = {
     "multibody": {
         "multibody",
         "frames",
+        "interpolation",
         "scene",
         "limits",
         "media",
@@ -44,7 +46,7 @@ MAY = {
         "errors",
     },
     "frames": {"results"},
-    "summary": {"results", "stopping"},
+    "summary": {"interpolation", "results", "stopping"},
     "probe": {"media", "kernels"},
     "run": {
         "config",
@@ -56,11 +58,13 @@ MAY = {
         "reduced",
         "results",
         "frames",
+        "interpolation",
         "stopping",
         "summary",
     },
     "reduced": {
         "reduced",
+        "interpolation",
         "config",
         "scene",
         "limits",
@@ -72,14 +76,14 @@ MAY = {
         "stopping",
         "errors",
     },
-    "plots": {"plots", "frames", "results", "units"},
+    "plots": {"plots", "frames", "interpolation", "results", "units"},
     "units": set(),
     "html": {"html", "report", "results", "plots", "units"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
     "fit": {"fit", "config", "scene", "run", "report", "results", "summary", "plots", "sweep", "errors"},
-    "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
+    "compare": {"interpolation", "config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
 
