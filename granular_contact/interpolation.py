@@ -116,7 +116,7 @@ def _zero(time: Vector, track: Track, low: float, high: float) -> float:
             b = middle
         else:
             a = middle
-    return start + step * 0.5 * (a + b)
+    return float(start + step * 0.5 * (a + b))
 
 
 def _united(spans: Spans) -> Spans:

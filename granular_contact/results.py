@@ -10,6 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
+# What a stopping time is of: of a pendulum, and of all else that is not driven.
+STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
+REST_MEASURE = "from touch until all of it came to rest, and stayed there"
+# Columns of a term of the medium's force: about the pivot, or about the centre of mass of what has none.
+MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
 FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
 # Told now and then how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]

@@ -18,11 +18,21 @@ from granular_contact.interpolation import Track, at_times
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import WORDS, term_names
 from granular_contact.media.laws import LAWS
-from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
+from granular_contact.results import (
+    REST_MEASURE,
+    STOP_MEASURE,
+    Column,
+    Cost,
+    Outline,
+    Progress,
+    Results,
+    Snapshot,
+    Status,
+)
 from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Reduced, Scene, Vector
-from granular_contact.stopping import Stop
-from granular_contact.summary import REST_MEASURE, STOP_MEASURE, Extremes, Touch, extremes, find_touch, summarise
+from granular_contact.stopping import Stop, Touch, find_touch
+from granular_contact.summary import Extremes, extremes, summarise
 
 if TYPE_CHECKING:
     from granular_contact.multibody.history import LoadHistory

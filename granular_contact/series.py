@@ -9,13 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results import Column
+from granular_contact.results import CENTRAL_MOMENT, MOMENT, Column
 
 Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
-# Of a term of the medium's force: about the pivot, or about the centre of mass of what has none.
-MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
 SPRING = "spring_J"
 JOINT_ENERGIES = {  # columns that a run has if its joints or its bed have such things
     SPRING: "energy in the springs and stops of joints",

@@ -7,12 +7,32 @@ parabola is the stop, to second order in the step.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.interpolation import Track, above_zero
+
 Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First contact with the surface: time (s), and the last accepted step at or before it (index)."""
+
+    time: float
+    index: int
+
+
+def find_touch(time: Vector, depths: Sequence[Track]) -> Touch | None:
+    """First crossing of the surface from depths (m) of points, positive below; None when nothing gets below it."""
+    below = above_zero(time, depths)
+    if not below:
+        return None
+    first = below[0][0]
+    return Touch(first, int(np.searchsorted(time, first, side="right")) - 1)
 
 
 @dataclass(frozen=True)

@@ -12,33 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.interpolation import Track, above_zero, greatest
-from granular_contact.results import Cost, Status
-from granular_contact.stopping import Stop
+from granular_contact.interpolation import Track, greatest
+from granular_contact.results import STOP_MEASURE, Cost, Status
+from granular_contact.stopping import Stop, Touch
 
 Vector = NDArray[np.float64]
 
-STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
-REST_MEASURE = "from touch until all of it came to rest, and stayed there"
 STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
 WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J", "floor_work_J")
-
-
-@dataclass(frozen=True)
-class Touch:
-    """First contact with the surface: time (s), and the last accepted step at or before it (index)."""
-
-    time: float
-    index: int
-
-
-def find_touch(time: Vector, depths: Sequence[Track]) -> Touch | None:
-    """First crossing of the surface from depths (m) of points, positive below; None when nothing gets below it."""
-    below = above_zero(time, depths)
-    if not below:
-        return None
-    first = below[0][0]
-    return Touch(first, int(np.searchsorted(time, first, side="right")) - 1)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,8 @@ MAY = {
     "scene": {"scene", "config", "media", "errors", "surface"},
     "energy": set(),
     "examples": set(),
-    "stopping": set(),
+    "interpolation": set(),
+    "stopping": {"interpolation"},
     "limits": {"media", "scene"},
     "results": set(),
     "series": {"media", "results"},
@@ -33,6 +34,7 @@ MAY = {
     "multibody": {
         "multibody",
         "frames",
+        "interpolation",
         "scene",
         "limits",
         "media",
@@ -46,7 +48,7 @@ MAY = {
         "errors",
     },
     "frames": {"results", "surface"},
-    "summary": {"results", "stopping"},
+    "summary": {"interpolation", "results", "stopping"},
     "probe": {"media", "kernels"},
     "run": {
         "config",
@@ -58,12 +60,14 @@ MAY = {
         "reduced",
         "results",
         "frames",
+        "interpolation",
         "stopping",
         "summary",
         "errors",
     },
     "reduced": {
         "reduced",
+        "interpolation",
         "config",
         "scene",
         "limits",
@@ -75,14 +79,14 @@ MAY = {
         "stopping",
         "errors",
     },
-    "plots": {"plots", "frames", "results", "units"},
+    "plots": {"plots", "frames", "interpolation", "results", "units"},
     "units": set(),
     "html": {"html", "report", "results", "plots", "units"},
     "report": {"results", "plots"},
     "sweep": {"sweep", "config", "scene", "run", "report", "results", "summary", "plots", "errors"},
     "compare_media": {"config", "scene", "run", "report", "results", "plots", "errors"},
     "fit": {"fit", "config", "scene", "run", "report", "results", "summary", "plots", "sweep", "errors"},
-    "compare": {"config", "scene", "run", "report", "results", "plots", "errors"},
+    "compare": {"interpolation", "config", "scene", "run", "report", "results", "plots", "errors"},
 }
 
 

@@ -16,7 +16,7 @@ from granular_contact.interpolation import Track, above_zero, at_times, greatest
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
-from granular_contact.results import FINISHED
+from granular_contact.results import FINISHED, REST_MEASURE
 from granular_contact.scene import build
 from granular_contact.scene.types import Scene
 
@@ -189,4 +189,7 @@ def test_chosen_steps_give_the_numbers_of_fixed_steps(name: str) -> None:
             allowed = value * (energy / exact["drive_work_put_in_J"] + way / abs(exact["distance_m"]))
         else:
             allowed = size_of(key, way, speed, energy, fixed["time_s"][-1])
+            # Near rest the static resistance acts alone, a quarter or so of that of the strike.
+            rests = fixed.summary["stopping_time_measure"] == REST_MEASURE
+            allowed *= 4.0 if key == "stopping_time_s" and rests else 1.0
         assert got[key] == pytest.approx(value, abs=allowed), (key, abs(got[key] - value) / allowed)

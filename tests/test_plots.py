@@ -268,8 +268,7 @@ def test_stop_is_drawn_at_its_instant_and_written() -> None:
     results = make(before=0.008)
     with plots.style():
         upper = plots.figures(results)["motion"].axes[0]
-    touch = next(shot.time for shot in results.snapshots if shot.label == "touch")
-    instant = (touch + results.summary["stopping_time_s"]) * 1e3
+    instant = (results.summary["touch_time_s"] + results.summary["stopping_time_s"]) * 1e3
     assert any(np.allclose(line.get_xdata(), instant) for line in upper.lines)
     stop_ms, angle = results.summary["stopping_time_s"] * 1e3, results.summary["angle_at_stop_deg"]
     assert [text.get_text() for text in upper.texts] == ["touch", f"stops after {stop_ms:.4g} ms at {angle:.2f}°"]

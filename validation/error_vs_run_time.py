@@ -34,7 +34,7 @@ from granular_contact.multibody.solve import settings, solve
 from granular_contact.multibody.stop import stop_after
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.summary import find_touch
+from granular_contact.stopping import find_touch
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 

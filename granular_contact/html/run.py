@@ -11,8 +11,7 @@ from granular_contact.html.markup import Markup, tag
 from granular_contact.html.numbers import is_number, quantity
 from granular_contact.html.page import page as whole
 from granular_contact.report import PROGRAM, SCENARIO, SERIES, SUMMARY
-from granular_contact.results import FINISHED
-from granular_contact.summary import REST_MEASURE
+from granular_contact.results import FINISHED, REST_MEASURE
 
 _ENDS = {
     "rest": "came to rest",
@@ -75,7 +74,7 @@ def _sentences(summary: dict[str, Any]) -> Iterator[str]:
         at = f", at {quantity('angle_deg', angle)}" if angle is not None else ""
         what = "All of the mechanism was at rest" if whole else "The pendulum stopped"
         yield f"{what} {quantity('s_s', stop)} after it touched the medium{at}."
-    elif measure and summary.get("status") != "rest":
+    elif measure and not (whole and summary.get("status") == "rest"):
         yield "It did not come to rest." if whole else "No stop was found."
     speed, cost = summary.get("forward_speed_m_s"), summary.get("cost_of_transport")
     if speed is not None:

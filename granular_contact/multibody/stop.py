@@ -10,8 +10,7 @@ import numpy as np
 
 from granular_contact.multibody.observe import Observer
 from granular_contact.scene.types import Connection
-from granular_contact.stopping import Stop, find_stop
-from granular_contact.summary import Touch, find_touch
+from granular_contact.stopping import Stop, Touch, find_stop, find_touch
 
 STAYS = 0.02  # s at rest, where the run does not say how long
 

@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 
 from granular_contact.plots.style import FAINT
 from granular_contact.plots.units import instant, time_unit
-from granular_contact.results import Results
-from granular_contact.summary import REST_MEASURE
+from granular_contact.results import REST_MEASURE, Results
 from granular_contact.units import minus
 
 

@@ -12,8 +12,7 @@ from granular_contact.plots.events import mark_events
 from granular_contact.plots.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
 from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
 from granular_contact.plots.units import instant, time_unit
-from granular_contact.results import Results
-from granular_contact.series import CENTRAL_MOMENT, MOMENT
+from granular_contact.results import CENTRAL_MOMENT, MOMENT, Results
 from granular_contact.units import Array, greatest, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support_runs import scene_of, simulate
 
-from granular_contact.summary import REST_MEASURE, STOP_MEASURE
+from granular_contact.results import REST_MEASURE, STOP_MEASURE
 
 CHAIN = """
 model:
