@@ -13,6 +13,7 @@ StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
 FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
 # Told now and then how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
+Compiling = Callable[[str], None]  # told in a sentence what is compiled, as it begins
 
 
 @dataclass(frozen=True)

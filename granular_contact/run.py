@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granular_contact.compiling import Compiling, announced
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.frames import Pictures, frames, instants, resample
+from granular_contact.kernels.compiling import announced
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import WORDS, term_names
 from granular_contact.media.laws import LAWS
-from granular_contact.results import Column, Cost, Outline, Progress, Results, Snapshot, Status
+from granular_contact.results import Column, Compiling, Cost, Outline, Progress, Results, Snapshot, Status
 from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Reduced, Scene, Vector
 from granular_contact.stopping import Stop

@@ -48,6 +48,7 @@ MAY = {
     "probe": {"media", "kernels"},
     "run": {
         "config",
+        "kernels",  # that tell when they are compiled
         "scene",
         "media",
         "limits",
