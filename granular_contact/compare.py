@@ -17,12 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.compiling import Compiling
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.interpolation import at_times, rates
 from granular_contact.report import COMPARISON, FIGURES, SCENARIO, SUMMARY, json_text, scenario_text, whole_folder
-from granular_contact.results import FINISHED, Results
+from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import build
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
-from granular_contact.compiling import Compiling
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.report import whole_folder
-from granular_contact.results import Results
+from granular_contact.results import Compiling, Results
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import Scene, build
 

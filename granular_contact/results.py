@@ -18,6 +18,7 @@ MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
 FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
 # Told now and then how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
+Compiling = Callable[[str], None]  # told in a sentence what is compiled, as it begins
 
 
 @dataclass(frozen=True)

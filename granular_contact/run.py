@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granular_contact.compiling import Compiling, announced
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked, differences
 from granular_contact.doubts import Doubt, told
 from granular_contact.errors import scene_error
 from granular_contact.frames import Pictures, frames, instants, resample
 from granular_contact.interpolation import Track, at_times
+from granular_contact.kernels.compiling import announced
 from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import WORDS, term_names
 from granular_contact.media.laws import LAWS
@@ -22,6 +22,7 @@ from granular_contact.results import (
     REST_MEASURE,
     STOP_MEASURE,
     Column,
+    Compiling,
     Cost,
     Outline,
     Progress,

@@ -9,7 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+
+ROOT = Path(__file__).parents[1]
+
 
 # A clock that an hour passes on whenever a kernel is needed for the first time in a process, be it compiled or loaded
 # from the cache: what comes after the clock has started takes an hour of it.
@@ -70,7 +72,7 @@ def test_compiling_is_no_wall_time(solver: str) -> None:
 def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None:
     from numba import njit
 
-    from granular_contact.compiling import announced
+    from granular_contact.kernels.compiling import announced
 
     told: list[str] = []
     kernel = njit(lambda x: x + 1.0)

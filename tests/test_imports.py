@@ -52,6 +52,7 @@ MAY = {
     "probe": {"media", "kernels"},
     "run": {
         "config",
+        "kernels",  # that tell when they are compiled
         "scene",
         "media",
         "limits",

@@ -30,13 +30,13 @@ from granular_contact.media.static_friction import Smooth
 from granular_contact.multibody.balance import Balance
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.multibody.weights import mass_matrix
+from granular_contact.multibody.weights import MANY, mass_matrix
 from granular_contact.scene.types import Vector
 
 PLACES = 4000  # on the way; more are taken for a mechanism that finds no rest
 LIGHT = 0.01  # share of the weight with which it comes down
 GROWTH, RISE = 1.25, 0.05  # of the weight in a step: by this factor, by no more than this share
-FAR = 0.05  # of the mechanism's length in a step, and of a radian
+FAR = 0.05  # of the mechanism's length in a step; twice that, in radians, may a body turn
 STANDS, RESTS = 0.02, 1e-6  # acceleration left, of gravity's: it stands and can take more weight; it rests
 EXACT, ROUGH = 1e-10, 1e-4  # of the mechanism's length, and of the way of a step: what Newton's method leaves
 MOST, FEW = 25, 5  # iterations: more have failed, with fewer the pace may grow
@@ -65,7 +65,9 @@ class _Descent:
         mass = mass_matrix(system)
         self.mass: Vector = mass if isinstance(mass, np.ndarray) else mass.toarray()
         self.size, self.gravity = max(scene.length, 1e-3), max(abs(scene.gravity), 0.1)
-        self.lever = np.where(recorder.lever > 0.0, recorder.lever, 0.0)
+        self.lever = recorder.lever.copy()
+        angles = [system.mbs.systemData.GetNodeLTGODE2(rigid.node)[2] for rigid in system.rigid.values()]
+        self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
         self.share, self.steps, self.rests = LIGHT, 0, False
         self.pace = self.pace_taken = 0.25 * FAR * self.size / (LIGHT * self.gravity)
         self.q: Vector = system.mbs.systemData.GetODE2Coordinates()
@@ -121,9 +123,8 @@ class _Descent:
             residual = np.concatenate([force - self.mass @ (q - self.q) / self.pace, gap])
             # The multipliers are found whole: the engine's are zero throughout.
             matrix[:n, :n] += self.turning - self.mass / self.pace
-            try:
-                found = np.linalg.solve(matrix, -residual)
-            except np.linalg.LinAlgError:
+            found = _solution(matrix, -residual)
+            if found is None:
                 return None
             change, multipliers = found[:n], found[n:]
             size = float(np.abs(self.lever * change).max())
@@ -136,6 +137,22 @@ class _Descent:
             if size <= max(EXACT * self.size, ROUGH * moved):
                 return _Found(q, force, multipliers, iteration)
             before = size
+        return None
+
+
+def _solution(matrix: Vector, right: Vector) -> Vector | None:
+    """Solution of linear equations, None where there is none; what is large is sparse."""
+    if len(right) <= MANY:
+        try:
+            return np.asarray(np.linalg.solve(matrix, right), float)
+        except np.linalg.LinAlgError:
+            return None
+    from scipy import sparse
+    from scipy.sparse import linalg
+
+    try:
+        return np.asarray(linalg.splu(sparse.csc_matrix(matrix)).solve(right), float)
+    except RuntimeError:  # is exactly singular
         return None
 
 

@@ -247,7 +247,9 @@ def _drive(rng: Random, kind: str) -> Tree | None:
         )
     target = _signal(rng, 60.0, clock=True) if turns else _signal(rng, 0.05)
     if form == "motion":
-        return {"type": "motion", "angle_deg" if turns else "position_m": target}
+        jumps = isinstance(target, dict) and target.get("interpolation") == "linear"
+        smooth = {"smooth_s": 0.02} if jumps else {}  # without it rates may not jump
+        return {"type": "motion", "angle_deg" if turns else "position_m": target} | smooth
     drive: Tree = {"type": "pd" if turns else "pd_slider"}
     gains = ("gain_Nm_per_rad", "rate_gain_Nm_s_per_rad") if turns else ("gain_N_per_m", "speed_gain_N_s_per_m")
     if form == "control":

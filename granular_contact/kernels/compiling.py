@@ -11,11 +11,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-Compiling = Callable[[str], None]
-
 
 @contextmanager
-def announced(tell: Compiling | None, what: str) -> Iterator[None]:
+def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
     """Call `tell` with a sentence once, when the first kernel is compiled inside; `what` is being compiled.
 
     Without numba loaded there is nothing to compile, and it is not loaded for this.
