@@ -1,7 +1,8 @@
 """Links striking and moving in sand: a plugin for the multibody engine Exudyn.
 
-Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line. For an Exudyn
-model of your own: `GranularBed` with a medium, for example `preset("play_sand")` or a law with numbers of your own.
+Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line; a scenario
+with other values is `scenario.replace({"medium.eta_d": 5})`. For an Exudyn model of your own: `GranularBed` with a
+medium, for example `preset("play_sand")` or a law with numbers of your own.
 """
 
 from __future__ import annotations

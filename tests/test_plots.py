@@ -20,8 +20,10 @@ from matplotlib.transforms import Bbox
 from support_results import REACH, make
 
 from granular_contact import plots
+from granular_contact.plots import series
 from granular_contact.plots.outlines import edge
 from granular_contact.plots.panels import thin
+from granular_contact.plots.style import style
 from granular_contact.results import Column, Outline, Results, Snapshot
 from granular_contact.units import unit_for
 
@@ -404,21 +406,21 @@ def with_round_off(columns: tuple[str, ...], size: float) -> Results:
 
 
 def spread(axes: Axes) -> float:
-    return max(float(np.ptp(np.asarray(line.get_ydata(), dtype=float))) for line in axes.lines)
+    return max(float(np.ptp(line.get_ydata())) for line in axes.lines if len(line.get_ydata()) > 2)
 
 
 ROUND_OFF = {
-    "moments": (plots.series.forces, ("_moment_Nm",), 1e-18, 2, ("N·m", "mN·m")),
-    "horizontal forces": (plots.series.forces, ("force_x_N",), 1e-15, 0, ("N",)),
-    "imbalance": (plots.series.energy, ("imbalance_J",), 1e-17, 1, ("J", "mJ")),
-    "deflection": (plots.series.deflection, ("deflection_m",), 1e-17, 0, ("m",)),
+    "moments": (series.forces, ("_moment_Nm",), 1e-18, 2, ("N·m", "mN·m")),
+    "horizontal forces": (series.forces, ("force_x_N",), 1e-15, 0, ("N",)),
+    "imbalance": (series.energy, ("imbalance_J",), 1e-17, 1, ("J", "mJ")),
+    "deflection": (series.deflection, ("deflection_m",), 1e-17, 0, ("m",)),
 }
 
 
 @pytest.mark.parametrize("name", ROUND_OFF)
 def test_round_off_is_drawn_as_zero_on_a_scale_of_the_rest(name: str) -> None:
     draw, columns, size, panel, units = ROUND_OFF[name]
-    with plots.style.style():
+    with style():
         axes = draw(with_round_off(columns, size)).axes[panel]
         true = draw(make(flexible=True)).axes[panel]
     assert spread(axes) == 0.0
@@ -427,9 +429,9 @@ def test_round_off_is_drawn_as_zero_on_a_scale_of_the_rest(name: str) -> None:
 
 
 def test_energies_that_are_round_off_have_no_curve() -> None:
-    with plots.style.style():
+    with style():
         labels = [
-            plots.series.energy(one).axes[0].get_legend_handles_labels()[1]
+            series.energy(one).axes[0].get_legend_handles_labels()[1]
             for one in (make(flexible=True), with_round_off(("elastic_J",), 1e-17))
         ]
     assert "elastic" in labels[0]

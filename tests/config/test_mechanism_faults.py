@@ -64,7 +64,6 @@ FAULTS = {
         "model.closures.loop.home_deg",
         "unknown key",
     ),
-    "no start": ("initial: {joints: {}}", "initial: {}", 12, "initial.impact_angle_deg", "is missing"),
     "start of nobody": (
         "joints: {}}",
         "joints: {kneee: {angle_deg: 3}}}",
