@@ -24,6 +24,7 @@ MAY = {
     "examples": set(),
     "stopping": set(),
     "limits": {"media", "scene"},
+    "doubts": {"scene"},
     "results": set(),
     "series": {"media", "results"},
     # Three ways through; the reduced one knows nothing of the others.
@@ -34,6 +35,7 @@ MAY = {
         "frames",
         "scene",
         "limits",
+        "doubts",
         "media",
         "kernels",
         "energy",
@@ -51,6 +53,7 @@ MAY = {
         "scene",
         "media",
         "limits",
+        "doubts",
         "multibody",
         "minimal",
         "reduced",
