@@ -26,6 +26,7 @@ MAY = {
     "interpolation": set(),
     "stopping": {"interpolation"},
     "limits": {"media", "scene"},
+    "doubts": {"scene"},
     "results": set(),
     "series": {"media", "results"},
     # Three ways through; the reduced one knows nothing of the others.
@@ -37,6 +38,7 @@ MAY = {
         "interpolation",
         "scene",
         "limits",
+        "doubts",
         "media",
         "kernels",
         "energy",
@@ -56,6 +58,7 @@ MAY = {
         "scene",
         "media",
         "limits",
+        "doubts",
         "multibody",
         "minimal",
         "reduced",

@@ -143,7 +143,7 @@ output: {bodies: all}
 def test_steps_that_miss_the_turn_of_a_body_are_not_softly_spoken_of() -> None:
     """A rod that strikes the sand spinning is 21 degrees off its 63 at 1 ms, where each step turns it by 3.
 
-    The jumps along the motion, as a whole, told of 2 % of the way; the work of the medium is unknown to a third.
+    The work of the medium is then unknown to a third; whatever the jumps along the motion tell is softer.
     """
     coarse, fine = (simulate(SPINNING, f"solver.step_s={h}") for h in (1e-3, 5e-5))
     wanted = np.interp(coarse["time_s"], fine["time_s"], fine["rod_orientation_deg"])

@@ -1,0 +1,136 @@
+"""The study of random scenes: what it draws, its images, its judgement by hand, and the beginnings of a few scenes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+
+from granular_contact.config import load_scenario
+from granular_contact.scene import build
+from validation import properties as study
+from validation.random_scenes import images
+from validation.random_scenes.mechanisms import KINDS
+from validation.random_scenes.scenes import draw, solve, write
+from validation.random_scenes.signals import SMOOTH, signal
+from validation.random_scenes.tracks import Track, apart, track
+
+SEEDS = range(60)
+CHEAP = (4, 8)
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory):
+    folder = tmp_path_factory.mktemp("scenes")
+    return [draw(seed, folder) for seed in SEEDS]
+
+
+def test_a_seed_is_a_scene(tmp_path: Path, drawn) -> None:
+    assert draw(7, tmp_path) == drawn[7]
+    assert draw(8, tmp_path) != drawn[7]
+
+
+def test_the_draws_are_of_every_kind(drawn) -> None:
+    kinds, solvers = Counter(one.kind for one in drawn), Counter(one.solver for one in drawn)
+    assert len(kinds) >= len(KINDS) - 2  # 60 draws of 15 kinds, the rarest one in 17
+    assert set(solvers) == {"fixed steps", "chosen steps", "minimal", "reduced"}
+    text = str([one.tree for one in drawn])
+    for word in ("slope_deg", "profile_m", "layers", "'floor'", "depth_m", "'csv'", "'motion'", "'pd'"):
+        assert word in text
+    joints = {joint["type"] for one in drawn for joint in one.tree["model"]["joints"].values()}
+    assert joints == {"hinge", "slider", "weld", "free"}
+
+
+def test_images_are_scenes_and_the_mirror_image_of_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
+    made: Counter[str] = Counter()
+    for one in drawn[:30]:
+        for name, image in study.IMAGES.items():
+            try:
+                tree = image(one.tree)
+            except images.NoImage:
+                continue
+            build(load_scenario(write(tree, tmp_path)))
+            made[name] += 1
+            if image is images.mirrored:
+                assert _close(image(tree)["model"], one.tree["model"])
+    assert min(made[name] for name in study.IMAGES) >= 8
+
+
+@pytest.mark.parametrize("kind", [*SMOOTH, "constant"])
+def test_every_signal_has_a_mirror_image(kind: str, tmp_path: Path) -> None:
+    link = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 2700.0}
+    joint = {"type": "hinge", "parent": "ground", "child": "body", "home_deg": 30.0}
+    model = {"name": "drawn", "bodies": {"body": link}, "joints": {"pivot": joint}}
+    tree = {"model": model, "medium": "play_sand", "initial": {"joints": {}}, "solver": {"end_time_s": 0.06}}
+    tree["output"], tree["bed"] = {"bodies": "all"}, {"height_m": -0.04}
+    gains = {"gain_Nm_per_rad": 1.0, "rate_gain_Nm_s_per_rad": 0.02}
+    tree["drives"] = {"pivot": {"type": "pd", "angle_deg": signal(Random(1), tree, 30.0, 20.0, kind)} | gains}
+    own = track(solve(tree, tmp_path), tree, 1e-4)
+    other = track(solve(images.mirrored(tree), tmp_path), tree, 1e-4)
+    assert np.abs(own.place[:, 2]).max() > 1e-5
+    assert apart(own, other, mirror=True) < 1e-9
+
+
+def _close(one, other) -> bool:
+    """Trees with the same numbers but for round-off; what mirroring adds is a zero."""
+    if isinstance(one, dict):
+        return all(_close(value, other.get(key, 0.0)) for key, value in one.items())
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(_close, one, other))
+    return one == other or (isinstance(one, float) and abs(one - other) < 1e-9)
+
+
+def test_distance_of_tracks_is_over_the_way_and_between_rows() -> None:
+    def made(count: int, shift: float = 0.0) -> Track:
+        time = np.linspace(0.0, 1.0, count)
+        place, rate = (
+            np.column_stack([time**3 + shift * time, -time]),
+            np.column_stack([3 * time**2 + shift, -1 + 0 * time]),
+        )
+        return Track(time, place, rate, np.array([-1.0, 1.0]), 2.0)
+
+    assert apart(made(11), made(8)) < 1e-15  # cubics between the rows
+    assert apart(made(11), made(8, 0.02)) == pytest.approx(0.01)
+    mirrored = made(11)
+    mirrored.place[:, 0] *= -1.0
+    assert apart(mirrored, made(11)) == pytest.approx(1.0)
+    assert apart(mirrored, made(11), mirror=True) == 0.0
+
+
+def test_what_is_wrong_without_a_word_is_counted() -> None:
+    right = study.Found(0, "rod", "fixed steps", "rft", "rest", imbalance=1e-5, steps=1e-3, space=2e-3, half=1e-3)
+
+    def lost(**changes) -> set[str]:
+        found = [right, study.Found(**{**vars(right), "seed": 1, **changes})]
+        return {name for name, bad in study.offenders(found).items() if [one.seed for one in bad] == [1]}
+
+    assert lost() == set()
+    assert lost(steps=0.02) == {"no silent error of steps above 1 %"}
+    assert lost(space=0.02) == {"no silent error of strips and elements above 1 %"}
+    assert lost(space=0.02, steps=0.015) == {"no silent error of steps above 1 %"}
+    assert lost(space=0.02, warnings=("too long",)) == set()
+    assert lost(imbalance=2e-3) == {"an energy imbalance above 1e-3 is never silent"}
+    assert lost(imbalance=2e-3, warnings=("energy",)) == set()
+    assert lost(images={"mirror image": 1e-3}) == {"mirror image"}
+    assert lost(images={"mirror image": 1e-3}, accuracy=1e-2) == set()
+    assert lost(images={"a kilometre away": np.inf}) == {"a kilometre away"}
+    assert lost(numbers=(0.1, "touch_time_s")) == {"summaries at fixed and chosen steps are within 2 %"}
+    assert lost(finite=False) == {"every number is finite"}
+    assert lost(end="time_limit") == {"every run ends, or says what to change"}
+    assert "above 1 %" in study.silent_table([right], lambda one: one.kind, "space")
+
+
+@pytest.mark.parametrize("seed", CHEAP)
+def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
+    found = study.look(seed, quick=True)
+    assert found.end in study.GOOD
+    assert np.isfinite(found.steps)
+    broken = {name for name, bad in study.offenders([found]).items() if bad}
+    assert broken <= {
+        "no silent error of strips and elements above 1 %",
+        "summaries at fixed and chosen steps are within 2 %",
+    }
+    assert found.seed == seed
