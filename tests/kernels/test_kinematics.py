@@ -109,9 +109,10 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, surface), medium(TWO_WAYS, TRUE_SIGN))
     out, row = np.zeros(size), np.zeros(runs.FIRST + 13)
     level, sand = np.array([[0.0, surface]]), medium(TWO_WAYS, TRUE_SIGN)
-    args = (geometry, run[0], level, sand[0], anchors, *np.zeros((3, n, 2)), np.zeros((3, 3)))
-    runs.force(q, v, *args, out)
-    depth, speed = runs.accept(q, v, *args, row, runs.FIRST + np.array([0, 1, 10]))
+    args, totals_too = (geometry, run[0], level, sand[0], anchors, *np.zeros((3, n, 2))), np.zeros((3, 3))
+    runs.force(q, v, *args, totals_too, out)
+    columns = runs.FIRST + np.array([0, 1, 10])
+    depth, speed = runs.accept(q, v, *args, np.zeros((4, n, 2)), totals_too, row, columns)
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
     assert row[runs.FIRST] == pytest.approx(out @ v, rel=1e-12)
