@@ -103,17 +103,19 @@ def test_forces_are_those_of_the_table_and_act_on_their_line(way: str) -> None:
         fx, fy, moment = (np.interp(frame.time, results["time_s"], np.asarray(c)) for c in columns)
         np.testing.assert_allclose(force.force, [fx, fy], atol=1e-9)
         assert force.point[1] < results.surface + 1e-9
-        # The pivot is the origin. The point may have been moved onto the body when the force is nearly nothing.
+        # The pivot is the origin. The point is the one of the link's immersed points, 1/32 of it apart, that is nearest
+        # to the line of action: off by half of that, and by a tenth of its distance from the middle of some 5 cm.
         if np.hypot(fx, fy) > 0.2:
-            assert force.point[1] * fx - force.point[0] * fy == pytest.approx(moment, abs=1e-9)  # clockwise
+            beside = (force.point[1] * fx - force.point[0] * fy - moment) / np.hypot(fx, fy)  # moments are clockwise
+            assert abs(beside) < 0.5 * 0.24 / 32 + 5e-3
             checked += 1
     assert checked > 10
 
 
-def test_height_is_level_or_straight_between_corners() -> None:
+def test_height_is_level_or_straight_between_corners_and_beyond() -> None:
     np.testing.assert_array_equal(surface_height(-0.1, [0.0, 5.0]), [-0.1, -0.1])
     corners = [[0.0, 0.0], [1.0, 0.5], [2.0, 0.5]]
-    np.testing.assert_allclose(surface_height(corners, [-3.0, 0.5, 1.5, 9.0]), [0.0, 0.25, 0.5, 0.5])
+    np.testing.assert_allclose(surface_height(corners, [-3.0, 0.5, 1.5, 9.0]), [-1.5, 0.25, 0.5, 0.5])
     inclined = Outline("bar", np.array([[0.0, 0.2], [1.0, 0.2]]), 0.01)
     under = immersed([inclined], corners)
     assert 0.4 <= under[:, 0].min() < 0.44  # it enters the slope at 0.4; points are 1/32 apart

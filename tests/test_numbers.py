@@ -91,7 +91,7 @@ def thinned(trajectory: Trajectory, kept: Any) -> Trajectory:
 
 
 def solved(scene: Scene) -> tuple[System, Trajectory]:
-    return run_module._trajectory(scene, None)
+    return run_module._trajectory(scene, None, None)
 
 
 def numbers(summary: dict[str, Any]) -> dict[str, float]:

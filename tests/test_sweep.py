@@ -205,18 +205,26 @@ def test_real_failures_are_rows_and_told(tmp_path):
     path = tmp_path / "many.yaml"
     path.write_text(
         f"config: {CONFIGS / 'pendulum.yaml'}\ncases:\n  good: {{}}\n"
-        f"  stuck: {{gravity_m_s2: 1e9, solver.step_s: 0.1}}\n  absurd: {{{SPEED}: 1e50}}\n"
+        f"  stuck: {{gravity_m_s2: 1e9, solver.step_s: 0.1}}\n"
     )
     done = command("sweep", path, "--out", "out", folder=tmp_path)
     assert done.returncode == 3
-    assert done.stderr == "2 of 3 cases failed; saved in out\n"
+    assert done.stderr == "1 of 2 cases failed; saved in out\n"
     assert "Traceback" not in done.stdout
-    good, stuck, absurd = read(tmp_path / "out")
-    assert [row["status"] for row in (good, stuck, absurd)] == ["rest", "failed", "error"]
+    good, stuck = read(tmp_path / "out")
+    assert [row["status"] for row in (good, stuck)] == ["rest", "failed"]
     assert "solver.step_s" in stuck["message"]
-    assert "the engine could not begin: a speed at the start is not below 1e+08 m/s" in absurd["message"]
-    assert (absurd[SPEED], absurd["gravity_m_s2"], good["gravity_m_s2"]) == ("1e+50", "9.81", "9.81")
-    assert f"absurd failed: {absurd['message']}" in done.stdout
+    assert (stuck["gravity_m_s2"], good["gravity_m_s2"]) == ("1e+09", "9.81")
+    assert f"stuck failed: {stuck['message']}" in done.stdout
+
+
+def test_an_absurd_case_is_refused_before_any_runs(tmp_path):
+    path = tmp_path / "many.yaml"
+    path.write_text(f"config: {CONFIGS / 'pendulum.yaml'}\ncases:\n  good: {{}}\n  absurd: {{{SPEED}: 1e50}}\n")
+    done = command("sweep", path, "--out", "out", folder=tmp_path)
+    assert done.returncode == 2
+    assert "starts with 1e+50 rad/s: allowed is less than 1e+08" in done.stderr
+    assert not (tmp_path / "out").exists()
 
 
 def test_cells():

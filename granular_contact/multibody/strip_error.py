@@ -3,8 +3,10 @@
 At every accepted step the power P and the resultant F of the medium are also computed with the strips joined in pairs,
 from the same bristles. Forces converge with the square of the strip, so that a third of the difference is what they are
 off by. An error of the power is one of the speed, in the sense of the mass: dv / v = dP dt / (2 T) with the kinetic
-energy T. It fades with v / a, the time that the motion lasts; such errors are added without their sign. Of what floats
-an error of the resultant is one of the momentum, which the power does not see across the motion.
+energy T. It fades with v / a, the time that the motion lasts; such errors are added without their sign. Where motions
+are prescribed, their drives make up for it. Of what floats, an error of the resultant is one of the momentum, which the
+power does not see across the motion. A resistance by components is left out there: it holds a component that is all but
+at rest by whatever that takes, so that the difference of two resultants says nothing of the motion.
 """
 
 from __future__ import annotations
@@ -38,12 +40,15 @@ def strip_error(observer: Observer) -> float:
     kick = np.divide(steps * np.abs(change[:, 0]), twice, out=np.zeros_like(twice), where=moving) * observer.speeds[1:]
     rate = np.sqrt(np.divide(np.sum((mean @ t.mass) * mean, axis=1), twice, out=np.zeros_like(twice), where=moving))
     fade = np.exp(-steps * rate)
-    fade[observer.speeds[1:] < SLOW] = 0.0
-    error = _travelled(steps, kick[:, None], fade)
-    if observer.scene.floating is not None:
-        push = steps[:, None] * change[:, 1:] / observer.scene.mass * (observer.speeds[1:, None] >= SLOW)
+    fast = observer.speeds[1:] >= SLOW
+    fade[~fast] = 0.0
+    scene, error = observer.scene, 0.0
+    if not any(drive.kind == "motion" for drive in scene.drives):
+        error = _travelled(steps, (kick * fast)[:, None], fade)
+    if scene.floating is not None and not any(medium.by_component for medium in scene.media):
+        push = steps[:, None] * change[:, 1:] / scene.mass * fast[:, None]
         error = max(error, _travelled(steps, push, fade))
-    return error / max(observer.way, observer.scene.least_way)
+    return error / max(observer.way, scene.least_way)
 
 
 def _travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:

@@ -74,7 +74,7 @@ def test_where_the_path_of_a_medium_starts_is_said(capsys: pytest.CaptureFixture
     with pytest.raises(ConfigError) as caught:
         load(CONFIGS / "pendulum.yaml", ["medium=sand/mine.yaml"])
     (fault,) = caught.value.faults
-    assert "configs/sand/mine.yaml; paths start from the folder of the config" in fault.message
+    assert f"{CONFIGS.name}/sand/mine.yaml; paths start from the folder of the config" in fault.message
     with pytest.raises(SystemExit):
         cli.main(["run", "--help"])
     assert "start from the folder of the config" in " ".join(capsys.readouterr().out.split())

@@ -8,6 +8,7 @@ import exudyn as exu
 import numpy as np
 import pytest
 from exudyn import itemInterface as items
+from numba import njit
 from test_bed import DIAMETER, HALF, INERTIA, MASS, SAND, G, settings
 
 from granular_contact.kernels import groups as kernels
@@ -72,6 +73,7 @@ def test_sleep_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
     step = 1e-3
     (_,), with_sleep = solved(1, step)
 
+    @njit
     def nobody(reach: np.ndarray, step: float, awake: np.ndarray) -> bool:  # noqa: ARG001
         awake[:] = True
         return True

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 from support_runs import DENSITY, scenario_of, simulate
 
-from granular_contact.energy import accumulate
+from granular_contact.energy import accumulate, work
 from granular_contact.multibody.build import build as build_system
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import solve
@@ -149,7 +149,7 @@ def test_a_drive_alone(case: tuple[str, str]) -> None:
     atol = 2.0 * STEP * np.abs(force).max()
     np.testing.assert_allclose(inertia * (moved - moved[0]), accumulate(time, force), atol=atol)
     np.testing.assert_allclose(run["it_power_W"], force * moved, atol=1e-14)
-    np.testing.assert_allclose(run["drive_work_J"], accumulate(time, force * moved), atol=1e-14)
+    np.testing.assert_allclose(run["drive_work_J"], work(time, force, moved), atol=1e-14)
     assert np.abs(run["drive_work_J"]).max() > 1e-3
     if name == "brake":
         assert (force * moved).max() <= 0.0
@@ -167,25 +167,36 @@ solver: {step_s: 5e-5, end_time_s: 0.06}
 """
 
 
+def wrench_of(run: Results, term: str) -> Array:
+    """Force x, y (N) and clockwise moment about the centre of mass (N m) of a term, (n, 3)."""
+    columns = ("force_x_N", "force_y_N", "moment_about_center_of_mass_Nm")
+    return np.column_stack([run[f"{term}_{column}"] for column in columns])
+
+
+def twist_of(run: Results, body: str) -> Array:
+    """Velocity x, y (m/s) of the centre of mass and clockwise spin (rad/s) of a body, (n, 3)."""
+    return np.column_stack([run[f"{body}_{column}"] for column in ("vx_m_s", "vy_m_s", "spin_rad_s")])
+
+
 def test_every_term_of_the_medium_alone() -> None:
     """Force and moment (about the centre of mass) of a term, times how the body moves: its power, never a gain.
 
     With friction that follows the velocity, as a bristle gives back what it took.
     """
     run = simulate(ROD)
-    total = 0.0
+    twist, total = twist_of(run, "rod"), 0.0
     for term in run.terms:
-        power = run[f"{term}_force_x_N"] * run["rod_vx_m_s"] + run[f"{term}_force_y_N"] * run["rod_vy_m_s"]
-        power = power + run[f"{term}_moment_about_center_of_mass_Nm"] * run["rod_spin_rad_s"]
+        wrench = wrench_of(run, term)
+        power = np.sum(wrench * twist, axis=1)
         assert power.max() <= 1e-9 * np.abs(power).max(), term
         assert accumulate(run["time_s"], power)[-1] < -1e-3, term
-        total = total + power
-    # The same trapezoids of the same instants.
-    work = accumulate(run["time_s"], total)
-    np.testing.assert_allclose(run["granular_work_J"], work, atol=1e-9 * np.abs(work).max())
+        total = total + wrench
+    # The same mean forces and mean rates of the same steps.
+    found = work(run["time_s"], total, twist)
+    np.testing.assert_allclose(run["granular_work_J"], found, atol=1e-6 * np.abs(found).max())
     # And with the other sense of the moment the power would be another one.
-    wrong = accumulate(run["time_s"], total - 2.0 * run["rod_granular_moment_Nm"] * run["rod_spin_rad_s"])
-    assert np.abs(wrong - work).max() > 1e-3
+    wrong = work(run["time_s"], total * [1.0, 1.0, -1.0], twist)
+    assert np.abs(wrong - found).max() > 1e-3
 
 
 FLOOR = """
@@ -204,13 +215,12 @@ def test_the_floor_alone() -> None:
     """It takes no more than it gave, at any time: what a spring stores is owed by it, and the rest is lost."""
     run = simulate(FLOOR)
     term = next(name for name in run.terms if "floor" in name)
-    power = run[f"{term}_force_x_N"] * run["plank_vx_m_s"] + run[f"{term}_force_y_N"] * run["plank_vy_m_s"]
-    power = power + run[f"{term}_moment_about_center_of_mass_Nm"] * run["plank_spin_rad_s"]
-    work = run["floor_work_J"]
-    np.testing.assert_allclose(work, accumulate(run["time_s"], power), atol=1e-6 * np.abs(work).max())
-    assert work.max() <= 1e-9
-    assert work.min() < -1e-2
-    assert work[-1] < -1e-3
+    done = run["floor_work_J"]
+    found = work(run["time_s"], wrench_of(run, term), twist_of(run, "plank"))
+    np.testing.assert_allclose(done, found, atol=1e-4 * np.abs(done).max())
+    assert done.max() <= 1e-9
+    assert done.min() < -1e-2
+    assert done[-1] < -1e-3
     assert run[f"{term}_force_y_N"].min() >= 0.0
 
 

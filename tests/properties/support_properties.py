@@ -90,7 +90,9 @@ def _profile(rng: Random) -> Array:
     if rng.random() < 0.5:
         return LEVEL
     x = np.sort([rng.uniform(-0.3, 0.3) for _ in range(rng.randint(2, 4))])
-    return np.column_stack([x + 1e-3 * np.arange(len(x)), [rng.uniform(-0.05, 0.05) for _ in x]])
+    corners = np.column_stack([x + 1e-3 * np.arange(len(x)), [rng.uniform(-0.05, 0.05) for _ in x]])
+    aside = np.array([1.0, 0.0])  # as beds have it: level beyond the corners
+    return np.vstack([corners[0] - aside, corners, corners[-1] + aside])
 
 
 def _line(rng: Random, kind: str) -> Array:
