@@ -118,7 +118,10 @@ def test_resistive_force_theories_stop_the_link_and_hold_it(medium: str) -> None
     assert results.status.code == "rest"
     # Of the trapezoidal work of a force that drops within a step at the stop: of first order in 0.2 ms of 25 ms.
     assert results.summary["energy"]["imbalance_relative"] < 2e-3
-    assert (np.diff(results["granular_work_J"]) < 1e-6).all()
+    # In the step in which it turns round it gets back what the bristles hold: force times yield displacement at most.
+    held = 1e-5 * np.hypot(results["static_force_x_N"], results["static_force_y_N"]).max()
+    assert held < 1e-2 * np.ptp(results["granular_work_J"])
+    assert (np.diff(results["granular_work_J"]) < held).all()
 
 
 def test_a_floor_reports_and_carries() -> None:

@@ -137,6 +137,8 @@ def test_instants_left_out_change_no_number(name: str, monkeypatch: pytest.Monke
     energy = 10.0 * max(abs(value) for key, value in exact.items() if key.endswith("_J")) * gap / lasted
     for key, value in exact.items():
         share = 0.5 if scene.links and key in VIBRATES else 0.05
+        if key == "energy.granular_work_J":  # made of the steps themselves: what lies in a gap is known to first order
+            share = 1.0
         if key == "cost_of_transport":
             allowed = value * share * energy / exact["drive_work_put_in_J"]
         else:

@@ -214,7 +214,7 @@ def test_real_failures_are_rows_and_told(tmp_path):
     good, stuck = read(tmp_path / "out")
     assert [row["status"] for row in (good, stuck)] == ["rest", "failed"]
     assert "solver.step_s" in stuck["message"]
-    assert (stuck["gravity_m_s2"], good["gravity_m_s2"]) == ("1e+09", "9.81")
+    assert (float(stuck["gravity_m_s2"]), float(good["gravity_m_s2"])) == (1e9, 9.81)
     assert f"stuck failed: {stuck['message']}" in done.stdout
 
 
