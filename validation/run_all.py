@@ -30,6 +30,7 @@ STUDIES = (
     "fit_recovery",
     "runner",
     "scaling",
+    "strips",
 )
 RECORD = HERE / "claims.json"
 
