@@ -34,7 +34,7 @@ def strip_error(observer: Observer) -> float:
         return 0.0
     steps, change = np.diff(t.time), t.load.coarser[1:] / 3.0
     momentum = t.v @ t.mass
-    twice = np.sum(momentum * t.v, axis=1)[1:]  # the kinetic energy (J)
+    twice = np.sum(momentum * t.v, axis=1)[1:]  # 2 T (J)
     mean = np.diff(t.v, axis=0) / steps[:, None]
     moving = twice > 0.0
     kick = np.divide(steps * np.abs(change[:, 0]), twice, out=np.zeros_like(twice), where=moving) * observer.speeds[1:]
@@ -76,7 +76,7 @@ def finer(observer: Observer) -> Scene | None:
 
 
 def shorter(load: Load, factor: float) -> Load:
-    """Strips with which an error of second order is smaller by a factor, and half as large again."""
+    """Strips with which an error of second order is smaller by twice a factor."""
     more = math.sqrt(2.0 * max(1.0, factor))
     parts, elements = load.strips_per_rigid_part, load.strips_per_element
     return replace(
