@@ -1,8 +1,8 @@
 """What makes the answer of a finished solve doubtful, from its own steps, and what to change.
 
 Each sentence says what was measured on the trajectory. Silence is no proof: a run whose steps miss an event altogether
-has nothing of it in its states. What a run left (depth, speed, floor) is found in `granular_contact.limits`, the energy
-balance in `granular_contact.doubts`, which says which of all that is told.
+has nothing of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
+in `results.accuracy`, which says which of all that is told.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.doubts import Doubt, remedy
 from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.strip_error import strip_doubts
+from granular_contact.results.accuracy import Doubt, remedy
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the way

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granular_contact import series
-from granular_contact.energy import work
-from granular_contact.interpolation import above_zero, at_times, positive_part
 from granular_contact.multibody.joint_history import JointForces, drive_history, joint_forces, joint_history
 from granular_contact.multibody.medium_work import medium_works
+from granular_contact.results import series
+from granular_contact.results.energy import work
+from granular_contact.results.interpolation import above_zero, at_times, positive_part
 from granular_contact.scene.types import Connection, Drive, Vector
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import pytest
 from support_fit import CONFIG, NOISE, measure, problem
 
 from granular_contact.errors import ConfigError
-from granular_contact.fit import noise
-from granular_contact.fit.doubts import doubts
-from granular_contact.fit.problem import Problem
+from granular_contact.studies.fit import noise
+from granular_contact.studies.fit.doubts import doubts
+from granular_contact.studies.fit.problem import Problem
 
 COLUMNS = ("tip_x_m", "tip_y_m", "pivot_angle_deg")
 SIGMA = np.array([NOISE, NOISE, 0.02])
