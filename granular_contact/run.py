@@ -194,7 +194,7 @@ def _solved(
     compiling: Compiling | None,
 ) -> _Solved:
     from granular_contact.multibody.observe import Observer
-    from granular_contact.multibody.observe_mechanism import key_numbers
+    from granular_contact.multibody.mechanism import key_numbers
     from granular_contact.multibody.stop import stop_after
 
     system, trajectory = _trajectory(scene, progress, compiling)
@@ -235,7 +235,7 @@ def _chosen_strips(scene: Scene, trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _doubts(observer: Observer) -> tuple[Doubt, ...]:
-    from granular_contact.multibody.doubts import doubts
+    from granular_contact.multibody.accuracy import doubts
 
     with np.errstate(all="ignore"):  # of a run that failed by running away
         return tuple(doubts(observer))

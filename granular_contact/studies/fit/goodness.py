@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from granular_contact.studies.fit import noise
-from granular_contact.studies.fit.doubts import OUTLIER, doubts, outliers, rounded
+from granular_contact.studies.fit.diagnostics import OUTLIER, doubts, outliers, rounded
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import degrees_of_freedom

@@ -11,7 +11,7 @@ from support_fit import CONFIG, NOISE, measure, problem
 
 from granular_contact.errors import ConfigError
 from granular_contact.studies.fit import noise
-from granular_contact.studies.fit.doubts import doubts
+from granular_contact.studies.fit.diagnostics import doubts
 from granular_contact.studies.fit.problem import Problem
 
 COLUMNS = ("tip_x_m", "tip_y_m", "pivot_angle_deg")
