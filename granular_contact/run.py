@@ -193,8 +193,8 @@ def _solved(
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
 ) -> _Solved:
-    from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.mechanism import key_numbers
+    from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.stop import stop_after
 
     system, trajectory = _trajectory(scene, progress, compiling)
