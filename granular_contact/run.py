@@ -12,8 +12,8 @@ from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked, differences
 from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
-from granular_contact.media.kinds import WORDS, term_names
-from granular_contact.media.laws import LAWS
+from granular_contact.laws.catalogue import LAWS
+from granular_contact.laws.kinds import WORDS, term_names
 from granular_contact.results import (
     REST_MEASURE,
     STOP_MEASURE,
@@ -193,8 +193,8 @@ def _solved(
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
 ) -> _Solved:
-    from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.mechanism import key_numbers
+    from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.stop import stop_after
 
     system, trajectory = _trajectory(scene, progress, compiling)

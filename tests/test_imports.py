@@ -19,21 +19,21 @@ MAY = {
     "examples": set(),
     "geometry": set(),
     "kernels": {"kernels"},
-    "media": {"media", "kernels"},
-    "probe": {"media", "kernels"},
-    "config": {"config", "errors", "geometry"},
-    "scene": {"scene", "config", "media", "errors", "geometry"},
+    "values": {"values"},
+    "laws": {"laws", "kernels", "values"},
+    "config": {"config", "values", "laws", "errors", "geometry"},
+    "scene": {"scene", "config", "laws", "errors", "geometry"},
     "results": {"results", "geometry"},
     "results.accuracy": {"scene"},
-    "results.limits": {"scene", "media"},
-    "results.series": {"media", "results"},
+    "results.limits": {"scene", "laws"},
+    "results.series": {"laws", "results"},
     # Three ways through; the reduced one knows nothing of the others.
     # The engine's coordinates, bed and observer, without its solver.
     "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
-    "multibody": {"multibody", "results", "scene", "media", "kernels", "geometry", "errors"},
-    "reduced": {"reduced", "results", "config", "scene", "media", "kernels", "errors"},
+    "multibody": {"multibody", "results", "scene", "laws", "kernels", "geometry", "errors"},
+    "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
-    "run": {"config", "kernels", "scene", "media", "multibody", "minimal", "reduced", "results", "errors"},
+    "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
     "report": {"results", "report.figures"},
     "report.figures": {"report.figures", "results"},
     "report.pages": {"report.pages", "report.figures", "report", "results"},
@@ -106,7 +106,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         assert part(dotted(path), IMPORTED) == homes[library]
 
 
-@pytest.mark.parametrize("path", [p for p in MODULES if dotted(p).startswith("media")], ids=ids)
+@pytest.mark.parametrize("path", [p for p in MODULES if dotted(p).startswith("laws")], ids=ids)
 def test_media_import_kernels_late(path: Path) -> None:
     assert "kernels" not in {part(name, IMPORTED) for name in own(path, top_level=True)}
 

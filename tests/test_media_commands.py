@@ -13,8 +13,8 @@ from granular_contact import preset
 from granular_contact.cli import main
 from granular_contact.config import load_medium, medium_names
 from granular_contact.errors import SceneError
-from granular_contact.media.laws import LAWS, laws_for
-from granular_contact.probe import force, panels, upright_bar
+from granular_contact.laws.catalogue import LAWS, laws_for
+from granular_contact.laws.probe import force, panels, upright_bar
 from granular_contact.scene.media import LAWS as MAKERS
 from granular_contact.scene.media import missing
 

@@ -21,8 +21,8 @@ import numpy as np
 from granular_contact import preset
 from granular_contact.kernels import groups, kinematics
 from granular_contact.kernels.law import RUN
-from granular_contact.media.kinds import Medium
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.kinds import Medium
+from granular_contact.laws.static_friction import Elastoplastic
 from validation.laws import every_medium
 from validation.tables import machine, markdown
 

@@ -23,17 +23,17 @@ from numpy.typing import NDArray
 from granular_contact import preset
 from granular_contact.config import load_medium
 from granular_contact.kernels import rft3d as rft3d_kernel
-from granular_contact.media.albert import Albert
-from granular_contact.media.allen import Allen
-from granular_contact.media.bingham import Bingham
-from granular_contact.media.drft import Drft
-from granular_contact.media.kinds import Medium
-from granular_contact.media.linear_depth import LinearDepth
-from granular_contact.media.poncelet import Poncelet
-from granular_contact.media.rft import Coefficients, Rft
-from granular_contact.media.static_friction import Elastoplastic
-from granular_contact.media.tsimring_volfson import TsimringVolfson
-from granular_contact.probe import STEEL, Probe, force, plate
+from granular_contact.laws.albert import Albert
+from granular_contact.laws.allen import Allen
+from granular_contact.laws.bingham import Bingham
+from granular_contact.laws.drft import Drft
+from granular_contact.laws.kinds import Medium
+from granular_contact.laws.linear_depth import LinearDepth
+from granular_contact.laws.poncelet import Poncelet
+from granular_contact.laws.probe import STEEL, Probe, force, plate
+from granular_contact.laws.rft import Coefficients, Rft
+from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.laws.tsimring_volfson import TsimringVolfson
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 

@@ -45,7 +45,7 @@ def _list() -> None:
     from rich.table import Table
 
     from granular_contact.config import load_medium, medium_names
-    from granular_contact.media.laws import LAWS
+    from granular_contact.laws.catalogue import LAWS
 
     table = Table(box=None, pad_edge=False)
     for head in ("name", "law", "takes", "range", "standing", "source"):
@@ -73,8 +73,8 @@ def _show(spec: schema.AnyLaw) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from granular_contact.media.kinds import WORDS
-    from granular_contact.media.laws import LAWS
+    from granular_contact.laws.catalogue import LAWS
+    from granular_contact.laws.kinds import WORDS
     from granular_contact.scene.media import missing
 
     law = LAWS[spec.law]
@@ -108,7 +108,7 @@ def _draw(spec: schema.AnyLaw, folder: Path, quiet: bool) -> int:
         if not quiet:
             print("no figure: the forces need what the source does not state")
         return FINE
-    from granular_contact.probe import panels
+    from granular_contact.laws.probe import panels
     from granular_contact.report import LAW, whole_folder
     from granular_contact.report.figures.laws import draw_law
 

@@ -36,7 +36,7 @@ def _model_folders(folder: Path) -> list[Path]:
 
 
 MODELS = Library("model", "model", _model_folders)
-MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "media" / "presets"])
+MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "laws" / "presets"])
 
 
 class Resolver:

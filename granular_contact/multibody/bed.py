@@ -26,12 +26,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
 from granular_contact.geometry.surface import surface as corners
-from granular_contact.media.checks import check
-from granular_contact.media.floor import TERM as FLOOR_TERM
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import WORDS, Medium, term_names, what_it_takes
-from granular_contact.media.layer import Layer
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.checks import check
+from granular_contact.laws.floor import TERM as FLOOR_TERM
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.kinds import WORDS, Medium, term_names, what_it_takes
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody import shapes
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 
-from granular_contact.media.kinds import Medium
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.kinds import Medium
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
 from granular_contact.scene.build import LEAST_BOW

@@ -10,7 +10,7 @@ from granular_contact.kernels.lee_marghitu import RECORD
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
 from granular_contact.kernels.pendulum import PENDULUM
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.reduced.model import Bar, Model
 
 # The true sign is aimed, not computed from a bristle: see `kernels.modal_load`.

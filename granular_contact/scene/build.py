@@ -11,7 +11,7 @@ import numpy as np
 from granular_contact.config import schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives

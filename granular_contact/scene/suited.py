@@ -8,8 +8,8 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault
-from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
-from granular_contact.media.laws import laws_for
+from granular_contact.laws.catalogue import laws_for
+from granular_contact.laws.kinds import WORDS, Kind, Medium, what_it_takes
 from granular_contact.scene.bed import Bed, places
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import Scene

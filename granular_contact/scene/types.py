@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config.schema import Scenario
-from granular_contact.media.kinds import Kind, Medium
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.kinds import Kind, Medium
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
 

@@ -9,19 +9,19 @@ from numba import njit
 from numpy.typing import NDArray
 
 from granular_contact.kernels import law
-from granular_contact.media.albert import Albert
-from granular_contact.media.allen import Allen
-from granular_contact.media.bingham import Bingham
-from granular_contact.media.drft import Drft
-from granular_contact.media.hill import Hill
-from granular_contact.media.katsuragi_durian import KatsuragiDurian
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.media.linear_depth import LinearDepth
-from granular_contact.media.poncelet import Poncelet
-from granular_contact.media.rft import Coefficients, Rft
-from granular_contact.media.rft3d import Rft3d
-from granular_contact.media.static_friction import Elastoplastic
-from granular_contact.media.tsimring_volfson import TsimringVolfson
+from granular_contact.laws.albert import Albert
+from granular_contact.laws.allen import Allen
+from granular_contact.laws.bingham import Bingham
+from granular_contact.laws.drft import Drft
+from granular_contact.laws.hill import Hill
+from granular_contact.laws.katsuragi_durian import KatsuragiDurian
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.linear_depth import LinearDepth
+from granular_contact.laws.poncelet import Poncelet
+from granular_contact.laws.rft import Coefficients, Rft
+from granular_contact.laws.rft3d import Rft3d
+from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.laws.tsimring_volfson import TsimringVolfson
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from support_runs import order
 from granular_contact import preset
 from granular_contact.errors import SceneError
 from granular_contact.kernels import kinematics, runs, strips
-from granular_contact.media.layer import Layer
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.bed import GranularBed
 from granular_contact.multibody.shapes import ELEMENTS_PER_RUN
 

@@ -20,9 +20,9 @@ from pydantic import TypeAdapter
 from granular_contact.config import schema
 from granular_contact.kernels import law, runs
 from granular_contact.kernels.probe import probe
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import Medium
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.kinds import Medium
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.media import medium as made
 from validation.fuzzing.media import FAMILIES, LAWS
 

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import NotNegative, Positive, refusal
 from granular_contact.config.schema.provenance import MediumBase
+from granular_contact.values.strict import NotNegative, Positive, refusal
 
 
 class Bingham(MediumBase):

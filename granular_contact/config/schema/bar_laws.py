@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict
 from granular_contact.config.schema.provenance import MediumBase
+from granular_contact.values.strict import NotNegative, Positive, Strict
 
 
 class VerticalStatic(Strict):

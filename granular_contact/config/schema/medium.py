@@ -13,9 +13,9 @@ from granular_contact.config.schema.ball_laws import (
     TsimringVolfson,
 )
 from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu
-from granular_contact.config.schema.base import OneOrMore, Tagged
 from granular_contact.config.schema.provenance import MediumBase
 from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d
+from granular_contact.values.strict import OneOrMore, Tagged
 
 LAWS: dict[str, type[MediumBase]] = {
     "lee_marghitu": LeeMarghitu,

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator
 
-from granular_contact.config.schema.base import Listed, NotNegative, Strict, Text, refusal
+from granular_contact.values.strict import Listed, NotNegative, Strict, Text, refusal
 
 
 def _rising(interval: tuple[float, float]) -> tuple[float, float]:

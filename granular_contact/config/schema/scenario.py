@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
 from granular_contact.config.schema.bed import Bed
 from granular_contact.config.schema.drives import Drive
 from granular_contact.config.schema.fitting import drive_faults, initial_faults
@@ -16,6 +15,7 @@ from granular_contact.config.schema.medium import AnyLaw, Media
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import Signal
+from granular_contact.values.strict import NotNegative, Positive, Strict, Tagged, Text, refusal
 
 
 class Elastoplastic(Strict):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 
 def scalar_record(static: Elastoplastic | Smooth, terms: tuple[str, ...], **values: Any) -> NDArray[np.void]:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.kinds import Medium
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.kinds import Medium
+from granular_contact.laws.static_friction import Elastoplastic
 
 Vector = NDArray[np.float64]
 

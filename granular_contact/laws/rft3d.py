@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import NOT_STATED, Validity
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.validity import NOT_STATED, Validity
 
 
 @dataclass(frozen=True)

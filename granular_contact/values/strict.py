@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchema
 from pydantic import Strict as StrictnessOf
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from granular_contact.config.scalars import resolve
+from granular_contact.values.scalars import resolve
 
 FAULTS = "faults"
 _RESOLVER: Any = yaml.resolver.Resolver()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from granular_contact.media.kinds import Medium
+from granular_contact.laws.kinds import Medium
 
 
 @dataclass(frozen=True)

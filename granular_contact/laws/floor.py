@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.kinds import Kind
 
 TERM = "floor"
 

@@ -8,8 +8,8 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.media.validity import Validity
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.validity import Validity
 
 # What the medium meets: a thin round bar along a line, a thin plate along a line (both faces can lead), the closed
 # outline of a body (only its outside leads), or a ball.

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from granular_contact.media.layer import Layer
-from granular_contact.media.rft import Coefficients
-from granular_contact.media.validity import Validity
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.rft import Coefficients
+from granular_contact.laws.validity import Validity
 
 ABOVE_ZERO = {"yield_displacement", "reference_speed", "exponent"}
 
