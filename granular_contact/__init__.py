@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from granular_contact.config import load
+    from granular_contact.config.load import load
     from granular_contact.laws.albert import Albert
     from granular_contact.laws.allen import Allen
     from granular_contact.laws.bingham import Bingham
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
     from granular_contact.laws.linear_depth import LinearDepth
     from granular_contact.laws.poncelet import Poncelet
-    from granular_contact.laws.rft import Coefficients as RftCoefficients
-    from granular_contact.laws.rft import Rft
+    from granular_contact.laws.rft import Rft, RftCoefficients
     from granular_contact.laws.rft3d import Rft3d
     from granular_contact.laws.static_friction import Elastoplastic, Smooth
     from granular_contact.laws.tsimring_volfson import TsimringVolfson
@@ -49,12 +48,12 @@ _HOMES = {
     "Poncelet": ("granular_contact.laws.poncelet", "Poncelet"),
     "Rft": ("granular_contact.laws.rft", "Rft"),
     "Rft3d": ("granular_contact.laws.rft3d", "Rft3d"),
-    "RftCoefficients": ("granular_contact.laws.rft", "Coefficients"),
+    "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
     "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
     "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
     "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
     "build": ("granular_contact.scene.build", "build"),
-    "load": ("granular_contact.config", "load"),
+    "load": ("granular_contact.config.load", "load"),
     "preset": ("granular_contact.scene.media", "preset"),
     "simulate": ("granular_contact.run", "run"),
 }

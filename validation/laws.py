@@ -27,7 +27,7 @@ from granular_contact.laws.albert import Albert
 from granular_contact.laws.allen import Allen
 from granular_contact.laws.bingham import Bingham
 from granular_contact.laws.drft import Drft
-from granular_contact.laws.kinds import Medium
+from granular_contact.laws.law import Law
 from granular_contact.laws.linear_depth import LinearDepth
 from granular_contact.laws.poncelet import Poncelet
 from granular_contact.laws.probe import STEEL, Probe, force, plate
@@ -51,7 +51,7 @@ DYNAMIC = f"drft, {DRAGGING:g} m/s"
 EXACT = 1e-9  # closed forms in double precision, with room for a thousand operations
 
 
-def every_medium() -> list[Medium]:
+def every_medium() -> list[Law]:
     """One medium of each law but lee_marghitu; coefficients of scalar laws are ours, for the sizes of forces here."""
     loose = preset("poppy_seeds_loose")
     assert isinstance(loose, Rft)
@@ -70,7 +70,7 @@ def every_medium() -> list[Medium]:
     ]
 
 
-def beads() -> Medium:
+def beads() -> Law:
     return preset("glass_beads_katsuragi_durian", stiffness_N_m=STIFFNESS)
 
 
@@ -109,7 +109,7 @@ def resultants(states: int) -> tuple[str, list[Claim]]:
     rng = np.random.default_rng(1)
     sand = load_medium("play_sand")
     rows, claims = [], []
-    media: dict[str, Medium] = {
+    media: dict[str, Law] = {
         "lee_marghitu": preset("play_sand"),
         "albert": Albert(2500.0, 8.0),
         "hill": preset("hill_cylinders", density_kg_m3=2500.0),
@@ -219,7 +219,7 @@ class Drop:
         return float(self.time[i] - b / (2 * a)), float(c - b * b / (4 * a))
 
 
-def drop(medium: Medium, speed: float, step: float, end: float) -> Drop:
+def drop(medium: Law, speed: float, step: float, end: float) -> Drop:
     """Let a steel ball of 25.4 mm strike the surface at a speed (m/s), in the engine."""
     import exudyn as exu
     from exudyn import itemInterface as items
@@ -359,7 +359,7 @@ def plates() -> tuple[str, list[Claim]]:
     level, down = plate(1.0, 0.0, 1.0), np.array([0.0, -1.0])
     zeta = float(force(sand, level, down).sum(axis=0)[1]) / 1e6
     coefficients = Coefficients(**generic.alpha_N_cm3.model_dump())
-    media: dict[str, Medium] = {
+    media: dict[str, Law] = {
         "rft": Rft(coefficients, zeta),
         DYNAMIC: Drft(coefficients, 1617.0, LAMBDA, zeta),
         "rft3d": sand,

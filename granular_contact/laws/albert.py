@@ -1,38 +1,42 @@
-"""Medium of Albert et al. (1999): horizontal resistance eta_h g rho_g H^2 d of a thin round bar; nothing else.
+"""Horizontal resistance of a vertical cylinder (Albert et al. 1999), spread along a thin bar.
 
-Compiled equations: `kernels.albert`.
+    F = eta_h g rho_g H^2 d        against the horizontal motion of a cylinder immersed to the depth H
+
+The density 2 eta_h g rho_g d z |t_y| per unit of arc length [ours] integrates to it over a straight bar at any slope
+that pierces the surface. There is no vertical force and no drag.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact import kernels
+from granular_contact.laws.law import Law
+from granular_contact.values.strict import NotNegative, Positive
 
 
-@dataclass(frozen=True)
-class Albert:
-    """density: rho_g (kg/m3); eta_h: fitted to the medium."""
+class Albert(Law):
+    """Horizontal resistance eta_h g rho H^2 d; nothing else."""
 
-    density: float
-    eta_h: float
-    name: str = "albert"
-    validity: Validity = NOT_STATED
+    law: Literal["albert"]
+    density: Positive = Field(alias="density_kg_m3")
+    eta_h: NotNegative
 
     equation = "F_h = -eta_h g rho z^2 d sgn(v_x)"
     terms = ("horizontal_static",)
     takes = frozenset({"round"})
     by_component = True
+    resultant = True
+    constants = ("eta_h_g_rho",)  # N/m^3
 
-    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
-        """As `Medium.record`."""
-        from granular_contact.kernels import albert
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`."""
+        return {"eta_h_g_rho": self.eta_h * gravity * self.density}
 
-        record = np.zeros(1, albert.RECORD)
-        record["eta_h_g_rho"] = self.eta_h * abs(gravity) * self.density
-        static.fill(record)
-        return record
+    @staticmethod
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+        """Add the horizontal term; arguments as in `kernels.law.strip_force`."""
+        k = m.eta_h_g_rho * run.width
+        kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[0])

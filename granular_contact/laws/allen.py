@@ -1,35 +1,29 @@
-"""Medium of Allen, Mayfield and Morrison: A v^2 + B v + C on a ball.
-
-Compiled equations: `kernels.scalar`.
-"""
+"""Medium of Allen, Mayfield and Morrison: A v^2 + B v + C on a ball."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from granular_contact.laws.scalar import scalar_record
-from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
 
 
-@dataclass(frozen=True)
-class Allen:
-    """drag: A (kg/m); viscosity: B (N s/m); constant_force: C (N)."""
+class Allen(ScalarLaw):
+    """A v^2 + B v + C."""
 
-    drag: float
-    viscosity: float
-    constant_force: float
-    name: str = "allen"
-    validity: Validity = NOT_STATED
+    law: Literal["allen"]
+    drag: NotNegative = Field(alias="drag_kg_m")
+    """A."""
+    viscosity: NotNegative = Field(alias="viscosity_N_s_m")
+    """B."""
+    constant_force: NotNegative = Field(alias="constant_force_N")
+    """C."""
 
     equation = "F = A v^2 + B v + C"
     terms = ("constant", "viscous", "drag")
-    takes = frozenset({"ball"})
-    by_component = False
 
-    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
-        """As `Medium.record`; the coefficients do not depend on gravity."""
-        return scalar_record(static, self.terms, F0=self.constant_force, b=self.viscosity, c=self.drag)
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"F0": self.constant_force, "b": self.viscosity, "c": self.drag}

@@ -1,34 +1,27 @@
-"""Bingham medium: a yield force and a viscous one, F0 + b v, on a ball.
-
-Compiled equations: `kernels.scalar`.
-"""
+"""Bingham medium: a yield force and a viscous one, F0 + b v, on a ball."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from granular_contact.laws.scalar import scalar_record
-from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
 
 
-@dataclass(frozen=True)
-class Bingham:
-    """yield_force: F0 (N); viscosity: b (N s/m)."""
+class Bingham(ScalarLaw):
+    """F0 + b v."""
 
-    yield_force: float
-    viscosity: float
-    name: str = "bingham"
-    validity: Validity = NOT_STATED
+    law: Literal["bingham"]
+    yield_force: NotNegative = Field(alias="yield_force_N")
+    """F0."""
+    viscosity: NotNegative = Field(alias="viscosity_N_s_m")
+    """b."""
 
     equation = "F = F0 + b v"
     terms = ("yield", "viscous")
-    takes = frozenset({"ball"})
-    by_component = False
 
-    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
-        """As `Medium.record`; the coefficients do not depend on gravity."""
-        return scalar_record(static, self.terms, F0=self.yield_force, b=self.viscosity)
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"F0": self.yield_force, "b": self.viscosity}

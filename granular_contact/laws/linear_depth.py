@@ -1,33 +1,25 @@
-"""Linear static medium: a force k z on a ball.
-
-Compiled equations: `kernels.scalar`.
-"""
+"""Linear static medium: a force k z on a ball."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from granular_contact.laws.scalar import scalar_record
-from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
 
 
-@dataclass(frozen=True)
-class LinearDepth:
-    """stiffness: k (N/m)."""
+class LinearDepth(ScalarLaw):
+    """k z."""
 
-    stiffness: float
-    name: str = "linear_depth"
-    validity: Validity = NOT_STATED
+    law: Literal["linear_depth"]
+    stiffness: NotNegative = Field(alias="stiffness_N_m")
+    """k."""
 
     equation = "F = k z"
     terms = ("static",)
-    takes = frozenset({"ball"})
-    by_component = False
 
-    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
-        """As `Medium.record`; the coefficient does not depend on gravity."""
-        return scalar_record(static, self.terms, k=self.stiffness)
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"k": self.stiffness}

@@ -1,34 +1,27 @@
-"""Poncelet medium: a constant force and one quadratic in speed, F0 + c v^2, on a ball.
-
-Compiled equations: `kernels.scalar`.
-"""
+"""Poncelet medium: a constant force and one quadratic in speed, F0 + c v^2, on a ball."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from granular_contact.laws.scalar import scalar_record
-from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
 
 
-@dataclass(frozen=True)
-class Poncelet:
-    """constant_force: F0 (N); drag: c (kg/m)."""
+class Poncelet(ScalarLaw):
+    """F0 + c v^2."""
 
-    constant_force: float
-    drag: float
-    name: str = "poncelet"
-    validity: Validity = NOT_STATED
+    law: Literal["poncelet"]
+    constant_force: NotNegative = Field(alias="constant_force_N")
+    """F0."""
+    drag: NotNegative = Field(alias="drag_kg_m")
+    """c."""
 
     equation = "F = F0 + c v^2"
     terms = ("constant", "drag")
-    takes = frozenset({"ball"})
-    by_component = False
 
-    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
-        """As `Medium.record`; the coefficients do not depend on gravity."""
-        return scalar_record(static, self.terms, F0=self.constant_force, c=self.drag)
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"F0": self.constant_force, "c": self.drag}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.laws.kinds import Medium
+from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
 
 Vector = NDArray[np.float64]
@@ -37,7 +37,7 @@ class Probe:
     ball: float | None = None
 
 
-def force(medium: Medium, probe: Probe, velocity: Vector, gravity: float = 9.81) -> Vector:
+def force(medium: Law, probe: Probe, velocity: Vector, gravity: float = 9.81) -> Vector:
     """Force x, y (N) of each term, (terms, 2), on a body that moves steadily with a velocity (2,) m/s, y up."""
     from granular_contact.kernels import probe as kernel
     from granular_contact.kernels.law import RUN, TERMS
@@ -89,7 +89,7 @@ class Panel:
     curves: tuple[Curve, ...]
 
 
-def panels(medium: Medium) -> tuple[Panel, Panel, Panel]:
+def panels(medium: Law) -> tuple[Panel, Panel, Panel]:
     """Force of a medium against depth, against speed, and against the direction of motion, on a body that it takes."""
     shape, what, ways = _body(medium)
     z, v, gamma = np.linspace(1e-4, 2 * DEPTH, 60), np.linspace(0.0, 3.0, 60), np.linspace(-90.0, 90.0, 91)
@@ -107,7 +107,7 @@ def panels(medium: Medium) -> tuple[Panel, Panel, Panel]:
     )
 
 
-def _body(medium: Medium) -> tuple[Callable[[float], Probe], str, dict[str, float]]:
+def _body(medium: Law) -> tuple[Callable[[float], Probe], str, dict[str, float]]:
     """The body by its depth, its name, and the directions (deg below the horizontal) that matter for it."""
     size = None if medium.validity.size is None else medium.validity.size[1]
     if "ball" in medium.takes:
@@ -121,13 +121,13 @@ def _body(medium: Medium) -> tuple[Callable[[float], Probe], str, dict[str, floa
     return lambda depth: upright_bar(depth, diameter), f"upright bar of {1e3 * diameter:.3g} mm", ways
 
 
-def _total(medium: Medium, probe: Probe, speed: float, angle: float) -> Vector:
+def _total(medium: Law, probe: Probe, speed: float, angle: float) -> Vector:
     a = math.radians(angle)
     total: Vector = force(medium, probe, speed * np.array([math.cos(a), -math.sin(a)])).sum(axis=0)
     return total
 
 
-def _against(medium: Medium, probe: Probe, speed: float, angle: float) -> float:
+def _against(medium: Law, probe: Probe, speed: float, angle: float) -> float:
     """Part of the force against the motion (N)."""
     a = math.radians(angle)
     return float(-_total(medium, probe, max(speed, 1e-6), angle) @ np.array([math.cos(a), -math.sin(a)]))

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
+
+from granular_contact.laws.coefficients import Coefficients
+from granular_contact.values.strict import NotNegative, Positive
 
 
-@dataclass(frozen=True)
-class Elastoplastic:
-    """Bristle that yields at `yield_displacement` (m), damped with `damping_time` (s). Holds still at rest."""
+class Elastoplastic(Coefficients):
+    """Static resistance that holds still: each point is tied to an anchor, which yields.
 
-    yield_displacement: float = 1e-5
-    damping_time: float = 1e-3
+    A bristle that yields at `yield_displacement` (m), damped with `damping_time` (s).
+    """
+
+    type: Literal["elastoplastic"]
+    yield_displacement: Positive = Field(1e-5, alias="yield_displacement_m")
+    damping_time: NotNegative = Field(1e-3, alias="damping_time_s")
 
     def fill(self, record: NDArray[np.void]) -> None:
         """Write the constants into a medium record (1,)."""
@@ -23,11 +30,11 @@ class Elastoplastic:
         record["u_y"], record["tau"] = self.yield_displacement, self.damping_time
 
 
-@dataclass(frozen=True)
-class Smooth:
-    """tanh(v / reference_speed), m/s. Creeps under any load; for comparison."""
+class Smooth(Coefficients):
+    """Static resistance that follows the velocity, tanh(v / reference_speed), and creeps under a constant load."""
 
-    reference_speed: float = 1e-3
+    type: Literal["smooth"]
+    reference_speed: Positive = Field(1e-3, alias="reference_speed_m_s")
 
     def fill(self, record: NDArray[np.void]) -> None:
         """Write the constants into a medium record (1,)."""

@@ -2,36 +2,33 @@
 
     F = k z^p + c v^2
 
-Only the form is known to us, and not the power of the depth: p is the user's. Compiled equations: `kernels.scalar`.
+Only the form is known to us, and not the power of the depth: p is the user's.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from granular_contact.laws.scalar import scalar_record
-from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
 
 
-@dataclass(frozen=True)
-class TsimringVolfson:
-    """drag: c (kg/m); friction: k (N/m^p); exponent: p, above 0."""
+class TsimringVolfson(ScalarLaw):
+    """k z^p + c v^2."""
 
-    drag: float
-    friction: float
-    exponent: float
-    name: str = "tsimring_volfson"
-    validity: Validity = NOT_STATED
+    law: Literal["tsimring_volfson"]
+    drag: NotNegative = Field(alias="drag_kg_m")
+    """c."""
+    friction: NotNegative = Field(alias="friction_N")
+    """k z_1^p at the depth z_1 = 1 m."""
+    exponent: float = Field(gt=0, le=5)
+    """p."""
 
     equation = "F = k z^p + c v^2"
     terms = ("friction", "drag")
-    takes = frozenset({"ball"})
-    by_component = False
 
-    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:  # noqa: ARG002
-        """As `Medium.record`; the coefficients do not depend on gravity."""
-        return scalar_record(static, self.terms, k=self.friction, p=self.exponent, c=self.drag)
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"k": self.friction, "p": self.exponent, "c": self.drag}

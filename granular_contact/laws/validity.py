@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import Annotated
 
-Interval = tuple[float, float] | None
+from pydantic import AfterValidator, Field
+
+from granular_contact.laws.coefficients import Coefficients
+from granular_contact.values.strict import Listed, NotNegative, refusal
 
 
-@dataclass(frozen=True)
-class Validity:
-    """Intervals of the speed (m/s), depth (m) and size (m) that the coefficients were measured in; None: not stated."""
+def _rising(interval: tuple[float, float]) -> tuple[float, float]:
+    if interval[0] > interval[1]:
+        raise refusal([((), f"got {list(interval)}; the first must not exceed the second")])
+    return interval
 
-    speed: Interval = None
-    depth: Interval = None
-    size: Interval = None
+
+Interval = Annotated[tuple[NotNegative, NotNegative], Listed, AfterValidator(_rising)]
+
+
+class Validity(Coefficients):
+    """Where the coefficients were measured; null: not stated. A run that leaves it says so in its summary."""
+
+    speed: Interval | None = Field(None, alias="speed_m_s")
+    depth: Interval | None = Field(None, alias="depth_m")
+    size: Interval | None = Field(None, alias="size_m")
+    """Diameter of bars and balls, width of plates."""
 
     def departures(self, speed: float, depth: float, sizes: tuple[float, ...]) -> Iterator[str]:
         """Sentences on what lies outside: greatest speed and depth of a run, sizes of the parts that met the medium.
@@ -33,7 +45,7 @@ NOT_STATED = Validity()
 
 
 def _beyond(
-    what: str, value: float, unit: str, interval: Interval, *, lower: bool = True, upper: bool = True
+    what: str, value: float, unit: str, interval: Interval | None, *, lower: bool = True, upper: bool = True
 ) -> Iterator[str]:
     if interval is None:
         return

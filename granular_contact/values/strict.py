@@ -55,6 +55,14 @@ Point = Annotated[tuple[float, float], StrictnessOf(False)]
 Listed = StrictnessOf(False)
 
 
+class OrNull:
+    """Marks a field that may be null in a file; its class puts another value in its place, so it is never None."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of the value or null."""
+        return core_schema.nullable_schema(handler(source))
+
+
 class Tagged:
     """Marks a union whose member is named by the value of one key.
 

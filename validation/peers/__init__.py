@@ -13,6 +13,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from granular_contact.kernels.lee_marghitu import RECORD, strip_force
 from numba import njit
 from numpy.typing import NDArray
 
@@ -20,7 +21,6 @@ from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.friction import ELASTOPLASTIC
 from granular_contact.kernels.immersion import immersed_interval
 from granular_contact.kernels.law import RUN
-from granular_contact.kernels.lee_marghitu import RECORD, strip_force
 
 GRAVITY = 9.81  # m/s^2
 DENSITY = 7700.0  # kg/m^3
