@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from granular_contact import preset
 from granular_contact.config import load_medium
-from granular_contact.kernels import rft3d as rft3d_kernel
+from granular_contact.laws import rft3d as rft3d_law
 from granular_contact.laws.albert import Albert
 from granular_contact.laws.allen import Allen
 from granular_contact.laws.bingham import Bingham
@@ -31,7 +31,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.linear_depth import LinearDepth
 from granular_contact.laws.poncelet import Poncelet
 from granular_contact.laws.probe import STEEL, Probe, force, plate
-from granular_contact.laws.rft import Coefficients, Rft
+from granular_contact.laws.rft import Rft
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.laws.tsimring_volfson import TsimringVolfson
 from validation.study import Claim, Outcome, script
@@ -90,7 +90,7 @@ def printed_values() -> tuple[str, list[Claim]]:
         worst = max(worst, abs(got - want))
     for beta, gamma, r, z in ((0, 45, -0.199, 0.761), (45, 45, -0.342, 0.583), (90, 0, -0.192, 0.075)):
         b, g = np.radians([beta, gamma])
-        got = rft3d_kernel.alpha(math.sin(b), -math.cos(b), math.cos(g), -math.sin(g))
+        got = rft3d_law.alpha(math.sin(b), -math.cos(b), math.cos(g), -math.sin(g))
         for part, printed, mine in (("r", r, got[0]), ("z", z, got[1])):
             rows.append(["rft3d", f"alpha_{part}({beta}, {gamma} deg)", f"{printed:.3f}", f"{mine:.6f}"])
             worst = max(worst, abs(mine - printed))
@@ -197,7 +197,7 @@ def signs(step: float) -> tuple[str, list[Claim]]:
 
 def _raw_power(beta: float, u: Vector) -> float:
     b = math.radians(beta)
-    return float(np.array(rft3d_kernel.alpha(math.sin(b), -math.cos(b), *u)) @ u)
+    return float(np.array(rft3d_law.alpha(math.sin(b), -math.cos(b), *u)) @ u)
 
 
 # ---- balls in the engine ----
@@ -358,10 +358,9 @@ def plates() -> tuple[str, list[Claim]]:
     generic = load_medium("rft_generic")
     level, down = plate(1.0, 0.0, 1.0), np.array([0.0, -1.0])
     zeta = float(force(sand, level, down).sum(axis=0)[1]) / 1e6
-    coefficients = Coefficients(**generic.alpha_N_cm3.model_dump())
     media: dict[str, Law] = {
-        "rft": Rft(coefficients, zeta),
-        DYNAMIC: Drft(coefficients, 1617.0, LAMBDA, zeta),
+        "rft": Rft(generic.coefficients, zeta),
+        DYNAMIC: Drft(generic.coefficients, 1617.0, LAMBDA, zeta),
         "rft3d": sand,
     }
     down = DRAGGING * down

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import make_dataclass
 from operator import attrgetter
 from typing import Any, Literal, cast, get_args, get_origin
 
@@ -43,8 +44,10 @@ class Coefficients(_Strict):  # type: ignore[misc]
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Let every coefficient be read by its key, too."""
+        """Let every coefficient be read by its key, too, and `dataclasses.replace` make another of the class."""
         super().__pydantic_init_subclass__(**kwargs)
+        fields = make_dataclass(cls.__name__, cls.positions(), init=False, repr=False, eq=False)
+        cls.__dataclass_fields__ = fields.__dataclass_fields__
         for name, field in cls.model_fields.items():
             if field.alias is not None:
                 setattr(cls, field.alias, property(attrgetter(name)))

@@ -29,6 +29,8 @@ from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
 from granular_contact.values.strict import OrNull, Text
 
+ABOUT = ("name", "validity", "source", "standing", "provenance")
+
 
 class Law(Coefficients):
     """A law with its coefficients: a medium.
@@ -98,8 +100,7 @@ class Law(Coefficients):
     @classmethod
     def positions(cls) -> list[str]:
         """As in `Coefficients`: the law's own numbers first."""
-        own = [name for name in cls.model_fields if name not in Law.model_fields]
-        return [*own, "name", "validity", "source", "standing", "provenance"]
+        return [*(name for name in cls.model_fields if name not in (*ABOUT, "law")), *ABOUT]
 
     def model_post_init(self, context: Any, /) -> None:
         """Name a medium without a name after its law."""

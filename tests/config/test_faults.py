@@ -1,8 +1,9 @@
 """Each kind of bad input: one fault, at its line, under its key, with the value and what is allowed."""
 
 import pytest
-from granular_contact.config.schema.surface_laws import GENERIC
 from support_config import GOOD, changed
+
+from granular_contact.laws.rft import GENERIC
 
 # old text, new text, line, key, words that the message must hold
 SCHEMA_FAULTS = [

@@ -22,8 +22,8 @@ from support_laws import (
     strip_force,
 )
 
-from granular_contact.kernels import rft3d
 from granular_contact.kernels.plates import EDGE
+from granular_contact.laws import rft3d
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.rft import Rft
 from granular_contact.laws.static_friction import Elastoplastic

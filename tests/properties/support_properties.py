@@ -23,7 +23,6 @@ from granular_contact.kernels.probe import probe
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.scene.media import medium as made
 from validation.fuzzing.media import FAMILIES, LAWS
 
 Array = NDArray[np.float64]
@@ -77,7 +76,7 @@ class State:
 def medium(rng: Random, family: str) -> Law:
     """A law of a family, checked by the schema as one that was read."""
     name = rng.choice(FAMILIES[family])
-    return made(CHECKED.validate_python({"law": name} | LAWS[name](rng)))
+    return CHECKED.validate_python({"law": name} | LAWS[name](rng))
 
 
 def _static(rng: Random, yields: tuple[float, float]) -> Elastoplastic | Smooth:
