@@ -29,7 +29,7 @@ MAY = {
     "results.series": {"laws", "results"},
     # Three ways through; the reduced one knows nothing of the others.
     # The engine's coordinates, bed and observer, without its solver.
-    "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
+    "minimal": {"minimal", "multibody", "scene", "laws", "kernels", "results"},
     "multibody": {"multibody", "results", "scene", "laws", "kernels", "geometry", "errors"},
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)

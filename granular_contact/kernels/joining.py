@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
+from numpy.typing import NDArray
 
 from granular_contact.kernels import balls, law, plates, strips
 from granular_contact.kernels.bar_statics import component_return
@@ -27,6 +28,11 @@ STUBS = {one.__name__: one for one in (law.strip_force, law.cap_force, law.ball_
 PARTS = {"constants", "by_component", *STUBS}  # of a law, that make it another one for the kernels
 FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
 _called: set[FunctionType] = set()
+
+
+def blank(owner: Any) -> NDArray[np.void]:
+    """Record (1,) of a law with all numbers 0; owner as in `record_type`."""
+    return np.zeros(1, record_type(owner))
 
 
 @cache

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import make_dataclass
+from keyword import iskeyword
 from operator import attrgetter
 from typing import Any, Literal, cast, get_args, get_origin
 
-import numpy as np
 from pydantic import ValidationError
 
 from granular_contact.values.strict import FAULTS, Strict
@@ -46,11 +46,11 @@ class Coefficients(_Strict):  # type: ignore[misc]
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         """Let every coefficient be read by its key, too, and `dataclasses.replace` make another of the class."""
         super().__pydantic_init_subclass__(**kwargs)
-        fields = make_dataclass(cls.__name__, cls.positions(), init=False, repr=False, eq=False)
+        fields: Any = make_dataclass(cls.__name__, cls.positions(), init=False, repr=False, eq=False)
         cls.__dataclass_fields__ = fields.__dataclass_fields__
         for name, field in cls.model_fields.items():
             if field.alias is not None:
-                setattr(cls, field.alias, property(attrgetter(name)))
+                setattr(cls, f"{field.alias}{'_' * iskeyword(field.alias)}", property(attrgetter(name)))
 
     @classmethod
     def positions(cls) -> list[str]:
@@ -66,7 +66,8 @@ class Coefficients(_Strict):  # type: ignore[misc]
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    """A number of numpy, which is not loaded for this, as one of Python."""
+    return value.item() if hasattr(value, "item") else value
 
 
 def _refused(cls: type[Coefficients], error: ValidationError) -> Exception:

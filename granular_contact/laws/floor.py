@@ -37,9 +37,9 @@ class Floor:
 
     def record(self, kind: Kind) -> NDArray[np.void]:
         """Constants as the (1,) record that the kernels read on shapes of a kind."""
-        from granular_contact.kernels.joining import record_type
+        from granular_contact.kernels.joining import blank
 
-        record = np.zeros(1, record_type(OnBalls if kind == "ball" else OnStrips))
+        record = blank(OnBalls if kind == "ball" else OnStrips)
         record["stiffness"], record["damping"] = self.stiffness or 0.0, self.damping
         return record
 

@@ -17,10 +17,8 @@ and kernels as `kernels.bar_statics.horizontal_force`. Nothing of numba is impor
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_serializer
 
 from granular_contact.laws.coefficients import Coefficients
@@ -28,6 +26,10 @@ from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
 from granular_contact.values.strict import OrNull, Text
+
+if TYPE_CHECKING:  # a config is read without numpy
+    import numpy as np
+    from numpy.typing import NDArray
 
 ABOUT = ("name", "validity", "source", "standing", "provenance")
 
@@ -82,9 +84,9 @@ class Law(Coefficients):
     @classmethod
     def blank(cls) -> NDArray[np.void]:
         """Record (1,) of the law with all numbers 0; the law is joined to the kernels, which loads the compiler."""
-        from granular_contact.kernels.joining import PARTS, record_type
+        from granular_contact.kernels.joining import PARTS, blank
 
-        return np.zeros(1, record_type(next(one for one in cls.__mro__ if PARTS & vars(one).keys())))
+        return blank(next(one for one in cls.__mro__ if PARTS & vars(one).keys()))
 
     @property
     def lacking(self) -> list[str]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.values.strict import NotNegative, Positive
+
+if TYPE_CHECKING:  # a config is read without numpy
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Elastoplastic(Coefficients):

@@ -38,15 +38,17 @@ def sample(law: type[Coefficients], scale: tuple[float, float, float] = (1.0, 1.
     """A medium of a law; scale: by how much the units of mass, length and time are smaller."""
     given = {}
     for name, field in law.model_fields.items():
-        key, kind = field.alias or name, field.annotation
-        more = MORE.get(law.tag(), {}) if issubclass(law, Law) else {}
-        if name in (*ABOUT, "law") or (not field.is_required() and name not in more):
+        kind, more = field.annotation, MORE.get(law.tag(), {}) if issubclass(law, Law) else {}
+        powers, size = unit(field.alias or name)
+        factor = math.prod(s**p for s, p in zip(scale, powers, strict=True))
+        if name in (*ABOUT, "law"):
             continue
-        if isinstance(kind, type) and issubclass(kind, Coefficients):
+        if isinstance(field.default, Coefficients):  # a set of numbers of one unit
+            given[name] = kind(**{one: factor * value for one, value in dict(field.default).items()})
+        elif isinstance(kind, type) and issubclass(kind, Coefficients) and field.is_required():
             given[name] = sample(kind, scale)
-            continue
-        powers, size = unit(key)
-        given[name] = more.get(name, size) * math.prod(s**p for s, p in zip(scale, powers, strict=True))
+        elif field.is_required() or name in more:
+            given[name] = factor * more.get(name, size)
     return law(**given)
 
 
