@@ -104,8 +104,8 @@ def test_its_keys_are_checked(tmp_path: Path) -> None:
     with pytest.raises(ConfigError) as caught:
         load(config)
     assert {str(fault) for fault in caught.value.faults} >= {
-        f"{config}:9: medium.stiffness_N: got the number -1; allowed is a finite number of at least 0",
-        f"{config}:9: medium.exponents: unknown key; did you mean exponent?",
+        f"{config}:8: medium.stiffness_N: got the number -1; allowed is a finite number of at least 0",
+        f"{config}:8: medium.exponents: unknown key; did you mean exponent?",
     }
 
 
