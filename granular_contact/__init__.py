@@ -2,7 +2,7 @@
 
 Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line; a scenario
 with other values is `scenario.replace({"medium.eta_d": 5})`. For an Exudyn model of your own: `GranularBed` with a
-medium, for example `preset("play_sand")` or a law with numbers of your own.
+medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from granular_contact.config.add_law import add_law
     from granular_contact.config.load import load
     from granular_contact.laws.albert import Albert
     from granular_contact.laws.allen import Allen
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from granular_contact.laws.floor import Floor
     from granular_contact.laws.hill import Hill
     from granular_contact.laws.katsuragi_durian import KatsuragiDurian
+    from granular_contact.laws.law import Law
     from granular_contact.laws.layer import Layer
     from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
     from granular_contact.laws.linear_depth import LinearDepth
@@ -42,6 +44,7 @@ _HOMES = {
     "GranularBed": ("granular_contact.multibody.bed", "GranularBed"),
     "Hill": ("granular_contact.laws.hill", "Hill"),
     "KatsuragiDurian": ("granular_contact.laws.katsuragi_durian", "KatsuragiDurian"),
+    "Law": ("granular_contact.laws.law", "Law"),
     "Layer": ("granular_contact.laws.layer", "Layer"),
     "LeeMarghitu": ("granular_contact.laws.lee_marghitu", "LeeMarghitu"),
     "LinearDepth": ("granular_contact.laws.linear_depth", "LinearDepth"),
@@ -52,6 +55,7 @@ _HOMES = {
     "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
     "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
     "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
+    "add_law": ("granular_contact.config.add_law", "add_law"),
     "build": ("granular_contact.scene.build", "build"),
     "load": ("granular_contact.config.load", "load"),
     "preset": ("granular_contact.scene.media", "preset"),
@@ -68,6 +72,7 @@ __all__ = [
     "GranularBed",
     "Hill",
     "KatsuragiDurian",
+    "Law",
     "Layer",
     "LeeMarghitu",
     "LinearDepth",
@@ -78,6 +83,7 @@ __all__ = [
     "Smooth",
     "TsimringVolfson",
     "VerticalResistance",
+    "add_law",
     "build",
     "load",
     "preset",

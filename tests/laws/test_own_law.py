@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from pydantic import Field
+from support_power import Power
+from support_runs import ROOT
 
-import granular_contact.kernels as kernels
 from granular_contact import build, load, simulate
 from granular_contact.config import allowed
 from granular_contact.config.add_law import add_law
@@ -20,36 +20,6 @@ from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.law import Law
 from granular_contact.laws.probe import ball, force
 from granular_contact.laws.tsimring_volfson import TsimringVolfson
-from granular_contact.values.strict import NotNegative
-
-
-class Power(Law):
-    """Force k (z / 1 m)^n on a ball against its motion."""
-
-    law: Literal["power"]
-    stiffness: NotNegative = Field(alias="stiffness_N")
-    """k."""
-    exponent: float = Field(gt=0, le=5)
-    """n."""
-
-    equation = "F = k (z / 1 m)^n"
-    terms = ("static",)
-    takes = frozenset({"ball"})
-    constants = ("k", "n")
-
-    def numbers(self, gravity: float) -> dict[str, float]:  # noqa: ARG002
-        return {"k": self.stiffness, "n": self.exponent}
-
-    @staticmethod
-    def ball_force(z, vx, vy, ex, ey, run, m, f):  # noqa: ARG004
-        qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
-        ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
-        f[0, 0] -= share * size(z, m) * ux
-        f[0, 1] -= share * size(z, m) * uy
-
-
-def size(z, m):
-    return m.k * z**m.n
 
 
 @pytest.fixture
@@ -74,6 +44,12 @@ surface_height_m: -0.01
 initial: {joints: {free: {x_m: 0, y_m: 0, angle_deg: 0, vx_m_s: 0.3, vy_m_s: -0.5}}}
 solver: {end_time_s: 0.02, step_s: 2.0e-4}
 """
+
+
+def test_it_is_the_law_that_readme_shows() -> None:
+    shown = (ROOT / "README.md").read_text(encoding="utf-8")
+    own = (ROOT / "tests" / "laws" / "support_power.py").read_text(encoding="utf-8")
+    assert f"```python\n{own}```" in shown
 
 
 def test_python_needs_the_class_alone() -> None:
