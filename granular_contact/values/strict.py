@@ -21,7 +21,7 @@ LocalFault = tuple[Path, str]
 class Strict(BaseModel):
     """Frozen, without unknown keys, finite numbers only, and no value ever converted but whole numbers to floats.
 
-    The text under a field is its description in the JSON Schema.
+    The text under a field is its description in the JSON Schema for editors, see `config.export`.
     """
 
     model_config = ConfigDict(
@@ -29,7 +29,6 @@ class Strict(BaseModel):
         frozen=True,
         extra="forbid",
         allow_inf_nan=False,
-        use_attribute_docstrings=True,
     )
 
 
