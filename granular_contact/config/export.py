@@ -63,7 +63,8 @@ def _shorten_signals(node: Any) -> None:
 
 def _describe(schema: dict[str, Any]) -> None:
     """Put the texts under the fields of all classes into the schema; reading sources takes long, so it is done here."""
-    classes, more = {Scenario.__name__: Scenario}, [Strict]
+    classes: dict[str, type[Strict]] = {}
+    more = [Strict]
     while more:
         more += (one := more.pop()).__subclasses__()
         classes[one.__name__] = one
