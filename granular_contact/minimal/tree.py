@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.kinematics import RIGID_STATION
 from granular_contact.kernels.law import RUN
-from granular_contact.kernels.lee_marghitu import RECORD
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
+from granular_contact.laws.lee_marghitu import LeeMarghitu
 from granular_contact.multibody.build import lay_bed
 from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
@@ -103,7 +103,7 @@ def _sand(system: System) -> tuple[NDArray[Any], ...]:
     if bed is None:
         flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
         nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, RIGID_STATION), np.zeros(0, RUN)
-        medium, numbers = np.zeros(1, RECORD), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
+        medium, numbers = LeeMarghitu.blank(), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
         return np.zeros(0, dtype=bool), *nothing, flat, medium, *numbers
     (group,) = bed.groups  # of one medium on bodies of one kind, or the scene was refused
     where = [i for nodes in group.nodes for node in nodes for i in system.mbs.GetNodeLTGODE2(node)]

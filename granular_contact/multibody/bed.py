@@ -26,12 +26,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
 from granular_contact.geometry.surface import surface as corners
-from granular_contact.media.checks import check
-from granular_contact.media.floor import TERM as FLOOR_TERM
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import WORDS, Medium, term_names, what_it_takes
-from granular_contact.media.layer import Layer
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.floor import TERM as FLOOR_TERM
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.law import Law, term_names, what_it_takes
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody import shapes
 from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger
@@ -49,7 +49,7 @@ class GranularBed:
     ----------
     mbs : exudyn.MainSystem
         System whose bodies move in its x-y plane, y up.
-    medium : Medium, Layer, or sequence of these
+    medium : Law, Layer, or sequence of these
         For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
     surface : float or (k, 2) array
         Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
@@ -84,7 +84,7 @@ class GranularBed:
     def __init__(
         self,
         mbs: Any,
-        medium: Medium | Layer | Sequence[Medium | Layer],
+        medium: Law | Layer | Sequence[Law | Layer],
         surface: ArrayLike,
         *,
         slope: float = 0.0,
@@ -101,7 +101,7 @@ class GranularBed:
         self.mbs = mbs
         self.profile = _profile(surface, slope)
         given = tuple(medium) if isinstance(medium, Sequence) and not isinstance(medium, str) else (medium,)
-        _expect("medium", given, (Medium, Layer), "a medium, such as preset('play_sand'), a Layer, or several of these")
+        _expect("medium", given, (Law, Layer), "a medium, such as preset('play_sand'), a Layer, or several of these")
         if not given:
             raise ValueError("medium: got none, allowed is at least one")
         self.layers = tuple(one if isinstance(one, Layer) else Layer(one) for one in given)
@@ -112,8 +112,6 @@ class GranularBed:
         self.floor = floor if floor is not None and floor.stiffness is not None else None
         static = Elastoplastic() if static is None else static
         _expect("static", [static], (Elastoplastic, Smooth), "Elastoplastic() or Smooth()")
-        for part in (*self.layers, static):
-            check(part)
         self.records = [one.record(static, gravity) for one in self.media]
         self.resultant = form == "resultant"
         self.end_cap = end_cap

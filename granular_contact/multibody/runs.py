@@ -13,7 +13,7 @@ from granular_contact.kernels import groups as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.law import RUN
 from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.kinds import Kind
 from granular_contact.multibody.overlay import Overlay
 
 Vector = NDArray[np.float64]
