@@ -23,10 +23,7 @@ MAY = {
     "probe": {"media", "kernels"},
     "config": {"config", "errors", "geometry"},
     "scene": {"scene", "config", "media", "errors", "geometry"},
-    "results": {"results", "geometry"},
-    "results.accuracy": {"scene"},
-    "results.limits": {"scene", "media"},
-    "results.series": {"media", "results"},
+    "results": {"results", "scene", "media", "geometry"},
     # Three ways through; the reduced one knows nothing of the others.
     # The engine's coordinates, bed and observer, without its solver.
     "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
