@@ -132,7 +132,7 @@ def test_instants_left_out_change_no_number(name: str, monkeypatch: pytest.Monke
     monkeypatch.setattr(run_module, "_trajectory", lambda *_: (system, thinned(whole, kept)))
     got = numbers(run_module.run(scene, scenario).summary)
     assert got.keys() == exact.keys()
-    motion, gap = Kinematics(system, whole), 4.0 * scene.solver.step
+    motion, gap = Kinematics(system, whole), 4.0 * scene.solver.step_s
     speed, lasted = float(motion.speeds.max()), float(whole.time[-1])
     energy = 10.0 * max(abs(value) for key, value in exact.items() if key.endswith("_J")) * gap / lasted
     for key, value in exact.items():

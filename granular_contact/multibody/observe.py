@@ -102,7 +102,7 @@ def _stop(motion: Kinematics, touch: Touch) -> Stop | None:
         return None
     if scene.pendulum is not None:
         return _stop_about(motion, scene.pendulum, slice(touch.index, None))
-    instant = find_rest(time, motion.speeds, touch.index, scene.solver.rest_speed, scene.solver.rest_time)
+    instant = find_rest(time, motion.speeds, touch.index, scene.solver.rest_speed_m_s, scene.solver.rest_time_s)
     if instant is None:
         return None
     angle = None

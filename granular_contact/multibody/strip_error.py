@@ -71,19 +71,19 @@ def finer(observer: Kinematics) -> Scene | None:
     load = shorter(scene.load, error / accuracy)
     if not error > accuracy or load == scene.load:
         return None
-    left = None if scene.solver.max_wall is None else max(1e-3, scene.solver.max_wall - t.cost.solve_s)
-    return replace(scene, load=load, solver=replace(scene.solver, max_wall=left))
+    left = None if scene.solver.max_wall_s is None else max(1e-3, scene.solver.max_wall_s - t.cost.solve_s)
+    return replace(scene, load=load, solver=scene.solver.model_copy(update={"max_wall_s": left}))
 
 
 def shorter(load: Load, factor: float) -> Load:
     """Strips with which an error of second order is smaller by twice a factor."""
     more = math.sqrt(2.0 * max(1.0, factor))
     parts, elements = load.strips_per_rigid_part, load.strips_per_element
-    return replace(
-        load,
-        strips_per_rigid_part=max(parts, min(MOST[0], math.ceil(more * parts / 8) * 8)),
-        strips_per_element=max(elements, min(MOST[1], math.ceil(more * elements / 2) * 2)),
-    )
+    finer = {
+        "strips_per_rigid_part": max(parts, min(MOST[0], math.ceil(more * parts / 8) * 8)),
+        "strips_per_element": max(elements, min(MOST[1], math.ceil(more * elements / 2) * 2)),
+    }
+    return load.model_copy(update=finer)
 
 
 def strip_warnings(observer: Kinematics) -> Iterator[AccuracyWarning]:

@@ -52,4 +52,4 @@ def remedy(scene: Scene) -> str:
         return f"take a smaller method.minimal.rtol (now {scene.method.rtol:g})"
     if scene.solver.accuracy is not None:
         return f"take a smaller solver.accuracy (now {scene.solver.accuracy:g})"
-    return f"take a smaller solver.step_s (now {scene.solver.step:g}) or solver.accuracy: 1e-3"
+    return f"take a smaller solver.step_s (now {scene.solver.step_s:g}) or solver.accuracy: 1e-3"

@@ -43,7 +43,7 @@ from granular_contact.config.schema.mechanism import (
     Rigid,
 )
 from granular_contact.config.schema.medium import LAWS, AnyLaw, Media, Medium
-from granular_contact.config.schema.method import Method, Reduced
+from granular_contact.config.schema.method import Method, Minimal, Reduced
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.provenance import Range
 from granular_contact.config.schema.scenario import (
@@ -122,6 +122,7 @@ __all__ = [
     "Media",
     "Medium",
     "Method",
+    "Minimal",
     "Model",
     "Motion",
     "Output",
