@@ -18,7 +18,7 @@ from support_runs import CONFIGS, scenario_of
 from granular_contact import cli, report
 from granular_contact.report.pages import FolderError, html
 from granular_contact.report.pages import write as write_page
-from granular_contact.report.pages.numbers import column, label, quantity
+from granular_contact.report.units import column, label, quantity
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies import compare

@@ -32,7 +32,7 @@ MAY = {
     # (kernels tell when they are compiled)
     "run": {"config", "kernels", "scene", "media", "multibody", "minimal", "reduced", "results", "errors"},
     "report": {"results", "report.figures"},
-    "report.figures": {"report.figures", "results"},
+    "report.figures": {"report.figures", "report", "results"},
     "report.pages": {"report.pages", "report.figures", "report", "results"},
     "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},
     "studies.sweep": {"studies.sweep", "config", "scene", "run", "report", "report.figures", "results", "errors"},

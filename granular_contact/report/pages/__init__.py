@@ -1,7 +1,6 @@
 """Results folder -> one HTML file that holds everything: words, numbers, figures, animation, scenario, warnings.
 
 folder                        what is on the disk
-numbers                       numbers in words
 run, comparison, sweep, fit   what is shown of each kind of results
 templates, rendering          the words and the look of pages; what templates ask for
 """

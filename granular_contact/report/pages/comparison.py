@@ -6,7 +6,7 @@ from typing import Any
 
 from granular_contact.report import COMPARISON, PROGRAM, SCENARIO, SUMMARY
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.numbers import quantity
+from granular_contact.report.units import quantity
 
 _SHOWN = (
     "model",

@@ -9,8 +9,8 @@ import numpy as np
 
 from granular_contact.report import PROGRAM
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.numbers import column, is_number, label, plain, split
 from granular_contact.report.pages.rendering import flat
+from granular_contact.report.units import column, is_number, label, plain, split
 
 RECORD, RESIDUALS = "fit.json", "residuals.csv"
 # Told by a section of their own; what else a record holds is shown as it is.

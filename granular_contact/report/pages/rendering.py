@@ -15,7 +15,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from granular_contact.report.pages.folder import picture
-from granular_contact.report.pages.numbers import column, is_number, label, plain, quantity
+from granular_contact.report.units import column, is_number, label, plain, quantity
 
 GENERATOR = "granular-contact"
 WIDE = 2.4  # width to height of pictures that get a row of their own

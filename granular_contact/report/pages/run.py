@@ -7,7 +7,7 @@ from typing import Any
 
 from granular_contact.report import PROGRAM, SCENARIO, SUMMARY
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.numbers import is_number, quantity
+from granular_contact.report.units import is_number, quantity
 from granular_contact.results import FINISHED, REST_MEASURE
 
 # Told elsewhere on the page, or of no use as a single number.

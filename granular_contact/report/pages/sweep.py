@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granular_contact.report import SENSITIVITY, SWEEP, TABLE
 from granular_contact.report.pages.folder import Folder, Rows
-from granular_contact.report.pages.numbers import column, is_number, label, quantity
+from granular_contact.report.units import column, is_number, label, quantity
 from granular_contact.results import FINISHED
 
 MOST_ROWS = 100  # shown; the rest is in the table
