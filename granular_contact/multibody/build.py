@@ -108,8 +108,8 @@ def lay_bed(system: System) -> Any:
         scene.bed.profile,
         slope=scene.bed.slope,
         gravity=scene.gravity,
-        static=load.static,
-        form="resultant" if load.resultant else "distributed",
+        static=scene.static,
+        form=load.form,
         end_cap=load.end_cap,
         floor=scene.bed.floor,
     )

@@ -11,10 +11,10 @@ from granular_contact.results.energy import accumulate, work
 from granular_contact.scene.types import Vector
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.kinematics import Kinematics
 
 
-def medium_works(observer: Observer) -> tuple[Vector, Vector]:
+def medium_works(observer: Kinematics) -> tuple[Vector, Vector]:
     """Work (n,) J of all media, and of the floor, since the start.
 
     The bed integrates the power of its forces by the trapezoidal rule, which is off where a force jumps within a step,
@@ -33,7 +33,7 @@ def medium_works(observer: Observer) -> tuple[Vector, Vector]:
     return load.work + more - at_floor, load.floor_work + at_floor
 
 
-def uncertain_work(observer: Observer) -> float:
+def uncertain_work(observer: Kinematics) -> float:
     """By how much (J) the work on bodies differs at most between the two rules, both of second order.
 
     It is what the steps leave open of the energy that the medium took: next to nothing where forces and velocities
@@ -43,14 +43,14 @@ def uncertain_work(observer: Observer) -> float:
     return 0.0 if load is None or not observer.scene.media else float(np.abs(_more(observer, load)).max(initial=0.0))
 
 
-def _more(observer: Observer, load: LoadHistory) -> Vector:
+def _more(observer: Kinematics, load: LoadHistory) -> Vector:
     """What the mean forces on bodies do (n,) J beyond the mean powers."""
     every = [_difference(observer, load, name, load.bodies[:, i]) for i, name in enumerate(load.body_names)]
     more: Vector = np.sum([np.zeros_like(load.time), *every], axis=0)
     return more
 
 
-def _difference(observer: Observer, load: LoadHistory, name: str, wrench: Vector) -> Vector:
+def _difference(observer: Kinematics, load: LoadHistory, name: str, wrench: Vector) -> Vector:
     """By how much (n,) J the work on a body differs from the trapezoidal rule; wrench (n, 3) about the origin."""
     center, velocity = observer.center(name)
     rate = observer.angle(name, np.zeros(2))[1] if name in observer.system.rigid else _spin(observer, name, center)
@@ -59,7 +59,7 @@ def _difference(observer: Observer, load: LoadHistory, name: str, wrench: Vector
     return work(load.time, force, twist) - accumulate(load.time, np.sum(force * twist, axis=1))
 
 
-def _spin(observer: Observer, name: str, center: Vector) -> Vector:
+def _spin(observer: Kinematics, name: str, center: Vector) -> Vector:
     """Mean rate (n,) rad/s of a flexible link: its angular momentum over its inertia about its centre of mass."""
     places = np.array(observer.nodes(name)).ravel()
     q, v = observer.trajectory.q[:, places], observer.trajectory.v[:, places]
