@@ -1,16 +1,20 @@
-"""A scenario as plain data, and the schema of a config file for editors."""
+"""A scenario as plain data, and the schemas of configs, sweep files and fit files for editors."""
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from typing import Any
 
-from granular_contact.config import allowed
+from pydantic import BaseModel
+
 from granular_contact.config.references import FROM
+from granular_contact.config.schema.fit import FitFile
 from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.signals import SIGNALS
+from granular_contact.config.schema.sweep import SweepFile
+
+KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile}
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -55,12 +59,31 @@ def _shorten_signals(node: Any) -> None:
         node["anyOf"] = [{"type": "number"}, {"type": "string"}, whole]
 
 
-def json_schema() -> dict[str, Any]:
-    """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`.
+def json_schema(kind: str = "run") -> dict[str, Any]:
+    """JSON Schema of a file of a kind, `run`, `sweep` or `fit`."""
+    if kind == "run":
+        return _run_schema()
+    schema = KINDS[kind].model_json_schema()
+    if kind == "sweep":
+        _complete_sweep(schema)
+    return schema
 
-    The method may be a word.
-    """
-    schema = copy.deepcopy(allowed.root())
+
+def _complete_sweep(schema: dict[str, Any]) -> None:
+    """What a sweep file may hold besides: its config inside, short ranges; and one kind of cases; changes the schema."""
+    run = _run_schema()
+    schema["$defs"] |= run.pop("$defs")
+    schema["$defs"]["Scenario"] = run
+    schema["properties"]["config"] = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Scenario"}]}
+    ranges = schema["$defs"]["Sample"]["properties"]["ranges"]
+    ends = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+    ranges["additionalProperties"] = {"anyOf": [ends, ranges["additionalProperties"]]}
+    schema["oneOf"] = [{"required": [key]} for key in ("cases", "vary", "sample")]
+
+
+def _run_schema() -> dict[str, Any]:
+    """Of a config, in which model and medium may be names, paths, or mappings with `from`; the method may be a word."""
+    schema = Scenario.model_json_schema()
     for key, noun in (("model", "model"), ("medium", "medium preset")):
         whole = schema["properties"][key]
         name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
-from granular_contact.config.sweep_range import is_number
 from granular_contact.report import FIGURES, SENSITIVITY
 from granular_contact.sweep.journal import Row
 
@@ -96,8 +95,9 @@ def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Seq
     for row in rows:
         names[row.index], failed[row.index] = row.name, row.failed
         for i, output in enumerate(outputs):
-            if is_number(row.summary.get(output)):
-                values[i, row.index] = row.summary[output]
+            value = row.summary.get(output)
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                values[i, row.index] = value
     return [
         _of_output(output, tuple(inputs), count, value, failed, names)
         for output, value in zip(outputs, values, strict=True)

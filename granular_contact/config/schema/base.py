@@ -13,6 +13,9 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from granular_contact.config.scalars import resolve
 
 FAULTS = "faults"
+ALLOWED = "x-allowed"  # key of the JSON Schema
+MOST_LISTED = 6
+_FORMS: dict[str, Any] = {"text": str, "number": int | float, "list": list | tuple, "mapping": Mapping}
 _RESOLVER: Any = yaml.resolver.Resolver()
 Path = tuple[str | int, ...]
 LocalFault = tuple[Path, str]
@@ -37,6 +40,28 @@ def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:
     """The error a validator raises for `faults`, each a path below the validated value and a sentence."""
     text = "; ".join(f"{'.'.join(map(str, path))}: {message}" if path else message for path, message in faults)
     return PydanticCustomError(FAULTS, "{text}", {"text": text, FAULTS: list(faults)})
+
+
+def allow(words: str) -> Any:
+    """Mark a field or a type with what messages say is allowed, where the schema alone would say it worse."""
+    return Field(json_schema_extra={ALLOWED: words})
+
+
+def listed(words: Sequence[str], between: str = ", ") -> str:
+    """Words in a row; of a great many the first few, and how many more there are."""
+    if len(words) <= MOST_LISTED:
+        return between.join(words)
+    return f"{between.join(words[:MOST_LISTED])}{between}... and {len(words) - MOST_LISTED} more"
+
+
+def form(value: Any) -> str | None:
+    """YAML form of a value, the tag of a union of forms: pydantic puts it between two keys of a location.
+
+    An empty mapping has none, so that one fault tells what it may be, and not one for each key that it lacks.
+    """
+    if isinstance(value, bool) or value == {}:
+        return None
+    return next((name for name, kind in _FORMS.items() if isinstance(value, kind)), None)
 
 
 def _survives_a_file(text: str) -> str:
@@ -71,7 +96,7 @@ class Tagged:
         return core_schema.tagged_union_schema(choices, discriminator=self.key)
 
 
-ONE, MANY = "one", "many"
+ONE, MANY = "one", "list"
 
 
 class OneOrMore:
@@ -86,5 +111,5 @@ class OneOrMore:
                 ONE: single,
                 MANY: core_schema.tuple_variable_schema(single, min_length=1, strict=False),
             },
-            discriminator=lambda value: MANY if isinstance(value, list | tuple) else ONE,
+            discriminator=lambda value: MANY if form(value) == MANY else ONE,
         )
