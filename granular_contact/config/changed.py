@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -56,23 +56,6 @@ def checked(scenario: Scenario) -> Scenario:
     except ValidationError:  # once more, as a tree, in which messages find what was got
         return scenario_of(tree.made(_listed(plain), _HERE), [])
     return scenario if not changed and valid == scenario else valid
-
-
-def differences(one: Any, other: Any, most: int = 5) -> list[str]:
-    """Dotted keys in which two scenarios, as plain data, differ; after the first few, how many more."""
-    keys = list(_differing(one, other, ()))
-    return keys if len(keys) <= most else [*keys[:most], f"and {len(keys) - most} more"]
-
-
-def _differing(one: Any, other: Any, path: tree.Path) -> Iterator[str]:
-    if isinstance(one, dict) and isinstance(other, dict):
-        for key in dict.fromkeys((*one, *other)):
-            yield from _differing(one.get(key), other.get(key), (*path, key))
-    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        for i, (held, another) in enumerate(zip(one, other, strict=True)):
-            yield from _differing(held, another, (*path, i))
-    elif one != other:
-        yield tree.dotted(path)
 
 
 def _override(key: str, value: Any, faults: list[Fault]) -> overrides.Override | None:

@@ -70,7 +70,7 @@ def json_schema(kind: str = "run") -> dict[str, Any]:
 
 
 def _complete_sweep(schema: dict[str, Any]) -> None:
-    """What a sweep file may hold besides: its config inside, short ranges; and one kind of cases; changes the schema."""
+    """Add to the schema of a sweep file its config, ranges in short, and that there is one kind of cases."""
     run = _run_schema()
     schema["$defs"] |= run.pop("$defs")
     schema["$defs"]["Scenario"] = run

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from granular_contact.config import allowed
-from granular_contact.config.schema.base import FAULTS
+from granular_contact.config.schema.base import FAULTS, did_you_mean
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position, plain
 from granular_contact.config.tree import Mapping as MappingNode
@@ -82,10 +82,7 @@ def _scalar_kind(value: bool | int | float) -> str:
 
 def unknown(word: str, known: Sequence[str]) -> str:
     """Which of `known` the unknown `word` may have meant, or all of them."""
-    near = get_close_matches(word, known, 1)
-    if near:
-        return f"did you mean {near[0]}?"
-    return f"allowed are {', '.join(known)}" if known else "none is allowed here"
+    return did_you_mean(word, known) or (f"allowed are {', '.join(known)}" if known else "none is allowed here")
 
 
 def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> list[Fault | None]:

@@ -21,6 +21,7 @@ from typing import Any
 
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
+from granular_contact.config.differences import differences
 from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.load import Loaded, Template, by_place
 from granular_contact.config.messages import is_foreign, kind_of, validated
@@ -86,7 +87,8 @@ class Sweep:
         """The same case as dotted keys on `base`, complete without any other file."""
         if not case.has_references:
             return {".".join(one.path): tree.plain(one.value) for one in effective(case.overrides)}
-        return dict(_difference(self._resolved_base, scenario_to_dict(self.scenario(case))))
+        found = differences(self._resolved_base, scenario_to_dict(self.scenario(case)), whole=True)
+        return {tree.dotted(path): value for path, _, value in found}
 
     @cached_property
     def _names_columns(self) -> bool:
@@ -220,12 +222,3 @@ def _listed(faults: Iterable[Fault]) -> list[Fault]:
         return ordered
     rest = len(ordered) - MOST_FAULTS
     return [*ordered[:MOST_FAULTS], Fault(ordered[-1].file, None, "", f"has {rest} more faults, not shown here")]
-
-
-def _difference(base: Any, other: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
-    """Dotted keys under which `other` differs from `base`; a mapping with other keys is replaced as a whole."""
-    if isinstance(base, dict) and isinstance(other, dict) and set(base) == set(other):
-        for key in other:
-            yield from _difference(base[key], other[key], (*path, key))
-    elif base != other:
-        yield ".".join(path), other

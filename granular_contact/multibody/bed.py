@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
+from granular_contact.geometry.surface import surface as corners
 from granular_contact.media.checks import check
 from granular_contact.media.floor import TERM as FLOOR_TERM
 from granular_contact.media.floor import Floor
@@ -36,7 +37,6 @@ from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.ledger import Ledger
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.runs import Group, Run, named
-from granular_contact.surface import surface as corners
 
 Vector = NDArray[np.float64]
 LEANING = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granular_contact.energy import accumulate, work
 from granular_contact.multibody.history import LoadHistory
+from granular_contact.results.energy import accumulate, work
 from granular_contact.scene.types import Vector
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from granular_contact.doubts import Doubt
 from granular_contact.multibody.observe import Observer
 from granular_contact.results import FINISHED
+from granular_contact.results.accuracy import Doubt
 from granular_contact.scene.types import Load, Scene, Vector
 
 ERROR = 5e-3  # of the distance, that is told

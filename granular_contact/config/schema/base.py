@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Annotated, Any, get_args
 
 import yaml
@@ -15,6 +16,7 @@ from granular_contact.config.scalars import resolve
 FAULTS = "faults"
 ALLOWED = "x-allowed"  # key of the JSON Schema
 MOST_LISTED = 6
+_MOST_NAMES = 12
 _FORMS: dict[str, Any] = {"text": str, "number": int | float, "list": list | tuple, "mapping": Mapping}
 _RESOLVER: Any = yaml.resolver.Resolver()
 Path = tuple[str | int, ...]
@@ -52,6 +54,18 @@ def listed(words: Sequence[str], between: str = ", ") -> str:
     if len(words) <= MOST_LISTED:
         return between.join(words)
     return f"{between.join(words[:MOST_LISTED])}{between}... and {len(words) - MOST_LISTED} more"
+
+
+def did_you_mean(word: str, known: Collection[str]) -> str:
+    """Which of `known` the unknown `word` may have meant, as a question; empty if it is like none."""
+    near = get_close_matches(word, known, 1)
+    return f"did you mean {near[0]}?" if near else ""
+
+
+def no_such(what: str, name: str, known: Collection[str]) -> str:
+    """That there is no body, joint or signal of a name, and which ones there are."""
+    there = ", ".join([*known][:_MOST_NAMES]) + ", ..." * (len(known) > _MOST_NAMES) or "none"
+    return f"there is no {what} {name!r}; {did_you_mean(name, known) or f'there are {there}'}"
 
 
 def form(value: Any) -> str | None:

@@ -1,0 +1,125 @@
+"""A fit file, or what the command line says in its place -> Specification; its keys stand at `config.schema.fit`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+from granular_contact.config import tree
+from granular_contact.config.load import by_place
+from granular_contact.config.messages import kind_of, validated
+from granular_contact.config.overrides import split
+from granular_contact.config.schema.fit import OFFSET_RANGE, Bounds, ClockBounds, FitFile, FitRun
+from granular_contact.config.sweep_cases import read_overrides
+from granular_contact.config.yaml_source import read_file
+from granular_contact.errors import ConfigError, Fault
+from granular_contact.studies.fit.wanted import RunWanted, Specification, Wanted
+
+
+def load_specification(path: str | PathLike[str]) -> Specification:
+    """Specification of a fit file; raises ConfigError with every fault of it."""
+    path = Path(path)
+    faults: list[Fault] = []
+    return specification(read_file(path, faults), path, faults)
+
+
+def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specification:
+    """Specification of the tree of a fit file in `path`, whose folder files are looked for in.
+
+    Raises
+    ------
+    ConfigError
+        With `faults` and every other one.
+    """
+    if not isinstance(root, tree.Mapping):
+        if not isinstance(root, tree.Broken):
+            known = ", ".join(one.alias or key for key, one in FitFile.model_fields.items())
+            words = f"is no fit file: it holds {kind_of(root)}; allowed is a mapping with the keys {known}"
+            faults.append(root.position.fault((), words))
+        raise ConfigError(sorted(faults, key=by_place))
+    file = validated(FitFile, root, faults)
+    if file is None:
+        raise ConfigError(sorted(faults, key=by_place))
+    found = Specification(
+        name=path.stem,
+        runs=tuple(_named(_runs(root, file, path.parent, faults))),
+        parameters=_parameters(root, (), file.parameters, faults),
+        common=tuple(read_overrides(root.nodes.get("set"), ("set",), faults)),
+        noise={name: (size, _at(root, "noise", name)) for name, size in file.noise.items()},
+        loss=file.loss,
+        starts=file.starts,
+        seed=file.seed,
+    )
+    if not found.parameters and not any(run.parameters for run in found.runs) and not faults:
+        at = root.keys.get("parameters", root.position)
+        faults.append(at.fault(("parameters",), "names none; allowed are dotted keys of the config, as medium.eta_h"))
+    if faults:
+        raise ConfigError(sorted(dict.fromkeys(faults), key=by_place))
+    return found
+
+
+def _at(node: tree.Node, *path: str | int) -> tree.Position:
+    """Where the last key of a path was written."""
+    return tree.key_position(node, path)
+
+
+def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) -> Iterator[RunWanted]:
+    for i, run in enumerate(file.runs):
+        node, path = tree.find(root, ("runs", i))[0], ("runs", i)
+        clock = file.time_offset_s if run.time_offset_s is None else run.time_offset_s
+        yield RunWanted(
+            run.name or Path(run.data).stem,
+            folder / run.config,
+            folder / run.data,
+            _at(node, "config"),
+            _at(node, "data"),
+            tuple(read_overrides(tree.child(node, "set"), (*path, "set"), faults)),
+            _columns(root, file) if run.columns is None else _columns(node, run),
+            _offset(clock),
+            _parameters(node, path, run.parameters, faults),
+        )
+
+
+def _named(runs: Iterator[RunWanted]) -> Iterator[RunWanted]:
+    """The runs under names that no other has: two files of one name get a number."""
+    names: set[str] = set()
+    for run in runs:
+        name, count = run.name, 2
+        while name.casefold() in names:
+            name, count = f"{run.name}_{count}", count + 1
+        names.add(name.casefold())
+        yield replace(run, name=name)
+
+
+def _columns(node: tree.Node, of: FitFile | FitRun) -> dict[str, tuple[str, tree.Position]]:
+    return {name: (header, _at(node, "columns", name)) for name, header in (of.columns or {}).items()}
+
+
+def _offset(clock: str | float | ClockBounds | None) -> float | tuple[float, float, float]:
+    """A known offset (s), or the least, the greatest and the start of one to be found."""
+    if isinstance(clock, str):
+        return *OFFSET_RANGE, 0.0
+    if isinstance(clock, ClockBounds):
+        start = min(max(0.0, clock.low), clock.high) if clock.start is None else clock.start
+        return clock.low, clock.high, start
+    return clock or 0.0
+
+
+def _parameters(
+    node: tree.Node,
+    path: tree.Path,
+    given: tuple[str, ...] | Mapping[str, Bounds | None] | None,
+    faults: list[Fault],
+) -> tuple[Wanted, ...]:
+    """Parameters of a run, or of all runs, in the order of the file."""
+    path = (*path, "parameters")
+    bounds = given if isinstance(given, Mapping) else dict.fromkeys(given or ())
+    found = []
+    for i, (name, held) in enumerate(bounds.items()):
+        at = _at(node, "parameters", name if isinstance(given, Mapping) else i)
+        parts = split(name, at, faults, form=f"dotted key: {tree.dotted(path)} has {name!r}")
+        if parts is not None:
+            found.append(Wanted(parts, at, held or Bounds()))
+    return tuple(found)

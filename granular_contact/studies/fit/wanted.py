@@ -1,0 +1,58 @@
+"""What a fit is asked for: runs, parameters and options, as they were written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from granular_contact.config.overrides import Override
+from granular_contact.config.schema.fit import Bounds
+from granular_contact.config.tree import Position
+from granular_contact.studies.fit.problem import Loss
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A parameter as asked for."""
+
+    key: tuple[str, ...]
+    position: Position
+    bounds: Bounds = field(default_factory=Bounds)
+
+    @property
+    def name(self) -> str:
+        """The dotted key."""
+        return ".".join(self.key)
+
+
+@dataclass(frozen=True)
+class RunWanted:
+    """One run as asked for. columns: measured name -> header and place.
+
+    offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found.
+    """
+
+    name: str
+    config: Path
+    data: Path
+    at_config: Position
+    at_data: Position
+    overrides: tuple[Override, ...] = ()
+    columns: Mapping[str, tuple[str, Position]] = field(default_factory=dict)
+    offset: float | tuple[float, float, float] = 0.0
+    parameters: tuple[Wanted, ...] = ()
+
+
+@dataclass(frozen=True)
+class Specification:
+    """A fit as asked for. noise: measured name -> value and place."""
+
+    name: str
+    runs: tuple[RunWanted, ...]
+    parameters: tuple[Wanted, ...]
+    common: tuple[Override, ...]
+    noise: Mapping[str, tuple[float, Position]]
+    loss: Loss
+    starts: int
+    seed: int
