@@ -13,7 +13,7 @@ from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 from granular_contact.studies.fit.columns import KINDS, TIME, in_words, kind, recognise, spellings
-from granular_contact.studies.fit.csv_table import Table, few, number
+from granular_contact.config.csv_table import Table, few, number
 
 Vector = NDArray[np.float64]
 
