@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from support_fit import CONFIG, RIGID, measure
 
+from granular_contact.config.csv_table import read_table
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.studies.fit import load_specification, prepare
-from granular_contact.config.csv_table import read_table
 from granular_contact.studies.fit.measurements import select
 
 FIT = f"""\

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from granular_contact.config.changed import filled
+from granular_contact.config.csv_table import read_table
 from granular_contact.config.load import Template, by_place
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
@@ -14,7 +15,6 @@ from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.scene import build
 from granular_contact.studies.fit import checks
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
-from granular_contact.config.csv_table import read_table
 from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, Parameter, Problem, Run
