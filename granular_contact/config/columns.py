@@ -75,27 +75,27 @@ def _read(
     """Times and values of a column, or None with faults."""
     told = list[Fault]()
     table = read_table(shown(file), told)
-    found = None
-    if table is not None:
-        unknown_ones = [name for name in names if name not in table.header]
-        words = [f"there is no column {name!r}; {unknown(name, table.header)}" for name in unknown_ones]
-        told = [Fault(table.file, table.header_line, "", one) for one in words]
-        found = None if told else _pairs(table, names, told)
-    for one in told:
-        if one.line is None and table is None:  # the line that names the file is at fault
-            faults.append(at.fault(path, f"got {file.name!r}, but {one.file} can't be read: {one.message}"))
-        else:
-            faults.append(replace(one, key=".".join(path[:-1])))
-    return found
+    if table is None:  # of a file that can't be read, the line that names it is at fault
+        words = f"got {file.name!r}, but {shown(file)} can't be read"
+        told = [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in told]
+    else:
+        words = "there is no column"
+        lost = [f"{words} {name!r}; {unknown(name, table.header)}" for name in names if name not in table.header]
+        found = _pairs(table, names) if not lost else [Fault(table.file, table.header_line, "", one) for one in lost]
+        if isinstance(found, tuple):
+            return found
+        told = found
+    faults += [one if one.key else replace(one, key=".".join(path[:-1])) for one in told]
+    return None
 
 
-def _pairs(table: Table, names: tuple[str, str], faults: list[Fault]) -> tuple[list[float], list[float]] | None:
-    """Times and values of two columns; None, with the first fault."""
+def _fault(table: Table, line: int | None, message: str) -> list[Fault]:
+    return [Fault(table.file, line, "", message)]
+
+
+def _pairs(table: Table, names: tuple[str, str]) -> tuple[list[float], list[float]] | list[Fault]:
+    """Times and values of two columns, or the first fault of them."""
     times, values = list[float](), list[float]()
-
-    def refuse(line: int | None, message: str) -> None:
-        faults.append(Fault(table.file, line, "", message))
-
     where = [table.header.index(name) for name in names]
     for line, cells in zip(table.lines, table.rows, strict=True):
         if not any(cells):
@@ -105,13 +105,14 @@ def _pairs(table: Table, names: tuple[str, str], faults: list[Fault]) -> tuple[l
         if time is None or value is None:
             i = 0 if time is None else 1
             got = f"got {texts[i][:40]!r}" if texts[i] else "got nothing"
-            return refuse(line, f"{got} in the column {names[i]}; allowed is a finite number")
+            return _fault(table, line, f"{got} in the column {names[i]}; allowed is a finite number")
         if times and time <= times[-1]:
-            return refuse(line, f"got the time {time:g} after {times[-1]:g}; allowed are times that grow")
+            return _fault(table, line, f"got the time {time:g} after {times[-1]:g}; allowed are times that grow")
         if len(times) == MOST_ROWS:
-            return refuse(line, f"got more than {MOST_ROWS} rows; allowed are at most so many")
+            return _fault(table, line, f"got more than {MOST_ROWS} rows; allowed are at most so many")
         times.append(time)
         values.append(value)
     if len(times) < 2:
-        return refuse(None, f"got {len(times)} row{'s' * (len(times) != 1)} of numbers; allowed are 2 or more")
+        words = f"got {len(times)} row{'s' * (len(times) != 1)} of numbers; allowed are 2 or more"
+        return _fault(table, None, words)
     return times, values
