@@ -134,11 +134,18 @@ def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0)
         found = stats.sobol_indices(func=parts, n=count)
         return np.stack([np.atleast_1d(found.first_order), np.atleast_1d(found.total_order)])
 
-    points = np.arange(count)
-    found = of(points)
-    drawn = np.random.default_rng(seed).integers(count, size=(RESAMPLES, count))
-    tails = (0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE))
-    ends = np.quantile(np.array([of(one) for one in drawn]), tails, axis=0)
+    found = of(np.arange(count))
+    # The result's own bootstrap takes no seed, and two runs of one sweep are to give one file.
+    drawn = stats.bootstrap(
+        [np.arange(count)],
+        of,
+        vectorized=False,
+        method="percentile",
+        n_resamples=RESAMPLES,
+        confidence_level=CONFIDENCE,
+        rng=np.random.default_rng(seed),
+    )
+    ends = np.array(drawn.confidence_interval)
     return Indices(output, inputs, found[0], found[1], ends[:, 0], ends[:, 1])
 
 
