@@ -134,6 +134,13 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
         raise ConfigError(faults)
     if "model" in root.nodes and "config" not in root.nodes:
         raise ConfigError([root.position.fault((), "is the config of one run; a sweep has its name under config")])
+    return sweep_of(root, path, faults, probe, check)
+
+
+def sweep_of(
+    root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe | None = None, check: Check = case_faults
+) -> Sweep:
+    """The sweep of the tree of a file `path`; as `load_sweep`, with the `faults` found so far."""
     root = with_long_ranges(root)
     file = validated(SweepFile, root, faults)
     common = read_overrides(root.nodes.get("set"), ("set",), faults)

@@ -7,6 +7,7 @@ cluster      those of a Dask cluster
 crew         either of them, renewed when broken
 runner       which case goes where, and what happens when one takes its process down
 part         the folder that a sweep goes on in after it was killed
+calls        a sweep from Python
 table        rows -> table.csv, and sweep.yaml
 sensitivity  rows -> Sobol indices
 """
