@@ -94,6 +94,16 @@ Point = Annotated[tuple[float, float], StrictnessOf(False)]
 Listed = StrictnessOf(False)
 
 
+def _once(names: tuple[str, ...]) -> tuple[str, ...]:
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if twice:
+        raise refusal([((), f"names {name} twice; once is allowed") for name in twice])
+    return names
+
+
+Names = Annotated[tuple[Text, ...], Listed, Field(min_length=1), AfterValidator(_once)]
+
+
 class Tagged:
     """Marks a union whose member is named by the value of one key.
 

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from granular_contact.config.schema.base import Listed, LocalFault, Positive, Strict, Text, allow, form, refusal
+from granular_contact.config.schema.base import Listed, LocalFault, Names, Positive, Strict, Text, allow, form, refusal
 from granular_contact.config.schema.sweep import DottedKeys
 
 MOST_RUNS, MOST_STARTS = 1000, 1024
@@ -60,15 +60,8 @@ class ClockBounds(Bounds):
     high: Annotated[float, Field(alias="to")]
 
 
-def _once(names: tuple[str, ...]) -> tuple[str, ...]:
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    if twice:
-        raise refusal([((), f"names {name} twice; once is allowed") for name in twice])
-    return names
-
-
 Parameters = Annotated[
-    Annotated[tuple[Text, ...], Listed, Field(min_length=1), AfterValidator(_once), Tag("list")]
+    Annotated[Names, Tag("list")]
     | Annotated[
         dict[str, Annotated[Bounds | None, allow("a mapping with from, to, start, scale, or nothing")]],
         Field(min_length=1),

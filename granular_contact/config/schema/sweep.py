@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, WrapValidator, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, WrapValidator, field_validator, model_validator
 
-from granular_contact.config.schema.base import Listed, LocalFault, Strict, allow, form, listed, refusal
+from granular_contact.config.schema.base import LocalFault, Names, Strict, allow, form, listed, refusal
 
 MOST_CASES = 100_000
 METHODS = ("latin_hypercube", "sobol", "one_at_a_time", "saltelli")
@@ -70,12 +70,6 @@ Levels = Annotated[
 ]
 
 
-def _differing(names: tuple[str, ...]) -> tuple[str, ...]:
-    if len(set(names)) < len(names):
-        raise refusal([((), f"got {', '.join(names)}; allowed are different names")])
-    return names
-
-
 class Sample(Strict):
     """Cases drawn from ranges.
 
@@ -92,13 +86,7 @@ class Sample(Strict):
         Field(min_length=1),
         allow("one dotted key or more, each with a range"),
     ]
-    outputs: Annotated[
-        tuple[str, ...],
-        Listed,
-        Field(min_length=1),
-        AfterValidator(_differing),
-        allow("a list of different names of numbers in summary.json, as stopping_time_s"),
-    ] = ()
+    outputs: Annotated[Names, allow("a list of different names of numbers in summary.json, as stopping_time_s")] = ()
     """Numbers of the summary that saltelli is to explain; stopping_time_s unless given."""
 
     @model_validator(mode="before")
