@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from granular_contact.run import run as simulate
     from granular_contact.scene.build import build
     from granular_contact.scene.media import preset
+    from granular_contact.studies.sweep.calls import sweep
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
 _HOMES = {
@@ -60,6 +61,7 @@ _HOMES = {
     "load": ("granular_contact.config.load", "load"),
     "preset": ("granular_contact.scene.media", "preset"),
     "simulate": ("granular_contact.run", "run"),
+    "sweep": ("granular_contact.studies.sweep.calls", "sweep"),
 }
 
 __all__ = [
@@ -88,6 +90,7 @@ __all__ = [
     "load",
     "preset",
     "simulate",
+    "sweep",
 ]
 
 

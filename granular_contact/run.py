@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from granular_contact.config import Scenario, scenario_to_dict
-from granular_contact.config.changed import checked, differences
+from granular_contact.config.changed import checked
+from granular_contact.config.differences import differing_keys
 from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
 from granular_contact.laws.kinds import WORDS
@@ -67,7 +68,7 @@ def _scenario_of(scene: Scene, given: Scenario | None) -> Scenario:
         raise scene_error("scene", f"{why}; change the scenario with its replace() and build that")
     if given is None or given is built or given == built or checked(given) == built:
         return built
-    keys = ", ".join(differences(scenario_to_dict(given), scenario_to_dict(built)))
+    keys = differing_keys(scenario_to_dict(given), scenario_to_dict(built))
     raise scene_error("scenario", f"is not the one that the scene was built from: they differ in {keys}; leave it out")
 
 

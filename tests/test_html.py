@@ -357,9 +357,9 @@ def broken(folder: Path) -> Iterator[str]:
     folder.mkdir()
     yield "no results"
     (folder / "table.csv").write_text("")
-    yield "has no header"
+    yield "is empty"
     (folder / "table.csv").write_text("case,status\na\n")
-    yield "row 2 does not have 2 cells"
+    yield "table.csv:2: has 1 cells; 2 are allowed"
     (folder / "table.csv").unlink()
     (folder / "timeseries.csv").touch()
     yield "holds no summary.json"

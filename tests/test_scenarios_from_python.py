@@ -156,3 +156,26 @@ def test_every_config_is_its_own_scenario() -> None:
         if path.stem not in ("paper_cases", "sensitivity"):
             scenario = load(path).scenario
             assert build(scenario).scenario is scenario
+
+
+def test_a_sweep_from_python_has_the_numbers_of_single_runs() -> None:
+    speeds = np.array([2.0, 6.0])
+    base = pendulum(*SHORT)
+    rows = granular_contact.sweep(base, {"initial.impact_speed_rad_s": speeds}, workers=1)
+    assert [row["case"] for row in rows] == ["case_1", "case_2"]
+    for row, speed in zip(rows, speeds, strict=True):
+        single = granular_contact.simulate(build(base.replace({"initial.impact_speed_rad_s": speed})))
+        assert row["initial.impact_speed_rad_s"] == speed
+        assert row["max_depth_m"] == single.summary["max_depth_m"]
+        assert row["energy.final_J"] == single.summary["energy"]["final_J"]
+
+
+def test_a_sweep_from_python_is_checked_before_anything_runs() -> None:
+    with pytest.raises(ConfigError) as caught:
+        granular_contact.sweep(pendulum(), {"medium.eta_d": [4, -1], "medium.eta_q": [1], "gravity_m_s2": {"from": 1}})
+    assert [fault.key for fault in caught.value.faults] == ["vary.gravity_m_s2.to", "vary.gravity_m_s2.count"]
+    with pytest.raises(ConfigError) as caught:
+        granular_contact.sweep(pendulum(), {"medium.eta_d": [4, -1], "medium.eta_q": [1, 2]}, combine="zip")
+    assert {fault.key for fault in caught.value.faults} == {"medium.eta_d", "medium.eta_q"}
+    with pytest.raises(ConfigError, match="none of cases, vary and sample"):
+        granular_contact.sweep(pendulum())

@@ -1,4 +1,4 @@
-"""The command `schema`: what a config may hold, for editors."""
+"""The command `schema`: what a config, a sweep file or a fit file may hold, for editors."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import json
 from granular_contact import config
 from granular_contact.cli.common import FINE
 
-HELP = "print the JSON Schema of a config"
+HELP = "print the JSON Schema of a config, a sweep file or a fit file"
 
 
-def add_arguments(_: argparse.ArgumentParser) -> None:
-    """The command takes none."""
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("kind", nargs="?", choices=("run", "sweep", "fit"), default="run", help="which of them (run)")
 
 
-def act(_: argparse.Namespace) -> int:
+def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    print(json.dumps(config.json_schema(), indent=2))
+    print(json.dumps(config.json_schema(chosen.kind), indent=2))
     return FINE

@@ -29,7 +29,7 @@ from granular_contact.config.messages import unknown
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
-    from granular_contact.config.sweep_sample import Sample
+    from granular_contact.config.schema.sweep import Sample
     from granular_contact.studies.sweep import Crew, Row
     from granular_contact.studies.sweep.part import Part
     from granular_contact.studies.sweep.sensitivity import Indices

@@ -27,4 +27,4 @@ def add_law(law: type[Law]) -> None:
         raise ValueError(f"got the tag {law.tag()!r} for {law.__name__}, which another law has")
     for part in (BedLayer, Bed, Scenario):
         part.model_rebuild(force=True)
-    allowed.root.cache_clear()
+    allowed.definitions.cache_clear()

@@ -6,25 +6,34 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from granular_contact.config.schema.fit import FitFile
 from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.config.tree import Path
-from granular_contact.values.strict import MANY, ONE
+from granular_contact.values.strict import ALLOWED
 
 Schema = dict[str, Any]
+_FORMS: dict[Any, str] = {"text": "string", "number": "number", "list": "array", "mapping": "object"}
 
 
 @cache
-def root() -> Schema:
-    """JSON Schema of a scenario whose model and medium are resolved."""
-    return Scenario.model_json_schema(by_alias=True)
+def definitions() -> dict[str, Schema]:
+    """JSON Schemas of all classes of files, by their names; in a scenario model and medium are resolved."""
+    _, whole = models_json_schema([(model, "validation") for model in (Scenario, SweepFile, FitFile)])
+    found: dict[str, Schema] = whole["$defs"]
+    return found
 
 
-def walk(location: Sequence[str | int]) -> tuple[Path, Schema]:
+def walk(location: Sequence[str | int], model: type[BaseModel] = Scenario) -> tuple[Path, Schema]:
     """Path in the file, and schema, of what pydantic calls `location`: it puts the tag of a union between two keys."""
-    schema, path = _resolved(root()), list[str | int]()
+    schema, path = definitions()[model.__name__], list[str | int]()
     for step in location:
-        if _takes_one_or_more(schema):
-            schema = _resolved(schema["oneOf"][(ONE, MANY).index(step)]) if step in (ONE, MANY) else {}
+        if _takes_forms(schema):
+            said = {ALLOWED: schema[ALLOWED]} if ALLOWED in schema else {}
+            schema = _of_form(schema, step) | said
             continue
         if "discriminator" in schema:
             schema = _deref(schema["discriminator"]["mapping"].get(step, {}))
@@ -34,9 +43,15 @@ def walk(location: Sequence[str | int]) -> tuple[Path, Schema]:
     return tuple(path), schema
 
 
-def _takes_one_or_more(schema: Schema) -> bool:
-    """Whether pydantic puts the form of a value, ONE or MANY, between two keys."""
+def _takes_forms(schema: Schema) -> bool:
+    """Whether pydantic puts the form of a value, as `list`, between two keys."""
     return "oneOf" in schema and "discriminator" not in schema
+
+
+def _of_form(schema: Schema, step: str | int) -> Schema:
+    """Of a union of forms, the member for the form that pydantic names; the first is that of anything else."""
+    options = [_resolved(option) for option in schema["oneOf"]]
+    return next((one for one in options if one.get("type") == _FORMS.get(step)), options[0])
 
 
 def _below(schema: Schema, step: str | int) -> Schema:
@@ -50,9 +65,8 @@ def _below(schema: Schema, step: str | int) -> Schema:
 
 def _deref(schema: Schema | str) -> Schema:
     if not isinstance(schema, str):
-        return _deref(schema["$ref"]) if "$ref" in schema else schema
-    found: Schema = root()["$defs"][schema.rsplit("/", 1)[1]]
-    return found
+        return _deref(schema["$ref"]) | schema if "$ref" in schema else schema
+    return definitions()[schema.rsplit("/", 1)[1]]
 
 
 def _resolved(schema: Schema) -> Schema:
@@ -71,7 +85,7 @@ def tags(schema: Schema) -> tuple[str, list[str]] | None:
 
 def default_tag(path: Sequence[str]) -> tuple[str, str] | None:
     """Key and value of the tag of the union's member that stands at a path of the file by default; None without one."""
-    schema = root()
+    schema = definitions()[Scenario.__name__]
     for step in path:
         if "oneOf" in schema:
             return None  # which of several it is, the path does not say
@@ -91,9 +105,11 @@ def describe(schema: Schema) -> str:
 
 
 def _kind(schema: Schema) -> str:
+    if ALLOWED in schema:
+        return str(schema[ALLOWED])
     if "enum" in schema or "const" in schema:
         return f"one of {', '.join(schema.get('enum', [schema.get('const')]))}"
-    if _takes_one_or_more(schema):
+    if _takes_forms(schema):
         return f"{_kind(_resolved(schema['oneOf'][0]))}, or a list of such"
     if tag := tags(schema):
         return f"a mapping whose {tag[0]} is one of {', '.join(tag[1])}"
@@ -111,10 +127,9 @@ def _kind(schema: Schema) -> str:
 
 
 def _range(schema: Schema) -> str:
-    if "minimum" in schema and "maximum" in schema:
-        return f"from {schema['minimum']:g} to {schema['maximum']:g}"
-    if "exclusiveMinimum" in schema and "exclusiveMaximum" in schema:
-        return f"above {schema['exclusiveMinimum']:g} and below {schema['exclusiveMaximum']:g}"
-    if "minimum" in schema:
-        return f"of at least {schema['minimum']:g}"
-    return f"above {schema['exclusiveMinimum']:g}" if "exclusiveMinimum" in schema else ""
+    least, most, above, below = map(schema.get, ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"))
+    if least is not None and most is not None:
+        return f"from {least:.10g} to {most:.10g}"
+    if above is not None and below is not None:
+        return f"above {above:g} and below {below:g}"
+    return f"of at least {least:g}" if least is not None else f"above {above:g}" if above is not None else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -54,42 +54,25 @@ def checked(scenario: Scenario) -> Scenario:
     try:
         valid = Scenario.model_validate(plain)
     except ValidationError:  # once more, as a tree, in which messages find what was got
-        return scenario_of(tree.made(_listed(plain), _HERE), [])
+        return scenario_of(tree.made(plain_data(plain), _HERE), [])
     return scenario if not changed and valid == scenario else valid
-
-
-def differences(one: Any, other: Any, most: int = 5) -> list[str]:
-    """Dotted keys in which two scenarios, as plain data, differ; after the first few, how many more."""
-    keys = list(_differing(one, other, ()))
-    return keys if len(keys) <= most else [*keys[:most], f"and {len(keys) - most} more"]
-
-
-def _differing(one: Any, other: Any, path: tree.Path) -> Iterator[str]:
-    if isinstance(one, dict) and isinstance(other, dict):
-        for key in dict.fromkeys((*one, *other)):
-            yield from _differing(one.get(key), other.get(key), (*path, key))
-    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        for i, (held, another) in enumerate(zip(one, other, strict=True)):
-            yield from _differing(held, another, (*path, i))
-    elif one != other:
-        yield tree.dotted(path)
 
 
 def _override(key: str, value: Any, faults: list[Fault]) -> overrides.Override | None:
     at = tree.Position(f"replace {key}={value!r}"[:120], None)
     path = overrides.split(key, at, faults)
-    return None if path is None else overrides.Override(path, tree.made(_listed(value), at), at)
+    return None if path is None else overrides.Override(path, tree.made(plain_data(value), at), at)
 
 
-def _listed(value: Any) -> Any:
+def plain_data(value: Any) -> Any:
     """A value of Python or numpy in the plain types of YAML."""
     if isinstance(value, BaseModel):
         value = value.model_dump(by_alias=True)
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(key): _listed(held) for key, held in value.items()}
-    return [_listed(held) for held in value] if isinstance(value, list | tuple) else value
+        return {str(key): plain_data(held) for key, held in value.items()}
+    return [plain_data(held) for held in value] if isinstance(value, list | tuple) else value
 
 
 def _restate(plain: dict[str, Any]) -> bool:
@@ -106,7 +89,7 @@ def _restate_one(medium: dict[str, Any]) -> bool:
     preset = _preset(medium.get("name"))
     if preset is None or preset["law"] != medium.get("law"):
         return False
-    base, node = tree.made(preset, _HERE), tree.made(_listed(medium), _HERE)
+    base, node = tree.made(preset, _HERE), tree.made(plain_data(medium), _HERE)
     assert isinstance(base, tree.Mapping)
     assert isinstance(node, tree.Mapping)
     for key in _ABOUT:  # what stands there was not written over
@@ -124,7 +107,7 @@ def _preset(name: object) -> dict[str, Any] | None:
     if name not in _names():
         return None
     dumped = load_medium(str(name)).model_dump(by_alias=True)
-    listed: dict[str, Any] = _listed(dumped)
+    listed: dict[str, Any] = plain_data(dumped)
     return listed
 
 

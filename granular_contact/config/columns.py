@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
 
+from granular_contact.config.csv_table import Table, number, read_table
 from granular_contact.config.messages import unknown
 from granular_contact.config.references import shown
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, set_key
@@ -74,73 +72,47 @@ def _numbers(at: Position, values: list[float]) -> Items:
 def _read(
     file: Path, names: tuple[str, str], at: Position, path: tuple[str, ...], faults: list[Fault]
 ) -> tuple[list[float], list[float]] | None:
-    """Times and values of a column, or None with a fault."""
-    name = str(shown(file))
-
-    def refuse(line: int | None, message: str) -> None:
-        faults.append(Fault(name, line, ".".join(path[:-1]), message))
-
-    try:
-        with file.open(encoding="utf-8-sig", newline="") as lines:
-            rows = csv.reader(lines)
-            header = [cell.strip() for cell in next(rows, [])]
-            missing = [column for column in names if column not in header]
-            for column in missing:
-                refuse(
-                    1, f"there is no column {column!r}; {unknown(column, header) if header else 'the file is empty'}"
-                )
-            return None if missing else _rows(rows, header, names, refuse)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        words = getattr(error, "strerror", None) or "it is no CSV text"
-        faults.append(at.fault(path, f"got {file.name!r}, but {name} can't be read: {words}"))
-        return None
+    """Times and values of a column, or None with faults."""
+    told = list[Fault]()
+    table = read_table(shown(file), told)
+    if table is None:  # of a file that can't be read, the line that names it is at fault
+        words = f"got {file.name!r}, but {shown(file)} can't be read"
+        told = [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in told]
+    else:
+        words = "there is no column"
+        lost = [f"{words} {name!r}; {unknown(name, table.header)}" for name in names if name not in table.header]
+        found = _pairs(table, names) if not lost else [Fault(table.file, table.header_line, "", one) for one in lost]
+        if isinstance(found, tuple):
+            return found
+        told = found
+    faults += [one if one.key else replace(one, key=".".join(path[:-1])) for one in told]
+    return None
 
 
-class _Rows(Protocol):
-    """A csv.reader: cells of each line, and how many lines were read."""
-
-    line_num: int
-
-    def __iter__(self) -> Iterator[list[str]]: ...
-
-    def __next__(self) -> list[str]: ...
+def _fault(table: Table, line: int | None, message: str) -> list[Fault]:
+    return [Fault(table.file, line, "", message)]
 
 
-def _rows(
-    rows: _Rows, header: list[str], names: tuple[str, str], refuse: Callable[[int | None, str], None]
-) -> tuple[list[float], list[float]] | None:
-    where = [header.index(column) for column in names]
-    times: list[float] = []
-    values: list[float] = []
-    for cells in rows:
-        if not any(cell.strip() for cell in cells):
+def _pairs(table: Table, names: tuple[str, str]) -> tuple[list[float], list[float]] | list[Fault]:
+    """Times and values of two columns, or the first fault of them."""
+    times, values = list[float](), list[float]()
+    where = [table.header.index(name) for name in names]
+    for line, cells in zip(table.lines, table.rows, strict=True):
+        if not any(cells):
             continue
-        numbers = []
-        for column, i in zip(names, where, strict=True):
-            cell = cells[i].strip() if i < len(cells) else ""
-            number = _number(cell)
-            if number is None:
-                got = f"got {cell[:40]!r}" if cell else "got nothing"
-                refuse(rows.line_num, f"{got} in the column {column}; allowed is a finite number")
-                return None
-            numbers.append(number)
-        if times and numbers[0] <= times[-1]:
-            refuse(rows.line_num, f"got the time {numbers[0]:g} after {times[-1]:g}; allowed are times that grow")
-            return None
+        texts = [cells[i] if i < len(cells) else "" for i in where]
+        time, value = map(number, texts)
+        if time is None or value is None:
+            i = 0 if time is None else 1
+            got = f"got {texts[i][:40]!r}" if texts[i] else "got nothing"
+            return _fault(table, line, f"{got} in the column {names[i]}; allowed is a finite number")
+        if times and time <= times[-1]:
+            return _fault(table, line, f"got the time {time:g} after {times[-1]:g}; allowed are times that grow")
         if len(times) == MOST_ROWS:
-            refuse(rows.line_num, f"got more than {MOST_ROWS} rows; allowed are at most so many")
-            return None
-        times.append(numbers[0])
-        values.append(numbers[1])
+            return _fault(table, line, f"got more than {MOST_ROWS} rows; allowed are at most so many")
+        times.append(time)
+        values.append(value)
     if len(times) < 2:
-        refuse(None, f"got {len(times)} row{'s' * (len(times) != 1)} of numbers; allowed are 2 or more")
-        return None
+        words = f"got {len(times)} row{'s' * (len(times) != 1)} of numbers; allowed are 2 or more"
+        return _fault(table, None, words)
     return times, values
-
-
-def _number(cell: str) -> float | None:
-    try:
-        number = float(cell)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) and "_" not in cell else None

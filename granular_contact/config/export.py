@@ -1,9 +1,8 @@
-"""A scenario as plain data, and the schema of a config file for editors."""
+"""A scenario as plain data, and the schemas of configs, sweep files and fit files for editors."""
 
 from __future__ import annotations
 
 import ast
-import copy
 import inspect
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -11,12 +10,17 @@ from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
-from granular_contact.config import allowed
+from pydantic import BaseModel
+
 from granular_contact.config.references import FROM
+from granular_contact.config.schema.fit import FitFile
 from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.signals import SIGNALS
+from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.values.strict import Strict
+
+KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile}
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -61,17 +65,19 @@ def _shorten_signals(node: Any) -> None:
         node["anyOf"] = [{"type": "number"}, {"type": "string"}, whole]
 
 
-def _describe(schema: dict[str, Any]) -> None:
-    """Put the texts under the fields of all classes into the schema; reading sources takes long, so it is done here."""
+def _described(model: type[BaseModel]) -> dict[str, Any]:
+    """Schema of a model with the texts under the fields of all classes; reading sources takes long, so only here."""
+    schema = model.model_json_schema()
     classes: dict[str, type[Strict]] = {}
     more = [Strict]
     while more:
         more += (one := more.pop()).__subclasses__()
         classes[one.__name__] = one
-    for name, part in {Scenario.__name__: schema, **schema["$defs"]}.items():
+    for name, part in {model.__name__: schema, **schema["$defs"]}.items():
         for owner in reversed(classes[name].__mro__):
             for field, text in _texts(owner) if issubclass(owner, Strict) else ():
                 part["properties"][classes[name].model_fields[field].alias or field]["description"] = text
+    return schema
 
 
 def _texts(owner: type) -> Iterator[tuple[str, str]]:
@@ -85,13 +91,31 @@ def _texts(owner: type) -> Iterator[tuple[str, str]]:
                     yield name, inspect.cleandoc(text)
 
 
-def json_schema() -> dict[str, Any]:
-    """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`.
+def json_schema(kind: str = "run") -> dict[str, Any]:
+    """JSON Schema of a file of a kind, `run`, `sweep` or `fit`."""
+    if kind == "run":
+        return _run_schema()
+    schema = _described(KINDS[kind])
+    if kind == "sweep":
+        _complete_sweep(schema)
+    return schema
 
-    The method may be a word.
-    """
-    schema = copy.deepcopy(allowed.root())
-    _describe(schema)
+
+def _complete_sweep(schema: dict[str, Any]) -> None:
+    """Add to the schema of a sweep file its config, ranges in short, and that there is one kind of cases."""
+    run = _run_schema()
+    schema["$defs"] |= run.pop("$defs")
+    schema["$defs"]["Scenario"] = run
+    schema["properties"]["config"] = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Scenario"}]}
+    ranges = schema["$defs"]["Sample"]["properties"]["ranges"]
+    ends = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+    ranges["additionalProperties"] = {"anyOf": [ends, ranges["additionalProperties"]]}
+    schema["oneOf"] = [{"required": [key]} for key in ("cases", "vary", "sample")]
+
+
+def _run_schema() -> dict[str, Any]:
+    """Of a config, in which model and medium may be names, paths, or mappings with `from`; the method may be a word."""
+    schema = _described(Scenario)
     for key, noun in (("model", "model"), ("medium", "medium preset")):
         whole = schema["properties"][key]
         name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}

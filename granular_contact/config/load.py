@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
-from granular_contact.config import allowed, tree
 from granular_contact.config import overrides as setting
+from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
 from granular_contact.config.messages import faults_of, is_foreign, kind_of
@@ -92,7 +92,7 @@ class Template:
         ConfigError
             It is no mapping; with the `faults` found so far.
         """
-        known = allowed.keys(allowed.root())
+        known = list(Scenario.model_fields)
         if not isinstance(root, tree.Broken) and is_foreign(root, [*known, "config"]):
             words = f"is no config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
             faults.append(root.position.fault((), words))

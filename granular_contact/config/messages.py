@@ -4,25 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
 
 from granular_contact.config import allowed
-from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position
+from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position, plain
 from granular_contact.config.tree import Mapping as MappingNode
 from granular_contact.errors import Fault
-from granular_contact.values.strict import FAULTS
+from granular_contact.values.strict import FAULTS, did_you_mean
 
+M = TypeVar("M", bound=BaseModel)
 _LONGEST_VALUE = 60
 
 
-def faults_of(errors: Iterable[Mapping[str, Any]], tree: Node) -> list[Fault]:
-    """Faults for the `errors()` of a pydantic ValidationError about `tree`.
+def validated(model: type[M], tree: Node, faults: list[Fault]) -> M | None:
+    """The tree as a model; None, with faults, if it is none."""
+    try:
+        return model.model_validate(plain(tree))
+    except ValidationError as error:
+        faults += faults_of(error.errors(include_url=False, include_input=False), tree, model)
+    return None
+
+
+def faults_of(errors: Iterable[Mapping[str, Any]], tree: Node, model: type[BaseModel] = Scenario) -> list[Fault]:
+    """Faults for the `errors()` of a pydantic ValidationError about `tree`, which was to be a `model`.
 
     Nothing is said about what is `Broken`, since the fault that broke it is known, nor about a list that is too short
     only for the items in it that are at fault themselves: pydantic counts those that are not.
     """
     errors = list(errors)
-    faults = [fault for error in errors if not _is_short_of(error, errors) for fault in _faults(error, tree)]
+    faults = [fault for error in errors if not _is_short_of(error, errors) for fault in _faults(error, tree, model)]
     return [fault for fault in faults if fault is not None]
 
 
@@ -69,21 +82,18 @@ def _scalar_kind(value: bool | int | float) -> str:
 
 def unknown(word: str, known: Sequence[str]) -> str:
     """Which of `known` the unknown `word` may have meant, or all of them."""
-    near = get_close_matches(word, known, 1)
-    if near:
-        return f"did you mean {near[0]}?"
-    return f"allowed are {', '.join(known)}" if known else "none is allowed here"
+    return did_you_mean(word, known) or (f"allowed are {', '.join(known)}" if known else "none is allowed here")
 
 
-def _faults(error: Mapping[str, Any], tree: Node) -> list[Fault | None]:
-    path, schema = allowed.walk(error["loc"])
+def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> list[Fault | None]:
+    path, schema = allowed.walk(error["loc"], model)
     if error["type"] == FAULTS:
         return [_at(tree, (*path, *below), message) for below, message in error["ctx"][FAULTS]]
     if error["type"] == "extra_forbidden":
-        _, holder = allowed.walk(error["loc"][:-1])
+        _, holder = allowed.walk(error["loc"][:-1], model)
         return [_at_key(tree, path, f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
     if error["type"] == "missing":
-        return [_missing(tree, path, schema)]
+        return [_missing(tree, path, schema, model)]
     node, _ = find(tree, path)
     tag = allowed.tags(schema)
     if tag and isinstance(node, MappingNode):
@@ -91,10 +101,10 @@ def _faults(error: Mapping[str, Any], tree: Node) -> list[Fault | None]:
     return [_at(tree, path, f"got {got(node)}; allowed is {allowed.describe(schema)}{_hint(node, schema)}")]
 
 
-def _missing(tree: Node, path: Path, schema: allowed.Schema) -> Fault | None:
+def _missing(tree: Node, path: Path, schema: allowed.Schema, model: type[BaseModel]) -> Fault | None:
     holder, _ = find(tree, path[:-1])
     if isinstance(holder, Items):
-        size = len(allowed.walk(path[:-1])[1].get("prefixItems", ())) or 2
+        size = len(allowed.walk(path[:-1], model)[1].get("prefixItems", ())) or 2
         return _at(tree, path[:-1], f"got {got(holder)}; allowed is a list of {size} numbers")
     return _at_key(tree, path, f"is missing; allowed is {allowed.describe(schema)}")
 

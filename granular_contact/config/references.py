@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 from granular_contact.config.messages import got, kind_of
@@ -15,6 +14,7 @@ from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
 from granular_contact.laws.catalogue import LAWS
+from granular_contact.values.strict import did_you_mean
 
 FROM, LAW = "from", "law"
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
@@ -138,9 +138,8 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
     known = sorted({path.stem for folder in listed if folder.is_dir() for path in folder.glob("*.yaml")})
     if library is MEDIA and name in LAWS:
         return f"got {quoted}, which is a law and no medium; give its numbers, as medium: {{law: {name}, ...}}"
-    near = get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    return f"got {quoted}, but there is no such {library.noun}; {hint}there are {', '.join(known) or 'none'}"
+    hint = f"{did_you_mean(name, known)} there are {', '.join(known) or 'none'}".strip()
+    return f"got {quoted}, but there is no such {library.noun}; {hint}"
 
 
 def _is_scenario(path: Path, library: Library) -> bool:

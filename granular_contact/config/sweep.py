@@ -21,15 +21,16 @@ from typing import Any
 
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
+from granular_contact.config.differences import differences
 from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.load import Loaded, Template, by_place
-from granular_contact.config.messages import got, is_foreign, kind_of, unknown
+from granular_contact.config.messages import is_foreign, kind_of, validated
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
-from granular_contact.config.sweep_cases import Case, read_named, read_set
-from granular_contact.config.sweep_sample import Sample, Sampled, read_sample
-from granular_contact.config.sweep_vary import read_vary
+from granular_contact.config.schema.sweep import Sample, SweepFile
+from granular_contact.config.sweep_cases import Case, Numbered, named, read_overrides, varied
+from granular_contact.config.sweep_sample import sampled, with_long_ranges
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 
@@ -55,7 +56,7 @@ class Sweep:
     @property
     def sample(self) -> Sample | None:
         """How the cases were drawn; None if they were not."""
-        return self.cases.sample if isinstance(self.cases, Sampled) else None
+        return self.cases.sample if isinstance(self.cases, Numbered) else None
 
     def scenario(self, case: Case) -> Scenario:
         """Scenario of a case, as `load` gives it for the same overrides."""
@@ -86,7 +87,8 @@ class Sweep:
         """The same case as dotted keys on `base`, complete without any other file."""
         if not case.has_references:
             return {".".join(one.path): tree.plain(one.value) for one in effective(case.overrides)}
-        return dict(_difference(self._resolved_base, scenario_to_dict(self.scenario(case))))
+        found = differences(self._resolved_base, scenario_to_dict(self.scenario(case)), whole=True)
+        return {tree.dotted(path): value for path, _, value in found}
 
     @cached_property
     def _names_columns(self) -> bool:
@@ -132,8 +134,17 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
         raise ConfigError(faults)
     if "model" in root.nodes and "config" not in root.nodes:
         raise ConfigError([root.position.fault((), "is the config of one run; a sweep has its name under config")])
-    common = read_set(root, faults)
-    cases = _cases(root, faults)
+    return sweep_of(root, path, faults, probe, check)
+
+
+def sweep_of(
+    root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe | None = None, check: Check = case_faults
+) -> Sweep:
+    """The sweep of the tree of a file `path`; as `load_sweep`, with the `faults` found so far."""
+    root = with_long_ranges(root)
+    file = validated(SweepFile, root, faults)
+    common = read_overrides(root.nodes.get("set"), ("set",), faults)
+    cases = _cases(root, file, faults)
     loaded = _base(root, path, common, faults)
     if loaded is not None:
         keys = tuple(dict.fromkeys(key for case in cases for key in case.keys))
@@ -145,47 +156,33 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
     return sweep
 
 
-def _cases(root: tree.Mapping, faults: list[Fault]) -> Sequence[Case]:
-    """Cases of a sweep in the order of the file; its keys are checked here too."""
-    for key, at in root.keys.items():
-        if key not in KEYS:
-            faults.append(at.fault((key,), f"unknown key; {unknown(key, KEYS)}"))
-    given = [key for key in ("cases", "vary", "sample") if key in root.nodes]
-    if len(given) != 1:
-        amount = {0: "none", 2: "both", 3: "all"}[len(given)]
-        of = " and ".join(given) if len(given) == 2 else "cases, vary and sample"
-        faults.append(root.position.fault((), f"got {amount} of {of}; exactly one is allowed"))
+def _cases(root: tree.Mapping, file: SweepFile | None, faults: list[Fault]) -> Sequence[Case]:
+    """Cases of a sweep in the order of the file; of a file at fault those that it names one by one."""
+    if "cases" in root.nodes:
+        return named(root.nodes["cases"], faults)
+    if file is None:
         return []
-    if given == ["vary"]:
-        return read_vary(root, faults)
-    if "combine" in root.nodes:
-        message = f"unknown key; it tells how vary is combined, not {given[0]}"
-        faults.append(root.keys["combine"].fault(("combine",), message))
-    held = root.nodes[given[0]]
-    return read_sample(held, faults) if given == ["sample"] else read_named(held, faults)
+    if file.sample is None:
+        return varied(root.nodes["vary"], file, faults)
+    return sampled(root.nodes["sample"], file.sample, faults)
 
 
 def _base(
     root: tree.Mapping, path: Path, common: Sequence[Override], faults: list[Fault]
 ) -> tuple[Template, Scenario] | None:
     """The config that all cases start from, with `set` in it; None, with faults, if there is none."""
-    node = root.nodes.get("config")
-    if node is None:
-        faults.append(root.position.fault(("config",), "is missing; allowed is the path of a config, or a config"))
-    found: tree.Node | None = node
-    if isinstance(node, tree.Scalar) and isinstance(node.value, str):
-        path = path.parent / node.value
+    found = root.nodes.get("config")
+    if isinstance(found, tree.Scalar) and isinstance(found.value, str):
+        path = path.parent / found.value
         if not path.exists():
-            message = f"got {node.value!r}, but there is no file {shown(path)}"
-            faults.append(node.position.fault(("config",), message))
+            message = f"got {found.value!r}, but there is no file {shown(path)}"
+            faults.append(found.position.fault(("config",), message))
             return None
         path = shown(path)
         found = read_file(path, faults)
-    elif isinstance(node, tree.Scalar | tree.Items):
-        message = f"got {got(node)}; allowed is the path of a config, or a config"
-        faults.append(node.position.fault(("config",), message))
+    elif not isinstance(found, tree.Mapping):  # which the schema tells
         return None
-    if found is None or isinstance(found, tree.Broken):
+    if isinstance(found, tree.Broken):
         return None
     try:
         template = Template(found, path, [])
@@ -232,12 +229,3 @@ def _listed(faults: Iterable[Fault]) -> list[Fault]:
         return ordered
     rest = len(ordered) - MOST_FAULTS
     return [*ordered[:MOST_FAULTS], Fault(ordered[-1].file, None, "", f"has {rest} more faults, not shown here")]
-
-
-def _difference(base: Any, other: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
-    """Dotted keys under which `other` differs from `base`; a mapping with other keys is replaced as a whole."""
-    if isinstance(base, dict) and isinstance(other, dict) and set(base) == set(other):
-        for key in other:
-            yield from _difference(base[key], other[key], (*path, key))
-    elif base != other:
-        yield ".".join(path), other

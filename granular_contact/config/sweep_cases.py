@@ -1,20 +1,20 @@
-"""What a case is, and the keys `set` and `cases` of a sweep file -> overrides, and named cases of them."""
+"""Cases of a sweep: named ones, and those that follow from values of some keys; each made when it is asked for."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 from granular_contact.config import tree
-from granular_contact.config.messages import got
 from granular_contact.config.overrides import Override, split
+from granular_contact.config.schema.sweep import CountedRange, Sample, SweepFile
 from granular_contact.errors import Fault
 from granular_contact.values.scalars import resolve
+from granular_contact.values.strict import listed
 
-MOST_CASES = 100_000
-MOST_SAID = 6  # values of a case, where it is named
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,99}")
 _NAME_RULE = "a letter or digit, then letters, digits, _ . + = and -, at most 100, and no number, are allowed"
 
@@ -46,32 +46,21 @@ class Case:
     @property
     def label(self) -> str:
         """The name, with the values where the name tells nothing."""
-        if not self.numbered:
-            return self.name
-        said = [f"{key} = {value}" for key, value in self.values.items()]
-        more = [f"and {len(said) - MOST_SAID} more"] if len(said) > MOST_SAID else []
-        return ", ".join((self.name, *said[:MOST_SAID], *more))
+        values = [f"{key} = {value}" for key, value in self.values.items()] if self.numbered else []
+        return ", ".join((self.name, listed(values))) if values else self.name
 
 
-def read_set(root: tree.Mapping, faults: list[Fault]) -> list[Override]:
-    """What `set` replaces in every case."""
-    node = root.nodes.get("set")
-    return [] if node is None else list(read_overrides(node, ("set",), faults))
-
-
-def read_overrides(node: tree.Node, path: tree.Path, faults: list[Fault]) -> Iterator[Override]:
-    """Overrides of a mapping from dotted keys to values."""
-    if isinstance(node, tree.Mapping):
-        read = [one for key in node.nodes if (one := _override(node, key, path, faults)) is not None]
-        yield from _without_hidden(read, faults)
-    elif not isinstance(node, tree.Broken):
-        faults.append(node.position.fault(path, f"got {got(node)}; allowed is a mapping from dotted keys to values"))
-
-
-def _override(node: tree.Mapping, key: str, path: tree.Path, faults: list[Fault]) -> Override | None:
-    at = node.keys[key]
-    parts = split(key, at, faults, form=f"dotted key: {'.'.join(map(str, path))} has {key!r}")
-    return None if parts is None else Override(parts, node.nodes[key], at)
+def read_overrides(node: tree.Node | None, path: tree.Path, faults: list[Fault]) -> list[Override]:
+    """Overrides of a mapping from dotted keys to values; none of what is no mapping, as the schema tells that."""
+    if not isinstance(node, tree.Mapping):
+        return []
+    read = []
+    for key, value in node.nodes.items():
+        at = node.keys[key]
+        parts = split(key, at, faults, form=f"dotted key: {tree.dotted(path)} has {key!r}")
+        if parts is not None:
+            read.append(Override(parts, value, at))
+    return list(_without_hidden(read, faults))
 
 
 def _without_hidden(overrides: Sequence[Override], faults: list[Fault]) -> Iterator[Override]:
@@ -87,20 +76,11 @@ def _without_hidden(overrides: Sequence[Override], faults: list[Fault]) -> Itera
             )
 
 
-def read_named(node: tree.Node, faults: list[Fault]) -> list[Case]:
-    """Cases that the file names one by one, in its order."""
-    if isinstance(node, tree.Broken):
-        return []
-    if not isinstance(node, tree.Mapping | tree.Items) or not node.nodes:
-        message = f"got {got(node)}; allowed is a mapping or a list of one case or more"
-        faults.append(node.position.fault(("cases",), message))
-        return []
-    if len(node.nodes) > MOST_CASES:
-        faults.append(node.position.fault(("cases",), f"got {len(node.nodes)} cases; at most {MOST_CASES} are allowed"))
-        return []
+def named(node: tree.Node, faults: list[Fault]) -> list[Case]:
+    """Cases that the file names one by one, in its order, less those that are no mappings, as the schema tells that."""
     cases: list[Case] = []
     lines: dict[str, int | None] = {}
-    for name, at, path, held in _entries(node, faults):
+    for name, at, path, held in _entries(node):
         if not _NAME.fullmatch(name) or not isinstance(resolve(name), str):
             faults.append(at.fault(path, f"got the name {name!r}; {_NAME_RULE}"))
         elif name.casefold() in lines:  # on some systems these are one folder
@@ -112,25 +92,65 @@ def read_named(node: tree.Node, faults: list[Fault]) -> list[Case]:
     return cases
 
 
-def _entries(
-    node: tree.Mapping | tree.Items, faults: list[Fault]
-) -> Iterator[tuple[str, tree.Position, tree.Path, tree.Node]]:
+def _entries(node: tree.Node) -> Iterator[tuple[str, tree.Position, tree.Path, tree.Node]]:
     """Name, its place, path and content of each case, whichever way they are listed."""
     if isinstance(node, tree.Mapping):
         for name, held in node.nodes.items():
             yield name, node.keys[name], ("cases", name), held
-        return
-    for i, item in enumerate(node.nodes):
-        path = ("cases", i)
-        if not isinstance(item, tree.Mapping):
-            if not isinstance(item, tree.Broken):
-                faults.append(item.position.fault(path, f"got {got(item)}; allowed is a mapping with a name"))
-            continue
-        name_node = item.nodes.get("name")
-        if name_node is None:
-            faults.append(item.position.fault((*path, "name"), "is missing; allowed is text"))
-        elif not isinstance(name_node, tree.Scalar) or not isinstance(name_node.value, str):
-            if not isinstance(name_node, tree.Broken):
-                faults.append(name_node.position.fault((*path, "name"), f"got {got(name_node)}; allowed is text"))
-        else:
-            yield name_node.value, name_node.position, path, tree.drop_key(item, "name")
+    for i, item in enumerate(node.nodes) if isinstance(node, tree.Items) else ():
+        name_node = tree.child(item, "name")
+        if isinstance(item, tree.Mapping) and isinstance(name_node, tree.Scalar) and isinstance(name_node.value, str):
+            yield name_node.value, name_node.position, ("cases", i), tree.drop_key(item, "name")
+
+
+class Numbered(Sequence[Case]):
+    """Cases that differ in numbers or values only, called case_1 and so on.
+
+    overrides: what the case of an index, from 0, replaces. sample: how they were drawn, if they were.
+    """
+
+    def __init__(
+        self, count: int, overrides: Callable[[int], tuple[Override, ...]], sample: Sample | None = None
+    ) -> None:
+        self._count, self._overrides, self.sample = count, overrides, sample
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> Case: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Case]: ...
+    def __getitem__(self, index: int | slice) -> Case | Sequence[Case]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(self._count)[index]]
+        index = range(self._count)[index]
+        return Case(f"case_{index + 1:0{len(str(self._count))}d}", self._overrides(index), numbered=True)
+
+
+def varied(node: tree.Node, file: SweepFile, faults: list[Fault]) -> Sequence[Case]:
+    """Cases of `vary`: all combinations (the last key runs fastest), or the values of all keys side by side."""
+    keys = read_overrides(node, ("vary",), faults)
+    if len(keys) < len(file.vary):
+        return []
+    columns = [_levels(*one) for one in zip(keys, file.vary.values(), strict=True)]
+    if file.combine == "zip":
+        return Numbered(min(map(len, columns)), lambda index: tuple(column[index] for column in columns))
+
+    def combination(index: int) -> tuple[Override, ...]:
+        found: list[Override] = []
+        for column in reversed(columns):
+            index, i = divmod(index, len(column))
+            found.append(column[i])
+        return tuple(reversed(found))
+
+    return Numbered(math.prod(map(len, columns)), combination)
+
+
+def _levels(key: Override, levels: list[Any] | CountedRange) -> list[Override]:
+    """An override for each value of a key of `vary`."""
+    if not isinstance(levels, CountedRange):
+        assert isinstance(key.value, tree.Items)
+        return [Override(key.path, value, value.position) for value in key.value.nodes]
+    at = key.value.position
+    return [Override(key.path, tree.made(number, at), at) for number in levels.numbers(levels.count)]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Annotated, Any, get_args
 
 import yaml
@@ -13,6 +14,10 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from granular_contact.values.scalars import resolve
 
 FAULTS = "faults"
+ALLOWED = "x-allowed"  # key of the JSON Schema
+MOST_LISTED = 6
+_MOST_NAMES = 12
+_FORMS: dict[str, Any] = {"text": str, "number": int | float, "list": list | tuple, "mapping": Mapping}
 _RESOLVER: Any = yaml.resolver.Resolver()
 Path = tuple[str | int, ...]
 LocalFault = tuple[Path, str]
@@ -38,6 +43,40 @@ def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:
     return PydanticCustomError(FAULTS, "{text}", {"text": text, FAULTS: list(faults)})
 
 
+def allow(words: str) -> Any:
+    """Mark a field or a type with what messages say is allowed, where the schema alone would say it worse."""
+    return Field(json_schema_extra={ALLOWED: words})
+
+
+def listed(words: Sequence[str], between: str = ", ") -> str:
+    """Words in a row; of a great many the first few, and how many more there are."""
+    if len(words) <= MOST_LISTED:
+        return between.join(words)
+    return f"{between.join(words[:MOST_LISTED])}{between}... and {len(words) - MOST_LISTED} more"
+
+
+def did_you_mean(word: str, known: Collection[str]) -> str:
+    """Which of `known` the unknown `word` may have meant, as a question; empty if it is like none."""
+    near = get_close_matches(word, known, 1)
+    return f"did you mean {near[0]}?" if near else ""
+
+
+def no_such(what: str, name: str, known: Collection[str]) -> str:
+    """That there is no body, joint or signal of a name, and which ones there are."""
+    there = ", ".join([*known][:_MOST_NAMES]) + ", ..." * (len(known) > _MOST_NAMES) or "none"
+    return f"there is no {what} {name!r}; {did_you_mean(name, known) or f'there are {there}'}"
+
+
+def form(value: Any) -> str | None:
+    """YAML form of a value, the tag of a union of forms: pydantic puts it between two keys of a location.
+
+    An empty mapping has none, so that one fault tells what it may be, and not one for each key that it lacks.
+    """
+    if isinstance(value, bool) or value == {}:
+        return None
+    return next((name for name, kind in _FORMS.items() if isinstance(value, kind)), None)
+
+
 def _survives_a_file(text: str) -> str:
     """Refuse a text such as `1e3`, which PyYAML writes without quotes and this package would read as a number."""
     written_plain = _RESOLVER.resolve(yaml.ScalarNode, text, (True, False)) == "tag:yaml.org,2002:str"
@@ -52,6 +91,16 @@ Text = Annotated[str, AfterValidator(_survives_a_file)]
 # A YAML list is a list; frozen values are tuples.
 Point = Annotated[tuple[float, float], StrictnessOf(False)]
 Listed = StrictnessOf(False)
+
+
+def _once(names: tuple[str, ...]) -> tuple[str, ...]:
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if twice:
+        raise refusal([((), f"names {name} twice; once is allowed") for name in twice])
+    return names
+
+
+Names = Annotated[tuple[Text, ...], Listed, Field(min_length=1), AfterValidator(_once)]
 
 
 class OrNull:
@@ -78,7 +127,7 @@ class Tagged:
         return core_schema.tagged_union_schema(choices, discriminator=self.key)
 
 
-ONE, MANY = "one", "many"
+ONE, MANY = "one", "list"
 
 
 class OneOrMore:
@@ -93,5 +142,5 @@ class OneOrMore:
                 ONE: single,
                 MANY: core_schema.tuple_variable_schema(single, min_length=1, strict=False),
             },
-            discriminator=lambda value: MANY if isinstance(value, list | tuple) else ONE,
+            discriminator=lambda value: MANY if form(value) == MANY else ONE,
         )

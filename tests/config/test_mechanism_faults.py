@@ -295,7 +295,7 @@ COLUMNS = {
     "not a number": ("time_s,knee\n0,1\n1,nan\n", ("gait.csv", 3), "drives.knee.angle_deg", "got 'nan'"),
     "unsorted": ("time_s,knee\n0,1\n2,2\n1,3\n", ("gait.csv", 4), "drives.knee.angle_deg", "got the time 1 after 2"),
     "one row": ("time_s,knee\n0,1\n", ("gait.csv", None), "drives.knee.angle_deg", "got 1 row of numbers"),
-    "empty": ("", ("gait.csv", 1), "drives.knee.angle_deg", "the file is empty"),
+    "empty": ("", ("gait.csv", 1), "drives.knee.angle_deg", "is empty; a line with the names"),
 }
 
 

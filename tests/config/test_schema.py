@@ -1,15 +1,24 @@
 """The schema as data: what an editor is told, and what Python callers may rely on."""
 
+import json
+from pathlib import Path
+from typing import Any
+
 import pydantic
 import pytest
+import yaml
 
-from granular_contact.config import json_schema, schema
+from granular_contact import cli
+from granular_contact.config import is_sweep, json_schema, schema
+from granular_contact.config.schema import fit
 from granular_contact.config.schema.drives import DRIVES
 from granular_contact.config.schema.joints import CLOSURES, JOINTS
 from granular_contact.config.schema.mechanism import BODIES
 from granular_contact.config.schema.scenario import FRICTIONS
 from granular_contact.config.schema.shapes import SHAPES
 from granular_contact.config.schema.signals import SIGNALS
+from granular_contact.config.tree import plain
+from granular_contact.config.yaml_source import read_file
 from granular_contact.laws.catalogue import LAWS
 
 
@@ -63,3 +72,67 @@ def test_python_callers_get_the_same_checks():
         )
     with pytest.raises(pydantic.ValidationError, match="frozen"):
         schema.Solver().step_s = 1
+
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+TYPES: dict[str, Any] = {"object": dict, "array": list, "string": str, "number": int | float, "integer": int}
+
+
+def fits(part: dict[str, Any], data: Any, whole: dict[str, Any]) -> bool:
+    """Whether data fit a part of a JSON Schema, by the words that ours use of it."""
+    if "$ref" in part:
+        return fits(whole["$defs"][part["$ref"].rpartition("/")[2]], data, whole)
+    among = [sum(fits(one, data, whole) for one in part[key]) for key in ("anyOf", "oneOf") if key in part]
+    kind = part.get("type")
+    if kind == "null" or not all(among) or ("enum" in part and data not in part["enum"]):
+        return kind == "null" and data is None
+    if "const" in part and data != part["const"]:
+        return False
+    if kind in TYPES and (not isinstance(data, TYPES[kind]) or isinstance(data, bool)):
+        return False
+    if isinstance(data, list):
+        return all(fits(part.get("items", {}), item, whole) for item in data) and len(data) >= part.get("minItems", 0)
+    if not isinstance(data, dict):
+        return part.get("minimum", data) <= data if kind in ("number", "integer") else True
+    own, others = part.get("properties", {}), part.get("additionalProperties", True)
+    if not set(part.get("required", ())) <= set(data) or (others is False and not set(data) <= set(own)):
+        return False
+    return all(
+        fits(own.get(key, others if isinstance(others, dict) else {}), item, whole) for key, item in data.items()
+    )
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert cli.main(["schema", *words]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_every_shipped_file_fits_the_printed_schema(capsys):
+    schemas = {kind: printed(capsys, kind) for kind in ("run", "sweep", "fit")}
+    assert printed(capsys) == schemas["run"]
+    files = sorted(CONFIGS.glob("*.yaml"))
+    kinds = {path: "sweep" if is_sweep(path) else "run" for path in files}
+    assert list(kinds.values()).count("sweep") == 2
+    for path, kind in kinds.items():
+        data = plain(read_file(path, []))  # PyYAML takes 1e-3 for a text
+        assert {one: fits(schemas[one], data, schemas[one]) for one in ("run", "sweep")} == {
+            one: one == kind for one in ("run", "sweep")
+        }, path
+    example = yaml.safe_load(fit.__doc__.partition("\n\n")[2])
+    assert fits(schemas["fit"], example, schemas["fit"])
+    assert fit.FitFile.model_validate(example).starts == 8
+    for spoilt in ({"runs": []}, {"runs": [{"config": "a"}]}, example | {"loss": "cauchy"}, example | {"start": 3}):
+        assert not fits(schemas["fit"], spoilt, schemas["fit"])
+
+
+def test_a_sweep_holds_a_whole_config_and_one_kind_of_cases(capsys):
+    whole = printed(capsys, "sweep")
+    config = yaml.safe_load((CONFIGS / "pendulum.yaml").read_text())
+    assert fits(
+        whole,
+        {"config": config, "vary": {"solver.step_s": [1e-3], "gravity_m_s2": {"from": 1, "to": 2, "count": 3}}},
+        whole,
+    )
+    assert not fits(whole, {"config": config | {"medum": 3}, "vary": {"gravity_m_s2": [1]}}, whole)
+    assert not fits(whole, {"config": "run.yaml", "vary": {"gravity_m_s2": {"from": 1, "to": 2}}}, whole)
+    assert not fits(whole, {"config": "run.yaml"}, whole)

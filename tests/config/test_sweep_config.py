@@ -139,7 +139,7 @@ FAULTS = {
     ),
     # sample
     "sample a list": ("config: run.yaml\nsample: [1]\n", 2, "sample", ["a list of 1 item", "method, count, seed"]),
-    "sample and vary": (sample(SOBOL) + "vary: {}\n", 1, "", ["both of vary and sample", "exactly one"]),
+    "sample and vary": (sample(SOBOL) + f"vary: {{{SPEED}: [1]}}\n", 1, "", ["both of vary and sample", "exactly one"]),
     "sample and combine": (sample(SOBOL) + "combine: grid\n", 6, "combine", ["not sample"]),
     "no method": (sample("  count: 4\n"), 2, "sample.method", ["is missing", "latin_hypercube, sobol"]),
     "method": (sample("  method: random\n  count: 4\n"), 3, "sample.method", ["'random'", "one_at_a_time, saltelli"]),

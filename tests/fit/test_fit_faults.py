@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from support_fit import CONFIG, RIGID, measure
 
+from granular_contact.config.csv_table import read_table
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.studies.fit import load_specification, prepare
-from granular_contact.studies.fit.csv_table import read_table
 from granular_contact.studies.fit.measurements import select
 
 FIT = f"""\
@@ -204,8 +204,8 @@ TEXTS = {
     "column not in the file": (("    data:", "    columns: {time_s: t, tip_x_m: tip_x_m}\n    data:"), "fit.yaml", 5,
                                "columns.time_s", "got 't', but"),
     "offset": (("    data:", "    time_offset_s: maybe\n    data:"), "fit.yaml", 5, "runs.0.time_offset_s",
-               "allowed are fit, a number"),
-    "noise": (("runs:", "noise: {tip_x_m: 0}\nruns:"), "fit.yaml", 3, "noise.tip_x_m", "a number above 0"),
+               "allowed is fit, a number"),
+    "noise": (("runs:", "noise: {tip_x_m: 0}\nruns:"), "fit.yaml", 3, "noise.tip_x_m", "number above 0"),
     "noise of nothing": (("runs:", "noise: {deflection_mm: 1}\nruns:"), "fit.yaml", 3, "noise.deflection_mm",
                          "no data have such a column"),
     "noise of one column twice": (("runs:", "noise: {tip_x_mm: 0.1, tip_x_m: 5}\nruns:"), "fit.yaml", 3,

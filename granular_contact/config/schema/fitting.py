@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterator, Mapping
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
 from granular_contact.config.schema.initial import KEYS, Initial
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
 from granular_contact.config.schema.structure import GROUND
-from granular_contact.values.strict import LocalFault
+from granular_contact.values.strict import LocalFault, no_such
 
 
 def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:
@@ -25,7 +24,7 @@ def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive
         path = ("initial", "joints", name)
         if name not in joints:
             what = "closes a loop, which follows from the others" if name in model.closures else None
-            yield path, f"{name} {what}" if what else _unknown("joint", name, joints)
+            yield path, f"{name} {what}" if what else no_such("joint", name, joints)
             continue
         kind = joints[name].type
         if kind == "weld":
@@ -65,7 +64,7 @@ def drive_faults(
             used.add(signal.name)
             yield from _shared_faults((*path, key), signal, signals)
         if name not in joints:
-            yield path, _unknown("joint", name, joints)
+            yield path, no_such("joint", name, joints)
             continue
         kind = joints[name].type
         if isinstance(drive, Motion) and name in model.closures:
@@ -86,15 +85,9 @@ def drive_faults(
 def _shared_faults(path: tuple[str, ...], shared: Shared, signals: Mapping[str, AnySignal]) -> Iterator[LocalFault]:
     signal = signals.get(shared.name)
     if signal is None:
-        yield path, _unknown("signal", shared.name, signals)
+        yield path, no_such("signal", shared.name, signals)
     elif isinstance(signal, Buehler) and path[-1] != "angle_deg":
         yield path, f"{shared.name} is a buehler clock, which gives angles; allowed are the other signals"
     elif shared.phase_deg != 0.0 and not isinstance(signal, Buehler | Sine):
         words = f"got {shared.phase_deg:g}, but {shared.name} is a {signal.type}: allowed is 0"
         yield (*path, "phase_deg"), words
-
-
-def _unknown(what: str, name: str, known: Collection[str]) -> str:
-    near = get_close_matches(name, known, 1)
-    listed = ", ".join(list(known)[:12]) + ", ..." * (len(known) > 12)
-    return f"there is no {what} {name!r}; " + (f"did you mean {near[0]}?" if near else f"there are {listed or 'none'}")

@@ -8,13 +8,11 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
-from difflib import get_close_matches
 
-from granular_contact.values.strict import LocalFault
+from granular_contact.values.strict import LocalFault, no_such
 
 GROUND = "ground"
 _ALLOWED = "a letter or _, then letters, digits, _ and -, are allowed"
-_MOST_LISTED = 12  # names in a message
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
 
@@ -100,7 +98,7 @@ def _chain_faults(chain: Names, bodies: Collection[str], joints: Collection[str]
         if clash is not None:
             faults.append((("chain", key), f"{clash} is the name of a {what} already; give another"))
     if parent not in bodies and parent != GROUND:
-        what = f"{parent} is a link of this chain" if parent in links else _unknown_body(parent, [GROUND, *bodies])
+        what = f"{parent} is a link of this chain" if parent in links else no_such("body", parent, [GROUND, *bodies])
         faults.append((("chain", "parent"), what))
     return faults
 
@@ -121,24 +119,14 @@ def _name_faults(kind: str, names: Collection[str]) -> list[LocalFault]:
 def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collection[str]) -> list[LocalFault]:
     faults: list[LocalFault] = []
     if parent not in bodies and parent != GROUND:
-        faults.append(((kind, joint, "parent"), _unknown_body(parent, [GROUND, *bodies])))
+        faults.append(((kind, joint, "parent"), no_such("body", parent, [GROUND, *bodies])))
     if child == GROUND:
         faults.append(((kind, joint, "child"), "the ground can't be a child; it moves with nothing"))
     elif child not in bodies:
-        faults.append(((kind, joint, "child"), _unknown_body(child, list(bodies))))
+        faults.append(((kind, joint, "child"), no_such("body", child, list(bodies))))
     elif child == parent:
         faults.append(((kind, joint, "child"), f"joins {child} to itself; parent and child must differ"))
     return faults
-
-
-def _unknown_body(name: str, known: list[str]) -> str:
-    near = get_close_matches(name, known, 1)
-    hint = (
-        f"did you mean {near[0]}?"
-        if near
-        else f"there are {', '.join(known[:_MOST_LISTED])}{', ...' * (len(known) > _MOST_LISTED)}"
-    )
-    return f"there is no body {name!r}; {hint}"
 
 
 def _cycle_faults(

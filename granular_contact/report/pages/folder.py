@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from granular_contact.config.csv_table import ragged, table_of
+from granular_contact.errors import Fault
 from granular_contact.report import ANIMATION, ENTRIES, FIGURES, kind_of
 
 
@@ -50,14 +51,13 @@ class Folder:
 
     def table(self, name: str) -> tuple[list[str], Rows]:
         """Head and rows of a CSV file; numbers as numbers, empty cells as None."""
-        try:
-            head, *rows = csv.reader(self._text(name).splitlines())
-        except (ValueError, csv.Error):
-            raise FolderError(f"{self.path / name}: has no header") from None
-        ragged = next((i for i, row in enumerate(rows, 2) if len(row) != len(head)), None)
-        if ragged is not None:
-            raise FolderError(f"{self.path / name}: row {ragged} does not have {len(head)} cells as the header has")
-        return head, [[_value(cell) for cell in row] for row in rows]
+        faults: list[Fault] = []
+        table = table_of(self._text(name), str(self.path / name), faults)
+        if table is not None:
+            faults += ragged(table)
+        if table is None or faults:
+            raise FolderError(str(faults[0]))
+        return list(table.header), [[_value(cell) for cell in row] for row in table.rows]
 
     def text(self, name: str) -> str | None:
         """A text file as it is; None if there is none."""

@@ -9,11 +9,11 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.config.csv_table import Table, few, form_faults, number
 from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 from granular_contact.studies.fit.columns import KINDS, TIME, in_words, kind, recognise, spellings
-from granular_contact.studies.fit.csv_table import Table, few, number
 
 Vector = NDArray[np.float64]
 
@@ -50,6 +50,9 @@ def select(
     known: columns of the run that can be fitted; others: those that can't. mapping: measured name with unit -> header
     in the file and where that was said; empty: the headers are such names themselves.
     """
+    if odd := form_faults(table):
+        faults += odd
+        return None
     chosen = _mapped(table, known, mapping, faults, others) if mapping else _named(table, known, faults)
     if chosen is None:
         return None

@@ -48,8 +48,8 @@ def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, fault
     problem = _refused(wanted, list(values.values()), list(plains.values()))
     if problem is None:
         runs = tuple(numbers)
-        start = wanted.start if wanted.start is not None else numbers[runs[0]]
-        if wanted.start is None and len(set(numbers.values())) > 1:
+        start = wanted.bounds.start if wanted.bounds.start is not None else numbers[runs[0]]
+        if wanted.bounds.start is None and len(set(numbers.values())) > 1:
             shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
             problem = f"the runs have different values, {shown}: give it a start in a fit file"
         else:
@@ -101,17 +101,21 @@ def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> t
 
     Where the config's own value lies outside given bounds, the start is in the middle of them.
     """
-    if start == 0.0 and (wanted.low is None or wanted.high is None):
+    if start == 0.0 and (wanted.bounds.low is None or wanted.bounds.high is None):
         return "starts at 0, from which no bounds follow: give it bounds, from and to in a fit file"
-    low = wanted.low if wanted.low is not None else _default(wanted, start, -1, simulators)
-    high = wanted.high if wanted.high is not None else _default(wanted, start, +1, simulators)
-    for name, value, given in (("from", low, wanted.low), ("to", high, wanted.high), ("start", start, wanted.start)):
+    low = wanted.bounds.low if wanted.bounds.low is not None else _default(wanted, start, -1, simulators)
+    high = wanted.bounds.high if wanted.bounds.high is not None else _default(wanted, start, +1, simulators)
+    for name, value, given in (
+        ("from", low, wanted.bounds.low),
+        ("to", high, wanted.bounds.high),
+        ("start", start, wanted.bounds.start),
+    ):
         problem = _allowed(wanted, value, simulators)
         if problem is not None and (given is not None or name == "start"):
             return f"{name}: {problem}"
     if not low < high:
         return f"has no room between its bounds, {low:g} and {high:g}; give it from and to"
-    log = wanted.scale == "log" or (wanted.scale is None and low > 0.0 and high / low >= LOG_FROM)
+    log = wanted.bounds.scale == "log" or (wanted.bounds.scale is None and low > 0.0 and high / low >= LOG_FROM)
     if log and low <= 0.0:
         return f"has the lower bound {low:g}; on a log scale it must be above 0"
     if not low <= start <= high:

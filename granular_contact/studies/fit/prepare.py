@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from granular_contact.config.changed import filled
+from granular_contact.config.csv_table import read_table
 from granular_contact.config.load import Template, by_place
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
@@ -14,12 +15,11 @@ from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.scene import build
 from granular_contact.studies.fit import checks
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
-from granular_contact.studies.fit.csv_table import read_table
 from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, Parameter, Problem, Run
 from granular_contact.studies.fit.tracks import HERE, ModelFailed, Simulator
-from granular_contact.studies.fit.wanted import RunWanted, Specification, Wanted
+from granular_contact.studies.fit.wanted import RunWanted, Specification
 
 
 def prepare(wanted: Specification) -> Problem:
@@ -116,8 +116,8 @@ def _twice(runs: Sequence[RunWanted], sources: Sequence[_Source]) -> Iterator[Fa
 
 def _offsets(wanted: RunWanted) -> tuple[float, float]:
     """Offset of the clock to start from, and the greatest that it may have (s)."""
-    if isinstance(wanted.offset, Wanted):
-        _, high, start = wanted.offset.bounds
+    if isinstance(wanted.offset, tuple):
+        _, high, start = wanted.offset
         return start, high
     return wanted.offset, wanted.offset
 
@@ -150,10 +150,9 @@ def _problem(
         acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key != OFFSET)
         simulator = Simulator(source.template, [parameters[j].key for j in acting], source.measured.columns)
         offset_index, offset = None, 0.0
-        if isinstance(one.offset, Wanted):
+        if isinstance(one.offset, tuple):
             offset_index = len(parameters)
-            bounds = one.offset.bounds
-            parameters.append(Parameter(OFFSET, (i,), *bounds, log=False, label=f"{OFFSET[0]} @ {one.name}"))
+            parameters.append(Parameter(OFFSET, (i,), *one.offset, log=False, label=f"{OFFSET[0]} @ {one.name}"))
         else:
             offset = one.offset
         simulator.early = source.early

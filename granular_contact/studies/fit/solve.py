@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, as_completed
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,14 +111,14 @@ def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list
 def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Iterator[tuple[int, Start]]:
     """Index and end of each start, as they come.
 
-    A process that dies takes all starts that are under way with it. Each is tried once more in a process of its own,
-    so that none pays for another; never in this one, which would die of it as well.
+    A start whose process dies is tried once more in another one: it may have been killed from outside. Never in this
+    one, which would die of it as well.
     """
     from granular_contact.studies.sweep.pool import local_processes
 
     lost: list[int] = []
     with local_processes(workers) as pool:
-        tasks = {_handed_to(pool, problem, point): i for i, point in enumerate(points)}
+        tasks = {pool.submit(descend, problem, point): i for i, point in enumerate(points)}
         for task in as_completed(tasks):
             if isinstance(task.exception(), BrokenExecutor):
                 lost.append(tasks[task])
@@ -126,19 +126,9 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
                 yield tasks[task], task.result()
     for i in sorted(lost):
         with local_processes(1) as alone:
-            task = _handed_to(alone, problem, points[i])
+            task = alone.submit(descend, problem, points[i])
             died = isinstance(task.exception(), BrokenExecutor)
         yield i, Start(points[i], np.inf, DIED) if died else task.result()
-
-
-def _handed_to(pool: Executor, problem: Problem, point: Vector) -> Future[Start]:
-    """A start in another process; of a pool that is broken already, one that was lost."""
-    try:
-        return pool.submit(descend, problem, point)
-    except BrokenExecutor as error:
-        lost: Future[Start] = Future()
-        lost.set_exception(error)
-        return lost
 
 
 def descend(problem: Problem, point: Vector) -> Start:

@@ -7,37 +7,31 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from granular_contact.config.overrides import Override
+from granular_contact.config.schema.fit import Bounds
 from granular_contact.config.tree import Position
 from granular_contact.studies.fit.problem import Loss
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A parameter as asked for; None where nothing was said."""
+    """A parameter as asked for."""
 
     key: tuple[str, ...]
     position: Position
-    low: float | None = None
-    high: float | None = None
-    start: float | None = None
-    scale: str | None = None
+    bounds: Bounds = field(default_factory=Bounds)
 
     @property
     def name(self) -> str:
         """The dotted key."""
         return ".".join(self.key)
 
-    @property
-    def bounds(self) -> tuple[float, float, float]:
-        """Lower and upper bound and start, of one that has all three."""
-        if self.low is None or self.high is None or self.start is None:
-            raise ValueError(f"{self.name} has no bounds")
-        return self.low, self.high, self.start
-
 
 @dataclass(frozen=True)
 class RunWanted:
-    """One run as asked for. columns: measured name -> header and place; offset: a number (s), or bounds for one."""
+    """One run as asked for. columns: measured name -> header and place.
+
+    offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found.
+    """
 
     name: str
     config: Path
@@ -46,7 +40,7 @@ class RunWanted:
     at_data: Position
     overrides: tuple[Override, ...] = ()
     columns: Mapping[str, tuple[str, Position]] = field(default_factory=dict)
-    offset: float | Wanted = 0.0
+    offset: float | tuple[float, float, float] = 0.0
     parameters: tuple[Wanted, ...] = ()
 
 

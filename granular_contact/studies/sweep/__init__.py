@@ -4,9 +4,10 @@ worker       one case, or a few, in a process of their own: tasks in, rows out
 journal      rows on the disk as they come
 pool         processes of this machine to work in
 cluster      those of a Dask cluster
-crew         either of them, renewed when broken
+crew         either of them, made when needed
 runner       which case goes where, and what happens when one takes its process down
 part         the folder that a sweep goes on in after it was killed
+calls        a sweep from Python
 table        rows -> table.csv, and sweep.yaml
 sensitivity  rows -> Sobol indices
 """

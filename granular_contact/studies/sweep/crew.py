@@ -1,4 +1,4 @@
-"""Whoever works on a sweep: an executor that is made when it is needed, and made again when it is broken."""
+"""Whoever works on a sweep: an executor that is made when it is needed, and made anew once it was dismissed."""
 
 from __future__ import annotations
 

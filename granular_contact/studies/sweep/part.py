@@ -9,7 +9,6 @@ When the table is written the folder is renamed to DIR, in one step. Nothing of 
 
 from __future__ import annotations
 
-import itertools
 import json
 import os
 import shutil
@@ -23,6 +22,8 @@ import yaml
 
 from granular_contact import report
 from granular_contact.config import Sweep
+from granular_contact.config.differences import MISSING, differences
+from granular_contact.config.tree import dotted
 from granular_contact.errors import GranularContactError
 from granular_contact.report import CASES, JOURNAL, SWEEP, TABLE
 from granular_contact.results.summary import versions
@@ -168,34 +169,25 @@ def _same_start(folder: Path, begun: dict[str, Any]) -> None:
         raise FolderRefused(f"{folder} was begun {how} --plots: go on {how} it, or throw it away with --restart")
 
 
-ABOUT = (".standing", ".provenance")
+_ABOUT = (".standing", ".provenance")
 
 
 def _difference(there: str, here: str) -> str:
     """The first key that differs, with both values."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
-        one, other = yaml.load(there, loader), yaml.load(here, loader)
+        found = differences(yaml.load(here, loader), yaml.load(there, loader))
     except yaml.YAMLError:
         return f"its {SWEEP} can't be read"
     # What a medium's numbers rest on changes with them, and the numbers say more.
-    found = min(_differing(one, other), key=lambda said: said.split()[0].endswith(ABOUT), default=None)
-    if found is not None:
-        return found
+    first = min(found, key=lambda one: dotted(one[0]).endswith(_ABOUT), default=None)
+    if first is not None:
+        path, mine, other = first
+        if MISSING in (mine, other):
+            return f"{dotted(path)} is only {'there' if mine is MISSING else 'here'}"
+        return f"{dotted(path)} is {_short(other)} there and {_short(mine)} here"
     lines = zip(there.splitlines(), here.splitlines(), strict=False)
     return next((f"{a.lstrip('# ')!r} there" for a, b in lines if a != b), "its text differs")
-
-
-def _differing(there: Any, here: Any, key: str = "") -> Iterator[str]:
-    if isinstance(there, dict) and isinstance(here, dict):
-        for name in itertools.chain(here, (name for name in there if name not in here)):
-            below = f"{key}.{name}" if key else str(name)
-            if name not in there or name not in here:
-                yield f"{below} is only {'here' if name in here else 'there'}"
-            else:
-                yield from _differing(there[name], here[name], below)
-    elif there != here:
-        yield f"{key} is {_short(there)} there and {_short(here)} here"
 
 
 def _short(value: Any) -> str:

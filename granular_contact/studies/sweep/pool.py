@@ -1,14 +1,22 @@
-"""Processes to work in, on this machine: warm, single-threaded, deaf to Ctrl-C, and gone when the sweep is."""
+"""Processes of this machine to work in: imported beforehand, one thread each, deaf to Ctrl-C, gone when the sweep is.
+
+Each has a thread and a pipe of its own here. A process that dies, at its work or with half a result in its pipe, ends
+that pipe: the task that it was at is known, the others go on. The pools of the standard library and of loky share one
+pipe for all results, and wait for ever for the other half; loky's processes outlive a killed parent besides, and those
+of dask's local cluster take seconds to start and to end. What is lost is a `BrokenExecutor` in all of them.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
-from collections.abc import Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as await_any
 from typing import Any
 
@@ -16,9 +24,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLI
 # What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. Nothing of
 # ours: the server looks into the working folder first, and a checkout there is not the package that was installed.
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic", "yaml"]
-# Far more than a pool takes to close its pipes; on Python 3.10 one that still has work to hand over never does.
-_LEAVE_S = 10.0
-_HEARS_S = 5.0  # a pool hears of a lost worker in milliseconds
+_HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
 
 
 def cores() -> int:
@@ -27,95 +33,84 @@ def cores() -> int:
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
-class _Processes(ProcessPoolExecutor):
-    """A pool whose workers start with one thread and without Ctrl-C, which is for the process that has the rows."""
-
-    _watched: threading.Thread | None = None
-    _watcher: threading.Thread | None = None
-
-    def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
-        # Workers start in here; they inherit the environment and the blocked signals.
-        with _no_interrupt(), _one_thread():
-            future = super().submit(*arguments, **keywords)
-        # There is no public way to what follows.
-        manager: Any = self._executor_manager_thread
-        if manager is not self._watched:
-            self._watched = manager
-            inside = manager, self._processes, self._result_queue
-            self._watcher = threading.Thread(target=_watch, args=inside, daemon=True)
-            self._watcher.start()
-        return future
-
-    def __exit__(self, kind: Any, *rest: Any) -> bool | None:
-        if kind is None:
-            return super().__exit__(kind, *rest)
-        self.shutdown(wait=False, cancel_futures=True)
-        return None
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As of any executor; `wait=False` with `cancel_futures` ends the work under way as well."""
-        # There is no public way to do this before Python 3.14.
-        processes = list((getattr(self, "_processes", None) or {}).values())
-        manager = getattr(self, "_executor_manager_thread", None)
-        super().shutdown(wait=wait, cancel_futures=cancel_futures)
-        if cancel_futures and not wait:
-            for process in processes:
-                process.terminate()
-            alive = {process.sentinel for process in processes}
-            while alive:
-                alive -= set(await_any(list(alive)))
-            if manager is not None:
-                # It closes the pipe that the interpreter writes to at its exit, and does not look whether it does.
-                manager.join(_LEAVE_S)
-            if self._watcher is not None:
-                self._watcher.join(_LEAVE_S)
-
-
-def _watch(manager: threading.Thread, processes: dict[int, Any], results: Any) -> None:
-    """Let a pool hear of a lost worker that keeps it waiting.
-
-    Who is killed while it writes a result leaves half of it in the pipe, and the pipe's lock taken; the thread that
-    manages the pool then reads for ever. With nobody left who could write, it comes to the end of the pipe.
-    """
-    try:
-        while manager.is_alive():
-            if not await_any([process.sentinel for process in list(processes.values())], timeout=1.0):
-                continue
-            manager.join(_HEARS_S)
-            if manager.is_alive():
-                for process in list(processes.values()):
-                    process.kill()
-                    process.join()
-                results._writer.close()
-                return
-    except (OSError, ValueError):  # it was dismissed meanwhile
-        return
-
-
 def local_processes(workers: int) -> Executor:
     """Pool of processes on this machine."""
     prepare()
-    context: Any = multiprocessing.get_context("forkserver" if _has_server() else "spawn")
-    return _Processes(workers, mp_context=context, initializer=_start)
+    return _Processes(workers)
 
 
 def prepare() -> None:
     """Start the server that workers are forked from, without waiting: it imports meanwhile what they will need."""
-    if _has_server():
+    if _HAS_SERVER:
         from multiprocessing import forkserver, resource_tracker
 
         forkserver.set_forkserver_preload(_PRELOADED)
         resource_tracker.ensure_running()  # by itself, since it lets Ctrl-C through again once it has started
-        with _no_interrupt(), _one_thread():
+        with _as_workers():
             forkserver.ensure_running()
 
 
-def _has_server() -> bool:
-    return "forkserver" in multiprocessing.get_all_start_methods()
+class _Processes(Executor):
+    """Threads that hand their tasks to a process each, which starts with the first of them."""
+
+    def __init__(self, workers: int) -> None:
+        self._threads, self._own = ThreadPoolExecutor(workers), threading.local()
+        self._context: Any = multiprocessing.get_context("forkserver" if _HAS_SERVER else "spawn")
+        self._lock, self._ended = threading.Lock(), False
+        self._started: list[tuple[Any, Connection]] = []
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
+        """As of any executor; BrokenExecutor is the exception of a task whose process died."""
+        return self._threads.submit(self._call, function, arguments, keywords)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As of any executor; `wait=False` with `cancel_futures` ends the work under way as well."""
+        end_now = cancel_futures and not wait
+        self._threads.shutdown(wait=not end_now, cancel_futures=cancel_futures)
+        with self._lock:
+            self._ended = True
+        for process, pipe in self._started:
+            if end_now:
+                process.terminate()
+            else:
+                pipe.close()
+            process.join()
+        self._threads.shutdown()
+
+    def __exit__(self, kind: Any, *_: Any) -> None:
+        self.shutdown(wait=kind is None, cancel_futures=kind is not None)
+
+    def _call(self, *call: Any) -> Any:
+        """In one of the threads: what its process makes of a function with its arguments."""
+        task = pickle.dumps(call)
+        try:
+            if not hasattr(self._own, "pipe"):
+                self._own.pipe = self._start()
+            self._own.pipe.send_bytes(task)
+            answer = self._own.pipe.recv_bytes()
+        except (EOFError, OSError):
+            vars(self._own).pop("pipe", None)  # the next task gets another process
+            raise BrokenExecutor("the process died at its work") from None
+        fine, outcome = pickle.loads(answer)
+        if fine:
+            return outcome
+        raise outcome
+
+    def _start(self) -> Connection:
+        """The pipe to a new process."""
+        with self._lock, _as_workers():
+            if self._ended:
+                raise BrokenExecutor("the work was ended")
+            here, there = self._context.Pipe()
+            process = self._context.Process(target=_serve, args=(there,), daemon=True)
+            process.start()
+            there.close()  # so that the process alone can write to it
+            self._started.append((process, here))
+            return here  # type: ignore[no-any-return]
 
 
-def _start() -> None:
-    """First thing in a worker: be deaf, and die with the process that started it, even where that one is killed."""
+def _serve(pipe: Connection) -> None:
+    """In a worker: do what comes through the pipe until it is closed; die with the process that started this one."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
@@ -124,6 +119,24 @@ def _start() -> None:
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     else:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            task = pipe.recv_bytes()
+        except (EOFError, OSError):
+            return
+        try:
+            function, arguments, keywords = pickle.loads(task)
+            answer = pickle.dumps((True, function(*arguments, **keywords)))
+        except BaseException as error:
+            answer = _told(error)
+        pipe.send_bytes(answer)
+
+
+def _told(error: BaseException) -> bytes:
+    try:
+        return pickle.dumps((False, error))
+    except Exception:  # it holds what can't be sent
+        return pickle.dumps((False, RuntimeError(f"{type(error).__name__}: {error}")))
 
 
 def _follow(sentinel: int) -> None:
@@ -132,28 +145,22 @@ def _follow(sentinel: int) -> None:
 
 
 @contextmanager
-def _one_thread() -> Iterator[None]:
-    """Let processes that start now use one thread each: there are as many of them as cores."""
+def _as_workers() -> Iterator[None]:
+    """Let processes that start now use one thread each, as there are as many as cores, and never hear of Ctrl-C.
+
+    It is sent to all processes of a terminal, and is for the one that has the rows; here it only comes later.
+    """
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
+    block = getattr(signal, "pthread_sigmask", None)  # not everywhere
+    mask = block(signal.SIG_BLOCK, {signal.SIGINT}) if block else None
     try:
         yield
     finally:
+        if block:
+            block(signal.SIG_SETMASK, mask)
         for name, value in before.items():
             if value is None:
                 del os.environ[name]
             else:
                 os.environ[name] = value
-
-
-@contextmanager
-def _no_interrupt() -> Iterator[None]:
-    """Keep Ctrl-C, sent to all processes of a terminal, from those that start now; here it only comes later."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Collection, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from itertools import islice
@@ -35,17 +34,10 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
         # What a case refers to is a file here, and may be none elsewhere.
         found += case_faults(sweep, [case for case in chunk if sweep.needs_files(case)], probe)
         others = [case for case in chunk if not sweep.needs_files(case)]
-        places = range(start, start + len(chunk))
-        try:
-            shared.append((crew.pool().submit(check, job, others, probe), places))
-        except BrokenExecutor:  # a worker was lost since the last one
-            crew.dismiss()
-            found += case_faults(sweep, others, probe)
+        shared.append((crew.pool().submit(check, job, others, probe), range(start, start + len(chunk))))
     for future, places in shared:
         lost = isinstance(future.exception(), BrokenExecutor)
         found += case_faults(sweep, [cases[i] for i in places], probe) if lost else future.result()
-    if any(future.exception() is not None for future, _ in shared):
-        crew.dismiss()
     return found
 
 
@@ -86,19 +78,18 @@ def run(
     keep = None if journal is None else journal.writer()
     job = Job(sweep, function, cases_folder, journal.folder if journal is not None and local else None).packed()
     deal = _Deal(_tasks(sweep, done), len(sweep.cases) - len(done), crew.count)
+    suspects: list[Task] = []
     try:
-        while deal.left:
-            suspects: list[Task] = []
-            for line in _together(deal, crew, job, suspects):
-                if keep is not None and not local:
-                    keep.append(line)
-                yield Row.of(line)
-            if suspects and journal is not None and local:
-                suspects = yield from _without_finished(suspects, journal)
-            for line, lost in _one_by_one(suspects, sweep, crew, job):
-                if keep is not None and (lost or not local):
-                    keep.append(line)
-                yield Row.of(line)
+        for line in _together(deal, crew, job, suspects):
+            if keep is not None and not local:
+                keep.append(line)
+            yield Row.of(line)
+        if suspects and journal is not None and local:
+            suspects = yield from _without_finished(suspects, journal)
+        for line, lost in _one_by_one(suspects, sweep, crew, job) if suspects else ():
+            if keep is not None and (lost or not local):
+                keep.append(line)
+            yield Row.of(line)
     finally:
         if keep is not None:
             keep.close()
@@ -139,15 +130,12 @@ class _Deal:
 
 
 def _together(deal: _Deal, crew: Crew, job: bytes, suspects: list[Task]) -> Iterator[bytes]:
-    """Lines until all cases are given away or a chunk is lost; `suspects` gets the cases that may be the reason."""
+    """Lines of all cases but those of lost chunks, one of which may be the reason: `suspects` gets them."""
     pending: dict[Work, list[Task]] = {}
-    while pending or (deal.left and not suspects):
-        while deal.left and not suspects and len(pending) < 2 * crew.count:
+    while pending or deal.left:
+        while deal.left and len(pending) < 2 * crew.count:
             chunk = deal.take()
-            try:
-                pending[crew.pool().submit(work, job, chunk)] = chunk
-            except BrokenExecutor:
-                suspects += chunk
+            pending[crew.pool().submit(work, job, chunk)] = chunk
         for future in wait(pending, return_when=FIRST_COMPLETED).done:
             chunk = pending.pop(future)
             error = future.exception()
@@ -159,28 +147,18 @@ def _together(deal: _Deal, crew: Crew, job: bytes, suspects: list[Task]) -> Iter
             lines, seconds = future.result()
             deal.note(len(lines), seconds)
             yield from lines
-    if suspects:
-        crew.dismiss()
 
 
 def _one_by_one(suspects: Sequence[Task], sweep: Sweep, crew: Crew, job: bytes) -> Iterator[tuple[bytes, bool]]:
-    """Lines of cases that are tried alone, each in a worker that no other has harmed, and whether the row was lost."""
-    tasks = deque(suspects)
-    while tasks:
-        with Crew(1, crew.executor, here=crew.here) as alone:
-            broken = False
-            while tasks and not broken:
-                task = tasks.popleft()
-                try:
-                    future: Work = alone.pool().submit(work, job, [task])
-                except BrokenExecutor:  # since the last case, and so not by this one
-                    tasks.appendleft(task)
-                    break
-                error = future.exception()
-                broken = isinstance(error, BrokenExecutor)
-                if isinstance(error, OSError | CrewError):
-                    raise error
-                if error is None:
-                    yield future.result()[0][0], False
-                else:
-                    yield error_row(task, sweep, RuntimeError(_DIED) if broken else error).line(), True
+    """Lines of cases that are tried alone, and whether the row was lost."""
+    crew.dismiss()  # new workers, that no other case has harmed
+    for task in suspects:
+        future: Work = crew.pool().submit(work, job, [task])
+        error = future.exception()
+        if isinstance(error, OSError | CrewError):
+            raise error
+        if error is None:
+            yield future.result()[0][0], False
+        else:
+            died = isinstance(error, BrokenExecutor)
+            yield error_row(task, sweep, RuntimeError(_DIED) if died else error).line(), True

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
-from granular_contact.config.sweep_range import is_number
 from granular_contact.report import FIGURES, SENSITIVITY, write_table
 from granular_contact.studies.sweep.journal import Row
 
@@ -95,8 +94,9 @@ def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Seq
     for row in rows:
         names[row.index], failed[row.index] = row.name, row.failed
         for i, output in enumerate(outputs):
-            if is_number(row.summary.get(output)):
-                values[i, row.index] = row.summary[output]
+            value = row.summary.get(output)
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                values[i, row.index] = value
     return [
         _of_output(output, tuple(inputs), count, value, failed, names)
         for output, value in zip(outputs, values, strict=True)
@@ -133,11 +133,18 @@ def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0)
         found = stats.sobol_indices(func=parts, n=count)
         return np.stack([np.atleast_1d(found.first_order), np.atleast_1d(found.total_order)])
 
-    points = np.arange(count)
-    found = of(points)
-    drawn = np.random.default_rng(seed).integers(count, size=(RESAMPLES, count))
-    tails = (0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE))
-    ends = np.quantile(np.array([of(one) for one in drawn]), tails, axis=0)
+    found = of(np.arange(count))
+    # The result's own bootstrap takes no seed, and two runs of one sweep are to give one file.
+    drawn = stats.bootstrap(
+        [np.arange(count)],
+        of,
+        vectorized=False,
+        method="percentile",
+        n_resamples=RESAMPLES,
+        confidence_level=CONFIDENCE,
+        rng=np.random.default_rng(seed),
+    )
+    ends = np.array(drawn.confidence_interval)
     return Indices(output, inputs, found[0], found[1], ends[:, 0], ends[:, 1])
 
 

@@ -47,39 +47,55 @@ def read_table(path: Path, faults: list[Fault]) -> Table | None:
     except OSError as error:
         faults.append(whole.fault((), f"can't be read: {error.strerror or error}"))
     else:
-        return _table(text, str(path), faults)
+        return table_of(text, str(path), faults)
     return None
 
 
-def _table(text: str, file: str, faults: list[Fault]) -> Table | None:
+def table_of(text: str, file: str, faults: list[Fault]) -> Table | None:
+    """Header and rows of the text of a CSV file, whose rows may have more cells or fewer; None, with a fault."""
     numbered = ((i, line) for i, line in enumerate(text.splitlines(), 1))
     lines = [(i, line) for i, line in numbered if line.strip() and not line.lstrip().startswith(("#", "%"))]
     if not lines:
         faults.append(Fault(file, 1, "", "is empty; a line with the names of the columns is needed"))
         return None
     separator = max(",;\t", key=lines[0][1].count)
-    cells = [
-        tuple(cell.strip() for cell in row) for row in csv.reader((line for _, line in lines), delimiter=separator)
-    ]
+    try:
+        rows = list(csv.reader((line for _, line in lines), delimiter=separator))
+    except csv.Error as error:
+        faults.append(Fault(file, None, "", f"is no CSV text: {error}"))
+        return None
+    cells = [tuple(cell.strip() for cell in row) for row in rows]
     if len(cells) != len(lines):
         faults.append(Fault(file, lines[0][0], "", "has a quoted text over several lines; numbers only are allowed"))
         return None
-    cells = _without_empty_ends(cells)
-    (first, _), header = lines[0], cells[0]
+    header, *below = _without_empty_ends(cells)
+    return Table(file, header, lines[0][0], tuple(below), tuple(line for line, _ in lines[1:]))
+
+
+def form_faults(table: Table) -> list[Fault]:
+    """What is wrong with names of columns and numbers of cells."""
+    file, first, header = table.file, table.header_line, table.header
     if all(number(cell) is not None for cell in header):
         words = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
-        faults.append(Fault(file, first, "", words))
-        return None
+        return [Fault(file, first, "", words)]
     nameless = [i for i, name in enumerate(header, 1) if not name]
     twice = sorted({name for name in header if name and header.count(name) > 1})
-    ragged = [(line, len(row)) for (line, _), row in zip(lines, cells, strict=True) if len(row) != len(header)]
-    faults += [Fault(file, first, "", f"has no name for column {i}") for i in nameless]
-    faults += [Fault(file, first, name, "is the name of two columns; each needs its own") for name in twice]
-    words = f"cells; {len(header)} are allowed, as in the header of line {first}"
-    faults += few(file, [Fault(file, line, "", f"has {count} {words}") for line, count in ragged])
-    if nameless or twice or ragged:
-        return None
-    return Table(file, header, first, tuple(cells[1:]), tuple(line for line, _ in lines[1:]))
+    return [
+        *(Fault(file, first, "", f"has no name for column {i}") for i in nameless),
+        *(Fault(file, first, name, "is the name of two columns; each needs its own") for name in twice),
+        *few(file, ragged(table)),
+    ]
+
+
+def ragged(table: Table) -> list[Fault]:
+    """A fault for each row that has more or fewer cells than the header."""
+    width, words = len(table.header), f"as in the header of line {table.header_line}"
+    pairs = zip(table.lines, table.rows, strict=True)
+    return [
+        Fault(table.file, line, "", f"has {len(row)} cells; {width} are allowed, {words}")
+        for line, row in pairs
+        if len(row) != width
+    ]
 
 
 def _without_empty_ends(cells: list[tuple[str, ...]]) -> list[tuple[str, ...]]:

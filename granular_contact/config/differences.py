@@ -1,0 +1,31 @@
+"""In what plain data differ: scenarios, the sweeps of two work folders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from granular_contact.config.tree import Path, dotted
+from granular_contact.values.strict import listed
+
+MISSING = object()
+
+
+def differences(one: Any, other: Any, path: Path = (), whole: bool = False) -> Iterator[tuple[Path, Any, Any]]:
+    """Paths at which two pieces of plain data differ, with what stands there in each; MISSING for nothing.
+
+    whole: tell a mapping with other keys, or a list, as one difference, as `--set` replaces it.
+    """
+    if isinstance(one, dict) and isinstance(other, dict) and not (whole and set(one) != set(other)):
+        for key in dict.fromkeys((*one, *other)):
+            yield from differences(one.get(key, MISSING), other.get(key, MISSING), (*path, key), whole)
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other) and not whole:
+        for i, (held, another) in enumerate(zip(one, other, strict=True)):
+            yield from differences(held, another, (*path, i))
+    elif one != other:
+        yield path, one, other
+
+
+def differing_keys(one: Any, other: Any) -> str:
+    """The first dotted keys under which two scenarios, as plain data, differ."""
+    return listed([dotted(path) for path, *_ in differences(one, other)])

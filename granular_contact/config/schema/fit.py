@@ -1,0 +1,126 @@
+"""Schema of a fit file: runs, the parameters to be found in them, and options.
+
+parameters:                                   # shared by all runs
+  medium.eta_d: {from: 1, to: 40}             # start: what the config has; scale: log or linear
+  medium.eta_h:                               # bounds follow from the start
+set: {method.reduced.modes: 0}                # for all runs, as columns and time_offset_s may be
+runs:
+  - {config: slow.yaml, data: slow.csv}
+  - config: fast.yaml
+    data: fast.csv
+    columns: {time_ms: t, tip_x_mm: X, tip_y_mm: Y}
+    time_offset_s: fit                        # or a number, or {from: -0.01, to: 0.01}
+    parameters: {initial.impact_speed_rad_s: {from: 8, to: 9}}
+noise: {tip_x_mm: 0.1}                        # estimated where it is not given
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from granular_contact.config.schema.sweep import DottedKeys
+from granular_contact.values.strict import Listed, LocalFault, Names, Positive, Strict, Text, allow, form, refusal
+
+MOST_RUNS, MOST_STARTS = 1000, 1024
+OFFSET_RANGE = (-0.02, 0.02)  # s, of a clock of which nothing is said
+
+
+class Bounds(Strict):
+    """Where to look for a parameter; what is left out follows from the config and the schema."""
+
+    low: Annotated[float | None, Field(alias="from")] = None
+    high: Annotated[float | None, Field(alias="to")] = None
+    start: float | None = None
+    """null: what the config has."""
+    scale: Literal["log", "linear"] | None = None
+    """null: log where the bounds lie far apart."""
+
+    @model_validator(mode="after")
+    def _start_within(self) -> Bounds:
+        low, high, start = self.low, self.high, self.start
+        faults: list[LocalFault] = []
+        if low is not None and high is not None and low >= high:
+            faults.append(((), f"got bounds from {low:g} to {high:g}; the first must be below the second"))
+        elif start is not None and ((low is not None and start < low) or (high is not None and start > high)):
+            bounds = f"from {'-inf' if low is None else f'{low:g}'} to {'inf' if high is None else f'{high:g}'}"
+            faults.append((("start",), f"got {start:g}, which is not within the bounds {bounds}"))
+        elif self.scale == "log" and any(one is not None and one <= 0.0 for one in (low, high, start)):
+            faults.append((("scale",), "got log, for which bounds and start must be above 0"))
+        if faults:
+            raise refusal(faults)
+        return self
+
+
+class ClockBounds(Bounds):
+    """Where to look for the offset of a clock (s)."""
+
+    low: Annotated[float, Field(alias="from")]
+    high: Annotated[float, Field(alias="to")]
+
+
+Parameters = Annotated[
+    Annotated[Names, Tag("list")]
+    | Annotated[
+        dict[str, Annotated[Bounds | None, allow("a mapping with from, to, start, scale, or nothing")]],
+        Field(min_length=1),
+        Tag("mapping"),
+    ],
+    Discriminator(form),
+    allow("a list of dotted keys, or a mapping from them to their bounds"),
+]
+Columns = Annotated[
+    dict[str, Text],
+    Field(min_length=1),
+    allow("a mapping from time_s, pivot_angle_deg and the like to names in the CSV file"),
+]
+Offset = Annotated[
+    Annotated[Literal["fit"], Tag("text")] | Annotated[float, Tag("number")] | Annotated[ClockBounds, Tag("mapping")],
+    Discriminator(form),
+    allow("fit, a number, or a mapping with from and to"),
+]
+
+
+class FitRun(Strict):
+    """A measured run; what it leaves out of columns and time_offset_s stands at the top of the file."""
+
+    name: Text | None = None
+    """null: the name of the CSV file, without its ending."""
+    config: Annotated[Text, Field(min_length=1), allow("the path of a config")]
+    data: Annotated[Text, Field(min_length=1), allow("the path of a CSV file")]
+    set_: DottedKeys = Field(default_factory=dict, alias="set")
+    """Dotted keys and their values in this run."""
+    columns: Columns | None = None
+    """Names in the CSV file by what they hold; null: the file has the names of a run's own table."""
+    time_offset_s: Offset | None = None
+    """By how much the clock of the data is ahead: the run starts at this time by it. null: 0."""
+    parameters: Parameters | None = None
+    """Parameters of this run alone."""
+
+
+class FitFile(Strict):
+    """A fit: parameters of configs, to be found from measured runs."""
+
+    runs: Annotated[
+        tuple[FitRun, ...],
+        Listed,
+        Field(min_length=1, max_length=MOST_RUNS),
+        allow(f"a list of one run or more, to {MOST_RUNS}"),
+    ]
+    parameters: Parameters | None = None
+    """Parameters that all runs share."""
+    set_: DottedKeys = Field(default_factory=dict, alias="set")
+    """Dotted keys and their values in all runs."""
+    columns: Columns | None = None
+    time_offset_s: Offset | None = None
+    noise: Annotated[dict[str, Positive], allow("a mapping from columns to their noise, as tip_x_mm: 0.1")] = Field(
+        default_factory=dict
+    )
+    """Standard deviation of columns; estimated where it is not given."""
+    loss: Literal["soft_l1", "linear"] = "soft_l1"
+    """linear: no row may be an outlier."""
+    starts: Annotated[int, Field(ge=1, le=MOST_STARTS)] = 8
+    """Points to start from."""
+    seed: Annotated[int, Field(ge=0, le=999_999)] = 0
+    """Of the choice of these points."""

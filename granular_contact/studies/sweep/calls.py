@@ -1,0 +1,66 @@
+"""A sweep from Python: a scenario and values -> rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from granular_contact import scene
+from granular_contact.config import Scenario, scenario_to_dict, tree
+from granular_contact.config.changed import plain_data
+from granular_contact.config.sweep import sweep_of
+from granular_contact.studies.sweep.crew import Crew
+from granular_contact.studies.sweep.runner import run
+
+
+def sweep(
+    scenario: Scenario,
+    vary: Mapping[str, Any] | None = None,
+    *,
+    sample: Mapping[str, Any] | None = None,
+    combine: str | None = None,
+    workers: int | None = None,
+) -> list[dict[str, Any]]:
+    """Run a scenario with many values, in processes of their own; nothing is saved.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What all cases start from, as `load(path).scenario`.
+    vary : mapping, optional
+        Values by dotted key: a list or an array, or a range `{"from": 1, "to": 9, "count": 5, "scale": "log"}`.
+    sample : mapping, optional
+        In place of `vary`: how cases are drawn, as under `sample` in a sweep file.
+    combine : str, optional
+        grid, all combinations of the values (unless given), or zip, the values side by side.
+    workers : int, optional
+        Processes, one a core unless given.
+
+    Returns
+    -------
+    list of dict
+        A row for each case, in order: `case`, the values that vary, and the summary by dotted key. A case that failed
+        has the `status` failed or error, and a `message`.
+
+    Raises
+    ------
+    ConfigError
+        With every fault of the values, before anything runs.
+
+    Examples
+    --------
+    In a script these lines stand below `if __name__ == "__main__":`, since the processes import it.
+
+    >>> scenario = load("configs/pendulum.yaml").scenario
+    >>> rows = sweep(scenario, {"medium.eta_d": [4, 5, 6]})
+    >>> [row["stopping_time_s"] for row in rows]
+    """
+    given = {"vary": vary, "sample": sample, "combine": combine}
+    asked = {"config": scenario_to_dict(scenario)} | {key: one for key, one in given.items() if one is not None}
+    root = tree.made(plain_data(asked), tree.Position("sweep", None))
+    assert isinstance(root, tree.Mapping)
+    found = sweep_of(root, Path("sweep"), [], scene.build)
+    with Crew(workers) as crew:
+        rows = sorted(run(found, crew), key=lambda row: row.index)
+    return [{"case": row.name, **row.values, **row.summary} for row in rows]
