@@ -36,7 +36,7 @@ from granular_contact.stopping import Stop, Touch, find_touch
 from granular_contact.summary import Extremes, extremes, summarise
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.history import LoadHistory
+    from granular_contact.bed.history import LoadHistory
     from granular_contact.multibody.observe import Observer
     from granular_contact.multibody.solve import Trajectory
     from granular_contact.multibody.system import System

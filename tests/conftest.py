@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 # numba looks only at the file of the function that it loads from its cache, not at the files of those which were
-# inlined into it: after a change in lee_marghitu.py it would still run the old law out of runs.py. So the cache is
+# inlined into it: after a change in lee_marghitu.py it would still run the old law out of lines.py. So the cache is
 # named after the contents of all kernels; subprocesses inherit it.
 _kernels = sorted((ROOT / "granular_contact" / "kernels").rglob("*.py"))
 _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _kernels)).hexdigest()[:16]

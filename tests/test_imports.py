@@ -29,11 +29,13 @@ MAY = {
     "doubts": {"scene"},
     "results": set(),
     "series": {"media", "results"},
+    "bed": {"bed", "kernels", "media", "scene", "energy", "polygon", "surface", "errors"},
     # Three ways through; the reduced one knows nothing of the others.
-    # The engine's coordinates, bed and observer, without its solver.
-    "minimal": {"minimal", "multibody", "scene", "kernels", "results"},
+    # The engine's coordinates and observer, without its solver.
+    "minimal": {"minimal", "bed", "multibody", "scene", "kernels", "results"},
     "multibody": {
         "multibody",
+        "bed",
         "frames",
         "interpolation",
         "scene",
@@ -59,6 +61,7 @@ MAY = {
         "media",
         "limits",
         "doubts",
+        "bed",
         "multibody",
         "minimal",
         "reduced",
@@ -137,6 +140,12 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         assert part(path) == "plots"
 
 
+@pytest.mark.parametrize("path", [p for p in MODULES if part(p) in ("bed", "kernels", "media")], ids=ids)
+def test_the_bed_knows_no_engine(path: Path) -> None:
+    text = path.read_text(encoding="utf-8").lower()
+    assert not [name for name in ("exudyn", "mujoco", "mbs") if name in text]
+
+
 @pytest.mark.parametrize("path", MODULES, ids=ids)
 def test_only_report_and_the_command_line_ask_for_plots(path: Path) -> None:
     if "plots" in own(path):
@@ -202,6 +211,23 @@ def test_scene_without_medium_loads_no_numba() -> None:
 def test_bed_out_of_reach_loads_no_numba() -> None:
     modules = loaded(RUN.format(config="pendulum", overrides=["surface_height_m=-0.5", "solver.end_time_s=0.01"]))
     assert "numba" not in modules
+
+
+def test_a_bed_on_given_poses_loads_no_engine() -> None:
+    code = """
+import numpy as np
+from granular_contact import preset
+from granular_contact.bed import Body, GranularLoad, polyline
+load = GranularLoad(preset("rft_generic"), surface=0.0)
+load.add(polyline(Body("plate", [0, 1, 2]), [[-0.05, 0.0], [0.05, 0.0]], width=0.1))
+pose, velocity = np.array([0.0, -0.02, 0.0]), np.array([0.0, -0.1, 0.0])
+load.start(pose)
+load.accept(0.0, pose, velocity)
+assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
+"""
+    modules = loaded(code)
+    assert "numba" in modules  # the test would see it
+    assert not modules & {"exudyn", "matplotlib", "scipy"}
 
 
 def test_checking_a_config_loads_no_engine() -> None:

@@ -1,185 +1,219 @@
-"""Runs on the bodies of an Exudyn system: which bodies can carry them, and whether a shape has a size."""
+"""Shapes of a body -> contact lines: stations along what the medium meets, and whether a shape has a size."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granular_contact.errors import scene_error
+from granular_contact.errors import SceneError, scene_error
 from granular_contact.kernels import kinematics, spatial
+from granular_contact.kernels.law import RUN
 from granular_contact.media.kinds import Kind
-from granular_contact.multibody.runs import Run
 from granular_contact.polygon import crossing, doubled_area, extent
 
 Vector = NDArray[np.float64]
 
-# Most elements in one run: a long beam is cheaper in pieces, of which only those near the surface are evaluated.
-ELEMENTS_PER_RUN = 12
-OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off of what a script computes
+# Most elements in one line: a long beam is cheaper in pieces, of which only those near the surface are evaluated.
+ELEMENTS_PER_LINE = 12
 
 
-def section(where: str, diameter: float | None, width: float | None) -> tuple[Kind, dict[str, Any]]:
-    """Kind of a thin line and its run's width, from exactly one of the two sizes (m)."""
+@dataclass(frozen=True)
+class Body:
+    """A rigid body, and where its coordinates stand among those of the bed.
+
+    coordinates: the places of x, y (m) and the angle (rad, counter-clockwise), or of x, y, z (m) and four Euler
+    parameters. name: under which the medium's wrench on it is kept.
+    """
+
+    name: str
+    coordinates: Sequence[int] | NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class ContactLine:
+    """Stations along a line on one body, between which the medium acts on straight or round strips.
+
+    body: its name; coordinates (m,): as of `Body`; stations (n,): records of `kernels.kinematics`, whose type says how
+    coordinates move them; kind: what the media meet there; record (1,): of `kernels.law`.
+    """
+
+    body: str
+    coordinates: NDArray[np.int64]
+    stations: NDArray[np.void]
+    kind: Kind
+    record: NDArray[np.void]
+
+
+def polyline(
+    body: Body,
+    points: ArrayLike,
+    *,
+    diameter: float | None = None,
+    width: float | None = None,
+    turns: ArrayLike | None = None,
+    strips: int = 16,
+    free_end: bool = True,
+) -> list[ContactLine]:
+    """Lines along a thin round bar (`diameter`) or plate (`width`, normal to the plane), m; one of the two is given.
+
+    points (k, 2) m in the body's frame, k >= 2; turns (k - 1,) rad, counter-clockwise: of sides that are chords of
+    arcs; strips: about how many there are in all; free_end: whether the face at the last point is free.
+
+    Raises
+    ------
+    SceneError
+        The line has no length, no width or no strips, or is not in the plane.
+    """
+    kind, size = _section(diameter, width)
+    made = _along(body, _points(points, 2), turns, strips, kind, {"width": size})
+    made[-1].record["cap"] = free_end
+    return made
+
+
+def outline(
+    body: Body, points: ArrayLike, width: float, *, turns: ArrayLike | None = None, strips: int = 32
+) -> list[ContactLine]:
+    """Lines around a solid with a polygon as its section, `width` (m) normal to the plane; errors as of `polyline`.
+
+    points (k, 2) m: corners in either sense, the first of which need not be repeated; turns: of all sides.
+    """
+    size, corners = positive("width", width), _points(points, 3)
+    if not np.array_equal(corners[0], corners[-1]):
+        corners = np.vstack([corners, corners[:1]])
+    sides = [(float(x), float(y)) for x, y in corners[:-1]]
+    area = doubled_area(sides)
+    if abs(area) < 2e-13 * extent(sides) ** 2:
+        raise _fault("the outline encloses no area")
+    if pair := crossing(sides):
+        raise _fault(f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
+    # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
+    return _along(body, corners, turns, strips, "outline", {"width": size, "side": -1.0 if area > 0.0 else 1.0})
+
+
+def ball(body: Body, center: ArrayLike, diameter: float, mass: float) -> list[ContactLine]:
+    """Line of a sphere: center (2,) m in the body's frame, diameter (m), its own mass (kg); errors as of `polyline`."""
+    size = positive("diameter", diameter)
+    stations = kinematics.ball_stations(planar(center)[0])
+    if not (np.isfinite(mass) and mass > 0.0):
+        raise _fault(f"mass: got {mass}, allowed is a number above 0 (kg)")
+    return [_on(body, stations, "ball", {"width": size, "drop": 0.5 * size, "mass": mass})]
+
+
+def beam(
+    name: str,
+    nodes: NDArray[np.int64],
+    lengths: Sequence[float],
+    *,
+    diameter: float | None = None,
+    width: float | None = None,
+    strips_per_element: int = 4,
+    free_end: bool = True,
+    elements_per_line: int = ELEMENTS_PER_LINE,
+) -> list[ContactLine]:
+    """Lines on a beam of cubic elements, from its tip on, where it meets the medium first; sizes as of `polyline`.
+
+    nodes (k + 1, 4): places of r_x, r_y, r'_x, r'_y of each node among the coordinates of the bed; lengths (k,) m.
+    """
+    kind, size = _section(diameter, width)
+    each, made = count("strips_per_element", strips_per_element), []
+    for stop in range(len(lengths), 0, -elements_per_line):
+        start = max(0, stop - elements_per_line)
+        stations = kinematics.cable_stations(np.array(lengths[start:stop]), each)
+        record = _record(kind, {"width": size, "cap": free_end and stop == len(lengths)})
+        made.append(ContactLine(name, np.ravel(nodes[start : stop + 1]), stations, kind, record))
+    return made
+
+
+# ---- what they are made of ----
+
+
+def _along(
+    body: Body, line: Vector, turns: ArrayLike | None, strips: int, kind: Kind, fields: dict[str, Any]
+) -> list[ContactLine]:
+    """Lines along the polyline (k, 2) m; of its sides some may be arcs."""
+    divided = kinematics.curved_stations(line, _turns(turns, len(line) - 1), count("strips", strips))
+    return [_on(body, stations, kind, fields | {"turn": turn}) for stations, turn in divided]
+
+
+def _on(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, Any]) -> ContactLine:
+    places = np.asarray(body.coordinates, np.int64)
+    if len(places) == spatial.SIZE:
+        stations = spatial.spatial_stations(stations)
+    elif len(places) != 3:
+        raise _fault(f"{body.name} has {len(places)} coordinates; allowed are 3, or {spatial.SIZE} in space")
+    return ContactLine(body.name, places, stations, kind, _record(kind, fields))
+
+
+def _record(kind: Kind, fields: dict[str, Any]) -> NDArray[np.void]:
+    record = np.zeros(1, RUN)
+    for name, value in fields.items():
+        record[name] = value
+    if kind in ("round", "ball"):  # the width of a plate or an outline is normal to the plane
+        record["beside"] = 0.5 * record["width"]
+    return record
+
+
+# ---- whether a shape can be ----
+
+
+def _fault(message: str) -> SceneError:
+    return scene_error("bed", message)
+
+
+def _section(diameter: float | None, width: float | None) -> tuple[Kind, float]:
+    """Kind and width (m) of a thin line, from exactly one of the two sizes."""
     if (diameter is None) == (width is None):
-        raise scene_error(
-            where, "give diameter or width" if width is None else "got both diameter and width; one is allowed"
-        )
-    kind: Kind = "flat" if diameter is None else "round"
-    name, size = ("width", width) if diameter is None else ("diameter", diameter)
-    return kind, {"width": positive(where, name, size)}
+        raise _fault("give diameter or width" if width is None else "got both diameter and width; one is allowed")
+    return ("flat", positive("width", width)) if diameter is None else ("round", positive("diameter", diameter))
 
 
-def positive(where: str, name: str, size: float | None) -> float:
+def positive(name: str, size: float | None) -> float:
     """The size, which must be a finite number above 0."""
     if size is None or not (np.isfinite(size) and size > 0.0):
-        raise scene_error(where, f"{name}: got {size}, allowed is a number above 0 (m)")
+        raise _fault(f"{name}: got {size}, allowed is a number above 0 (m)")
     return float(size)
 
 
-def count(where: str, name: str, number: Any) -> int:
+def count(name: str, number: Any) -> int:
     """The number, which must be whole and at least 1."""
     if not isinstance(number, Integral) or number < 1:
-        raise scene_error(where, f"{name}: got {number}, allowed is a whole number from 1")
+        raise _fault(f"{name}: got {number}, allowed is a whole number from 1")
     return int(number)
 
 
-def planar(where: str, points: ArrayLike) -> Vector:
+def planar(points: ArrayLike) -> Vector:
     """Points (k, 2) m in the plane of motion; a third coordinate must be 0."""
     given = np.atleast_2d(np.asarray(points, float))
     if given.ndim != 2 or given.shape[1] not in (2, 3):
-        raise scene_error(where, f"got points of the shape {given.shape}, allowed is (k, 2)")
+        raise _fault(f"got points of the shape {given.shape}, allowed is (k, 2)")
     if given[:, 2:].any():
-        raise scene_error(
-            where, f"got z = {given[given[:, 2] != 0.0][0, 2]:g} m, allowed are points in the plane z = 0"
-        )
+        raise _fault(f"got z = {given[given[:, 2] != 0.0][0, 2]:g} m, allowed are points in the plane z = 0")
     if not np.isfinite(given).all():
-        raise scene_error(where, "a point is not finite")
+        raise _fault("a point is not finite")
     return given[:, :2]
 
 
-def line_runs(
-    where: str,
-    mbs: Any,
-    body: Any,
-    points: ArrayLike,
-    turns: ArrayLike | None,
-    kind: Kind,
-    strips: int,
-    flags: dict[str, Any],
-) -> list[Run]:
-    """Runs along the polyline points (k, 2) m, fixed to a rigid body; of its sides some may be arcs, see `turns`."""
-    line = _points(where, points, 2)
-    bends = _turns(where, turns, len(line) - 1)
-    divided = kinematics.curved_stations(line, bends, count(where, "strips", strips))
-    runs = [_rigid_run(where, mbs, body, stations, kind, flags | {"turn": turn}) for stations, turn in divided]
-    for run in runs[:-1]:
-        run.run["cap"] = False
-    return runs
-
-
-def outline_runs(
-    where: str, mbs: Any, body: Any, points: ArrayLike, turns: ArrayLike | None, strips: int, flags: dict[str, Any]
-) -> list[Run]:
-    """Runs around the closed polygon points (k, 2) m, fixed to a rigid body; the first corner need not be repeated."""
-    corners = _points(where, points, 3)
-    if not np.array_equal(corners[0], corners[-1]):
-        corners = np.vstack([corners, corners[:1]])
-    outline = [(float(x), float(y)) for x, y in corners[:-1]]
-    area = doubled_area(outline)
-    if abs(area) < 2e-13 * extent(outline) ** 2:
-        raise scene_error(where, "the outline encloses no area")
-    if pair := crossing(outline):
-        raise scene_error(where, f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
-    # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
-    sided = {**flags, "side": -1.0 if area > 0.0 else 1.0}
-    return line_runs(where, mbs, body, corners, turns, "outline", strips, sided)
-
-
-def ball_run(where: str, mbs: Any, body: Any, center: ArrayLike, diameter: float, mass: float | None) -> Run:
-    """Run of a ball that is fixed to a rigid body; its own mass (kg) is that of the body where None."""
-    size = positive(where, "diameter", diameter)
-    run = _rigid_run(
-        where,
-        mbs,
-        body,
-        kinematics.ball_stations(planar(where, center)[0]),
-        "ball",
-        {"width": size, "drop": 0.5 * size},
-    )
-    own = mbs.GetObject(body)["mass"] if mass is None else mass
-    if not (np.isfinite(own) and own > 0.0):
-        raise scene_error(where, f"mass: got {own}, allowed is a number above 0 (kg)")
-    run.run["mass"] = own
-    return run
-
-
-def _turns(where: str, turns: ArrayLike | None, sides: int) -> Vector:
+def _turns(turns: ArrayLike | None, sides: int) -> Vector:
     """Turning angle (rad) of each side, less than half a turn."""
     given = np.zeros(sides) if turns is None else np.asarray(turns, float)
     if given.shape != (sides,):
-        raise scene_error(where, f"turns: got the shape {given.shape}, allowed is one angle for each side, ({sides},)")
+        raise _fault(f"turns: got the shape {given.shape}, allowed is one angle for each side, ({sides},)")
     if not (np.abs(given) < np.pi).all():
-        raise scene_error(where, f"turns: got {given.tolist()}, allowed are angles below half a turn (rad)")
+        raise _fault(f"turns: got {given.tolist()}, allowed are angles below half a turn (rad)")
     return given
 
 
-def _points(where: str, points: ArrayLike, least: int) -> Vector:
-    line = planar(where, points)
+def _points(points: ArrayLike, least: int) -> Vector:
+    line = planar(points)
     if len(line) < least:
-        raise scene_error(where, f"got {len(line)} points, allowed are at least {least}")
+        raise _fault(f"got {len(line)} points, allowed are at least {least}")
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     if not steps.all():
         i = int(np.argmin(steps))
-        raise scene_error(where, f"points {i} and {i + 1} are the same, {line[i].tolist()}")
+        raise _fault(f"points {i} and {i + 1} are the same, {line[i].tolist()}")
     return line
-
-
-def _rigid_run(where: str, mbs: Any, body: Any, geometry: NDArray[np.void], kind: Kind, flags: dict[str, Any]) -> Run:
-    item = mbs.GetObject(body)
-    if item["objectType"] == "RigidBody2D":
-        size = 3
-    elif item["objectType"] == "RigidBody":
-        node = mbs.GetNode(item["nodeNumber"])["nodeType"]
-        if node != "RigidBodyEP":
-            raise scene_error(where, f"the node of {item['name']} is a {node}, allowed is RigidBodyEP")
-        _stays_in_plane(where, item["name"], mbs.GetNode(item["nodeNumber"]))
-        geometry, size = spatial.spatial_stations(geometry), spatial.SIZE
-    else:
-        allowed = "allowed are RigidBody2D and RigidBody"
-        raise scene_error(where, f"object {item['name']} is a {item['objectType']}, {allowed}")
-    run = Run([item["nodeNumber"]], size, geometry, kind, flags)
-    run.body = item["name"]
-    return run
-
-
-def _stays_in_plane(where: str, name: str, node: Any) -> None:
-    """Refuse a spatial body whose frame leans out of the plane at the start, or begins to."""
-    e = np.add(node["referenceCoordinates"], node["initialCoordinates"])[3:]
-    leaning = 2.0 * float(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3]))  # sine of the angle between its z axis and ours
-    upright = np.hypot(e[1], e[2]) < np.hypot(e[0], e[3])  # or upside down
-    rates = np.abs(np.asarray(node["initialVelocities"])[[2, 4, 5] if upright else [2, 3, 6]])
-    if leaning > OUT_OF_PLANE or rates.max() > OUT_OF_PLANE:
-        raise scene_error(where, f"{name} does not move in the x-y plane: its z axis leans or it has a speed out of it")
-
-
-def cable_run(where: str, mbs: Any, elements: Sequence[Any], kind: Kind, strips: int, flags: dict[str, Any]) -> Run:
-    """Run on consecutive ANCFCable2D elements, `strips` strips in each."""
-    nodes: list[int] = []
-    lengths = []
-    each = count(where, "strips_per_element", strips)
-    for element in elements:
-        item = mbs.GetObject(element)
-        if item["objectType"] != "ANCFCable2D":
-            raise scene_error(where, f"object {item['name']} is a {item['objectType']}, allowed is ANCFCable2D")
-        first, second = (int(node) for node in item["nodeNumbers"])
-        if nodes and nodes[-1] != first:
-            raise scene_error(where, f"{item['name']} does not start at the node where its neighbour ends")
-        nodes += [second] if nodes else [first, second]
-        lengths.append(item["length"])
-    run = Run(nodes, 4 * len(nodes), kinematics.cable_stations(np.array(lengths), each), kind, flags)
-    run.body = mbs.GetObject(elements[0])["name"]
-    return run

@@ -256,7 +256,7 @@ class Observer:
 
     def reach(self) -> Reach | None:
         """Extremes of what was immersed; None where nothing could meet the medium."""
-        load, bed = self.trajectory.load, self.system.bed
+        load = self.trajectory.load
         if load is None:
             return None
         return Reach(
@@ -265,7 +265,7 @@ class Observer:
             lowest=float(load.lowest.min()),
             left=float(load.left.min()),
             right=float(load.right.max()),
-            sizes=tuple(sorted({width for group in bed.groups for width in group.widths()})),
+            sizes=tuple(sorted({(kind, width) for _, kind, width in load.immersed})),
         )
 
     # ---- forces and energies ----

@@ -9,14 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 import numpy as np
 
 from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
-from granular_contact.multibody.history import LoadHistory
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
@@ -25,6 +24,9 @@ from granular_contact.multibody.system import System
 from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.scene.types import FASTEST, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.bed.history import LoadHistory
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         time=states[:, 0],
         q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
         v=states[:, 1 + count :],
-        load=None if system.bed is None else system.bed.accepted.since(0.0),
+        load=None if system.bed is None else system.bed.load.history.since(0.0),
         mass=mass_matrix(system),
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
         reactions={

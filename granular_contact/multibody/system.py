@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from granular_contact.multibody.joint_loads import JointLoad
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.coupling import Coupling
 
 
 @dataclass(frozen=True)
@@ -33,9 +36,10 @@ class LinkHandle:
 
 @dataclass(frozen=True)
 class System:
-    """An assembled Exudyn system and where the scene's bodies are in it. `bed` is None where no load is needed.
+    """An assembled Exudyn system and where the scene's bodies are in it.
 
-    loads: what acts in joints, by name. motions: constraint objects of prescribed motions, by joint.
+    bed: the granular load in it, None where none is needed. loads: what acts in joints, by name. motions: constraint
+    objects of prescribed motions, by joint.
     """
 
     scene: Scene
@@ -43,7 +47,7 @@ class System:
     mbs: Any
     rigid: dict[str, RigidHandle]
     links: dict[str, LinkHandle]
-    bed: Any
+    bed: Coupling | None
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
 
