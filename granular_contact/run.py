@@ -10,12 +10,8 @@ import numpy as np
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked, differences
-from granular_contact.doubts import Doubt, told
 from granular_contact.errors import scene_error
-from granular_contact.frames import Pictures, frames, instants, resample
-from granular_contact.interpolation import Track, at_times
 from granular_contact.kernels.compiling import announced
-from granular_contact.limits import Reach, warnings
 from granular_contact.media.kinds import WORDS, term_names
 from granular_contact.media.laws import LAWS
 from granular_contact.results import (
@@ -30,10 +26,14 @@ from granular_contact.results import (
     Snapshot,
     Status,
 )
+from granular_contact.results.accuracy import Doubt, told
+from granular_contact.results.frames import Pictures, frames, instants, resample
+from granular_contact.results.interpolation import Track, at_times
+from granular_contact.results.limits import Reach, warnings
+from granular_contact.results.stopping import Stop, Touch, find_touch
+from granular_contact.results.summary import Extremes, extremes, summarise
 from granular_contact.scene.bed import NOTHING
 from granular_contact.scene.types import Reduced, Scene, Vector
-from granular_contact.stopping import Stop, Touch, find_touch
-from granular_contact.summary import Extremes, extremes, summarise
 
 if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory
@@ -140,7 +140,7 @@ def uninterrupted(results: Results) -> Results:
 class _Solved:
     """What every way of solving gives: all accepted instants, and what is asked about single ones (by index).
 
-    pictures: outlines at given times (k,) s; loads: forces of the medium, see `frames.frames`; terms: names of its
+    pictures: outlines at given times (k,) s; loads: forces of the medium, see `results.frames`; terms: names of its
     terms; depths (m) of all points that can meet the medium, and the deflection (m) of the last flexible link; reach:
     None where nothing could meet the medium; more: what the summary has besides; doubts: on its accuracy.
     """
@@ -193,8 +193,8 @@ def _solved(
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
 ) -> _Solved:
+    from granular_contact.multibody.mechanism import key_numbers
     from granular_contact.multibody.observe import Observer
-    from granular_contact.multibody.observe_mechanism import key_numbers
     from granular_contact.multibody.stop import stop_after
 
     system, trajectory = _trajectory(scene, progress, compiling)
@@ -235,7 +235,7 @@ def _chosen_strips(scene: Scene, trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _doubts(observer: Observer) -> tuple[Doubt, ...]:
-    from granular_contact.multibody.doubts import doubts
+    from granular_contact.multibody.accuracy import doubts
 
     with np.errstate(all="ignore"):  # of a run that failed by running away
         return tuple(doubts(observer))

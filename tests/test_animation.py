@@ -15,12 +15,12 @@ from PIL import Image
 from support_runs import CONFIGS, scenario_of
 
 from granular_contact import cli, report
-from granular_contact.frames import RATE, immersed, instants, pace, point_of_action, resample, surface_height
-from granular_contact.plots import animation, film
-from granular_contact.plots.outlines import edge
-from granular_contact.plots.stage import stage_of
-from granular_contact.plots.style import VERMILION
+from granular_contact.report.figures import animation, film
+from granular_contact.report.figures.outlines import edge
+from granular_contact.report.figures.stage import stage_of
+from granular_contact.report.figures.style import VERMILION
 from granular_contact.results import Outline, Results, Snapshot
+from granular_contact.results.frames import RATE, immersed, instants, pace, point_of_action, resample, surface_height
 from granular_contact.run import run
 from granular_contact.scene import build
 

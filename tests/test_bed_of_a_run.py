@@ -10,8 +10,8 @@ import pytest
 from support_runs import scenario_of, scene_of, simulate
 
 from granular_contact.errors import ConfigError, SceneError
-from granular_contact.limits import Reach, warnings
 from granular_contact.media.validity import Validity
+from granular_contact.results.limits import Reach, warnings
 
 HILL = "{from: hill_cylinders, density_kg_m3: 2500}"
 ALBERT = "{law: albert, density_kg_m3: 2500, eta_h: 8}"

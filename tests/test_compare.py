@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from granular_contact.cli import main
-from granular_contact.compare import Comparison, compare, write
 from granular_contact.errors import ConfigError, SceneError
-from granular_contact.plots.histories import histories
-from granular_contact.plots.style import style
+from granular_contact.report.figures.histories import histories
+from granular_contact.report.figures.style import style
+from granular_contact.studies.compare import Comparison, compare, write
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "configs" / "pendulum.yaml"

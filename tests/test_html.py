@@ -15,11 +15,14 @@ from support_browser import DRIVER, Browser
 from support_results import make
 from support_runs import CONFIGS, scenario_of
 
-from granular_contact import cli, compare, html, report
-from granular_contact.html.markup import Markup, join, tag
-from granular_contact.html.numbers import column, label, quantity
+from granular_contact import cli, report
+from granular_contact.report.pages import FolderError, html
+from granular_contact.report.pages import write as write_page
+from granular_contact.report.pages.markup import Markup, join, tag
+from granular_contact.report.pages.numbers import column, label, quantity
 from granular_contact.run import run
 from granular_contact.scene import build
+from granular_contact.studies import compare
 
 KINDS = ("run", "compare", "sweep", "fit")
 FIT = {
@@ -85,7 +88,7 @@ def made(kind: str, folder: Path) -> Path:
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A page of each kind."""
     place = tmp_path_factory.mktemp("pages")
-    return {kind: html.write(made(kind, place / kind / "results")) for kind in KINDS}
+    return {kind: write_page(made(kind, place / kind / "results")) for kind in KINDS}
 
 
 class Outline(HTMLParser):
@@ -177,7 +180,7 @@ def test_a_failed_run_is_shown_as_failed(tmp_path: Path) -> None:
     one = make(stopped=False)
     summary = one.summary | {"status": "failed", "message": "Newton's method did not converge at 0.01 s"}
     report.write(dataclasses.replace(one, summary=summary), tmp_path / "r", figures=False)
-    page = html.html(tmp_path / "r")
+    page = html(tmp_path / "r")
     assert '<span class="status bad">failed</span>' in page
     assert "No stop was found." in page
     assert "Newton&#x27;s method did not converge" in page
@@ -190,7 +193,7 @@ def test_failed_cases_of_a_sweep_are_named(tmp_path: Path) -> None:
         "b,2,error,no <b>,",
     ]
     (tmp_path / "table.csv").write_text("\n".join(lines))
-    page = html.html(tmp_path)
+    page = html(tmp_path)
     assert '<span class="status bad">1 failed</span>' in page
     assert "no &lt;b&gt;" in page
     assert "1 came to rest, 1 crashed" in page
@@ -208,7 +211,7 @@ def test_numbers_of_a_sweep_are_of_cases_that_came_to_an_end(tmp_path: Path) -> 
         "d,4,time_limit,too late,0.8,6e3,",
     ]
     (tmp_path / "table.csv").write_text("\n".join(lines))
-    text = "".join(Outline(html.html(tmp_path)).text)
+    text = "".join(Outline(html(tmp_path)).text)
     assert "2 cases that did not come to an end are left out" in text
     key, audit = (
         text.split("Key numbers")[-1].split("Figures")[0],
@@ -223,7 +226,7 @@ def test_warnings_that_differ_in_numbers_are_one_kind(tmp_path: Path) -> None:
     same = [f"s{i},1,rest,fine,0.02,1e-5,faster than 1.{i} m/s" for i in range(40)]
     others = [f"o{i},1,rest,fine,0.02,1e-5,kind {'x' * i}" for i in range(14)]
     (tmp_path / "table.csv").write_text("\n".join([HEAD, *same, *others]))
-    page = html.html(tmp_path)
+    page = html(tmp_path)
     box = re.search(r'class="warning".*?</ul>', page, re.DOTALL)
     assert box is not None
     shown = re.findall("<li>(.*?)</li>", box[0])
@@ -244,7 +247,7 @@ def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> Non
         "energy": {"initial_J": 0.1, "drive_work_J": 3.9, "imbalance_relative": 1e-5},
     }
     report.write(dataclasses.replace(one, summary=one.summary | more), tmp_path / "r", figures=False)
-    text = "".join(Outline(html.html(tmp_path / "r")).text)
+    text = "".join(Outline(html(tmp_path / "r")).text)
     for words in (
         "It travelled 343.2 mm, at 0.2288 m/s in the mean. Its cost of transport was 3.25.",
         "10 ms to 20 ms; 50 ms to 90 ms",
@@ -264,7 +267,7 @@ def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Pa
             (folder / name).write_text("medium,stopping_time_s\nplay_sand,0.025\n")
         else:
             (tmp_path / "r" / "figures" / "motion.png").rename(folder / name)
-        page = html.html(folder)
+        page = html(folder)
         assert f'<p class="kind">{kind}</p>' in page
         assert ("stopping time (ms)" in page) == name.endswith(".csv")
         assert ("<img " in page) == name.endswith(".png")
@@ -273,7 +276,7 @@ def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Pa
 def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:
     report.write(make(), tmp_path / "r", figures=False)
     (tmp_path / "r" / "animation.mp4").write_bytes(b"\0" * 10)
-    assert '<video src="data:video/mp4;base64,AAAAAAAAAAAAAA==" controls=""' in html.html(tmp_path / "r")
+    assert '<video src="data:video/mp4;base64,AAAAAAAAAAAAAA==" controls=""' in html(tmp_path / "r")
 
 
 # ---- how it is built ----
@@ -286,7 +289,7 @@ def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
     columns = tuple(dataclasses.replace(column, description=evil) for column in one.columns)
     results = dataclasses.replace(one, summary=summary, columns=columns, scenario={"name": evil})
     report.write(results, tmp_path / "r", figures=False)
-    page = html.html(tmp_path / "r")
+    page = html(tmp_path / "r")
     outline = Outline(page)
     assert not outline.all("script")
     assert "".join(outline.text).count(evil) >= len(columns) + 4
@@ -422,8 +425,8 @@ def test_a_damaged_file_is_named(
 def test_a_fit_of_other_types_is_shown_or_named(tmp_path: Path, key: str, value: object) -> None:
     (tmp_path / "fit.json").write_text(json.dumps({**FIT, key: value}))
     try:
-        html.write(tmp_path)
-    except html.FolderError as error:
+        write_page(tmp_path)
+    except FolderError as error:
         words = str(error)
     else:
         words = (tmp_path / "report.html").read_text(encoding="utf-8") and str(tmp_path / "fit.json")

@@ -19,13 +19,13 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from support_results import REACH, make
 
-from granular_contact import plots
-from granular_contact.plots import series
-from granular_contact.plots.outlines import edge
-from granular_contact.plots.panels import thin
-from granular_contact.plots.style import style
+from granular_contact.report import figures
+from granular_contact.report.figures import series
+from granular_contact.report.figures.outlines import edge
+from granular_contact.report.figures.panels import thin
+from granular_contact.report.figures.style import style
 from granular_contact.results import Column, Outline, Results, Snapshot
-from granular_contact.units import unit_for
+from granular_contact.results.units import unit_for
 
 CASES: dict[str, dict[str, Any]] = {
     "rigid": {},
@@ -139,8 +139,8 @@ ALL = [*CASES, "two_hinges", "free_disc", "plunger", "walker", "chain"]
 
 @pytest.fixture(scope="module", params=ALL)
 def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
-    with plots.style():
-        made = plots.figures(build(request.param))
+    with figures.style():
+        made = figures.figures(build(request.param))
         for figure in made.values():
             figure.canvas.draw()  # type: ignore[attr-defined]
     return made
@@ -162,7 +162,7 @@ def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
     ],
 )
 def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expected: set[str], tmp_path: Path) -> None:
-    plots.draw(build(case), tmp_path)
+    figures.draw(build(case), tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {f"{name}.png" for name in expected}
     for path in tmp_path.iterdir():
         assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
@@ -175,7 +175,7 @@ def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expect
 
 def test_nothing_recorded_draws_nothing(tmp_path: Path) -> None:
     one = make()
-    plots.draw(dataclasses.replace(one, table=one.table[:0], snapshots=()), tmp_path)
+    figures.draw(dataclasses.replace(one, table=one.table[:0], snapshots=()), tmp_path)
     assert not list(tmp_path.iterdir())
 
 
@@ -183,7 +183,7 @@ def test_gaps_in_the_data_are_survived(tmp_path: Path) -> None:
     one = make(flexible=True)
     table = one.table.copy()
     table[-1, 1:] = np.nan
-    plots.draw(dataclasses.replace(one, table=table), tmp_path)
+    figures.draw(dataclasses.replace(one, table=table), tmp_path)
     assert len(list(tmp_path.iterdir())) == 5
 
 
@@ -218,8 +218,8 @@ def test_words_do_not_overlap_nor_leave_the_page(drawn: dict[str, Figure]) -> No
 
 
 def test_the_overlap_test_can_fail() -> None:
-    with plots.style():
-        figure = plots.figures(make())["motion"]
+    with figures.style():
+        figure = figures.figures(make())["motion"]
         figure.axes[0].text(0, 47, "stray")
         figure.axes[0].text(0, 47, "stray too")
         figure.canvas.draw()  # type: ignore[attr-defined]
@@ -262,14 +262,14 @@ def test_axes_are_named_with_units_and_have_no_offsets(drawn: dict[str, Figure])
 
 @pytest.mark.parametrize(("speed", "words"), [(1.0, "time (ms)"), (0.01, "time (s)")])
 def test_time_unit_follows_the_span(speed: float, words: str) -> None:
-    with plots.style():
-        assert plots.figures(make(speed=speed))["motion"].axes[-1].get_xlabel() == words
+    with figures.style():
+        assert figures.figures(make(speed=speed))["motion"].axes[-1].get_xlabel() == words
 
 
 def test_stop_is_drawn_at_its_instant_and_written() -> None:
     results = make(before=0.008)
-    with plots.style():
-        upper = plots.figures(results)["motion"].axes[0]
+    with figures.style():
+        upper = figures.figures(results)["motion"].axes[0]
     instant = (results.summary["touch_time_s"] + results.summary["stopping_time_s"]) * 1e3
     assert any(np.allclose(line.get_xdata(), instant) for line in upper.lines)
     stop_ms, angle = results.summary["stopping_time_s"] * 1e3, results.summary["angle_at_stop_deg"]
@@ -282,8 +282,8 @@ def legend_words(axes: Axes) -> list[str]:
 
 
 def test_hinges_say_what_their_angles_are_relative_to() -> None:
-    with plots.style():
-        upper, lower = plots.figures(two_hinges())["motion"].axes
+    with figures.style():
+        upper, lower = figures.figures(two_hinges())["motion"].axes
     assert upper.get_ylabel() == "angle (deg)"
     assert legend_words(upper) == ["pivot, below horizontal", "knee, relative to thigh"]
     assert legend_words(lower) == ["at pivot", "at knee, relative to thigh", "mean (angular momentum / inertia)"]
@@ -292,16 +292,16 @@ def test_hinges_say_what_their_angles_are_relative_to() -> None:
 def test_hinges_that_are_all_on_the_ground_share_one_label() -> None:
     results = two_hinges()
     grounded = tuple(dataclasses.replace(c, description="") if "knee" in c.name else c for c in results.columns)
-    with plots.style():
-        upper, lower = plots.figures(dataclasses.replace(results, columns=grounded))["motion"].axes
+    with figures.style():
+        upper, lower = figures.figures(dataclasses.replace(results, columns=grounded))["motion"].axes
     assert upper.get_ylabel() == "angle below horizontal (deg)"
     assert legend_words(upper) == ["pivot", "knee"]
     assert legend_words(lower)[:2] == ["at pivot", "at knee"]
 
 
 def test_of_many_hinges_the_first_and_the_last_are_named() -> None:
-    with plots.style():
-        upper, lower = plots.figures(chain())["motion"].axes
+    with figures.style():
+        upper, lower = figures.figures(chain())["motion"].axes
     assert legend_words(upper) == ["pivot, below horizontal", "hinge_9, relative to link_8"]
     assert legend_words(lower)[-1] == "at hinge_9, relative to link_8"
     assert len({line.get_color() for line in upper.lines}) >= 9
@@ -311,9 +311,9 @@ def test_captions_tell_the_angle_of_the_pivot_wherever_its_column_is() -> None:
     one = two_hinges()
     order = sorted(range(len(one.columns)), key=lambda i: "pivot" in one.columns[i].name)
     moved = dataclasses.replace(one, columns=tuple(one.columns[i] for i in order), table=one.table[:, order])
-    with plots.style():
+    with figures.style():
         words = [
-            [text.get_text() for text in plots.figures(results)["mechanism"].legends[0].get_texts()]
+            [text.get_text() for text in figures.figures(results)["mechanism"].legends[0].get_texts()]
             for results in (one, moved)
         ]
     assert words[0][0] == "touch: 0 ms, 45.00°"
@@ -322,8 +322,8 @@ def test_captions_tell_the_angle_of_the_pivot_wherever_its_column_is() -> None:
 
 @pytest.mark.parametrize("flexible", [False, True])
 def test_damping_is_drawn_for_a_flexible_link_only(flexible: bool) -> None:
-    with plots.style():
-        words = legend_words(plots.figures(make(flexible=flexible))["energy"].axes[0])
+    with figures.style():
+        words = legend_words(figures.figures(make(flexible=flexible))["energy"].axes[0])
     assert "kinetic" in words
     assert ("dissipated by damping" in words) == flexible
 
@@ -332,8 +332,8 @@ def test_long_names_of_hinges_stay_within_the_panel() -> None:
     one = two_hinges()
     name = "a_hinge_with_a_rather_long_name"
     columns = tuple(dataclasses.replace(c, name=c.name.replace("knee", name)) for c in one.columns)
-    with plots.style():
-        figure = plots.figures(dataclasses.replace(one, columns=columns))["motion"]
+    with figures.style():
+        figure = figures.figures(dataclasses.replace(one, columns=columns))["motion"]
         figure.canvas.draw()  # type: ignore[attr-defined]
         test_words_do_not_overlap_nor_leave_the_page({"motion": figure})
         test_legends_hide_no_data({"motion": figure})
@@ -341,8 +341,8 @@ def test_long_names_of_hinges_stay_within_the_panel() -> None:
 
 def test_mechanism_is_to_scale_and_dimensions_the_largest_depth() -> None:
     results = make()
-    with plots.style():
-        whole, tip = plots.figures(results)["mechanism"].axes
+    with figures.style():
+        whole, tip = figures.figures(results)["mechanism"].axes
     depth = results.summary["max_depth_m"] * 1e3
     assert f"depth\n{depth:.2f} mm" in [text.get_text() for text in tip.texts]
     for axes in (whole, tip):
@@ -394,7 +394,7 @@ def test_no_figure_of_a_long_run_draws_all_its_rows(tmp_path: Path, monkeypatch:
         drawn(line, renderer)
 
     monkeypatch.setattr(Line2D, "draw", counted)
-    plots.draw(make(flexible=True, rows=300_000), tmp_path)
+    figures.draw(make(flexible=True, rows=300_000), tmp_path)
     assert len(points) > 20
     assert max(points) <= 3000
 

@@ -17,7 +17,8 @@ import yaml
 from support_results import make
 from support_runs import ROOT
 
-from granular_contact import plots, report
+from granular_contact import report
+from granular_contact.report import figures
 from granular_contact.results import Results
 
 NAMES = ["figures", "scenario.yaml", "summary.json", "timeseries.csv"]
@@ -149,7 +150,7 @@ class TestWholeOrNotAtAll:
         def fail(_: Results) -> None:
             raise MemoryError
 
-        monkeypatch.setattr(plots, "mechanism", fail)
+        monkeypatch.setattr(figures, "mechanism", fail)
         with pytest.raises(MemoryError):
             report.write(make(), tmp_path / "run")
         assert not names(tmp_path)
@@ -196,7 +197,8 @@ def test_what_no_run_wrote_is_not_replaced(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("figures", "unwanted"), [(False, ("matplotlib", "granular_contact.plots")), (True, ("matplotlib.pyplot",))]
+    ("figures", "unwanted"),
+    [(False, ("matplotlib", "granular_contact.report.figures")), (True, ("matplotlib.pyplot",))],
 )
 def test_matplotlib_is_imported_for_figures_only_and_pyplot_never(
     figures: bool, unwanted: tuple[str, ...], tmp_path: Path

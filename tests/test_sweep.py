@@ -20,15 +20,16 @@ from typing import Any
 import pytest
 from support_sweep import ANGLE, CONFIGS, ROOT, SPEED, TIME, arguments, command, dying, of_speed, read, until, write
 
-from granular_contact import report, scene, sweep
+from granular_contact import report, scene
 from granular_contact.cli import sweep_progress
 from granular_contact.config import Scenario, Sweep, load_sweep
 from granular_contact.errors import ConfigError
 from granular_contact.results import Results
-from granular_contact.sweep import Row, table
-from granular_contact.sweep import local_processes as local
-from granular_contact.sweep.runner import FEW, faults
-from granular_contact.sweep.worker import _flat, simulate
+from granular_contact.studies import sweep
+from granular_contact.studies.sweep import Row, table
+from granular_contact.studies.sweep import local_processes as local
+from granular_contact.studies.sweep.runner import FEW, faults
+from granular_contact.studies.sweep.worker import _flat, simulate
 
 
 def timeless(row: dict[str, str]) -> dict[str, str]:

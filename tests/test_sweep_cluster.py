@@ -14,11 +14,11 @@ import psutil
 import pytest
 from support_sweep import ENVIRONMENT, SPEED, command, dying, of_speed, timeless_bytes, write
 
-from granular_contact import sweep
 from granular_contact.cli import main
 from granular_contact.config import load_sweep
-from granular_contact.sweep import cluster
-from granular_contact.sweep.cluster import cluster_crew
+from granular_contact.studies import sweep
+from granular_contact.studies.sweep import cluster
+from granular_contact.studies.sweep.cluster import cluster_crew
 
 pytest.importorskip("distributed")
 QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 40}}\n"

@@ -31,14 +31,14 @@ from support_sweep import (
     write,
 )
 
-from granular_contact import sweep
 from granular_contact.cli import main
 from granular_contact.cli import sweep as cli
 from granular_contact.config import load_sweep
-from granular_contact.sweep import Crew, pool
-from granular_contact.sweep import journal as journals
-from granular_contact.sweep import local_processes as local
-from granular_contact.sweep.journal import Journal, Row
+from granular_contact.studies import sweep
+from granular_contact.studies.sweep import Crew, pool
+from granular_contact.studies.sweep import journal as journals
+from granular_contact.studies.sweep import local_processes as local
+from granular_contact.studies.sweep.journal import Journal, Row
 
 QUICK = "set: {method: {reduced: {modes: 0}}}\n"
 

@@ -12,7 +12,7 @@ import pytest
 from support_sweep import SPEED, command, write
 
 from granular_contact.config import Sweep, load_sweep
-from granular_contact.sweep import Row, sensitivity
+from granular_contact.studies.sweep import Row, sensitivity
 
 OUTPUT = "y"
 # Three keys that any number may stand under, so that cases need not be checked.

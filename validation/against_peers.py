@@ -124,7 +124,7 @@ def draw(found: list[Point], file: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from granular_contact.plots.style import DPI, PALETTE, style
+    from granular_contact.report.figures.style import DPI, PALETTE, style
 
     with style():
         figure = Figure(figsize=(4.6, 3.2), layout="constrained")

@@ -32,10 +32,10 @@ sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
 from granular_contact.multibody.build import build as assemble
-from granular_contact.plots.panels import blank
-from granular_contact.plots.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.reduced.model import model
 from granular_contact.reduced.world import world
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.scene.types import Connection, Motion, Reduced, Scene

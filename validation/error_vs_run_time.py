@@ -32,9 +32,9 @@ from granular_contact.multibody.build import build as build_system
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import settings, solve
 from granular_contact.multibody.stop import stop_after
+from granular_contact.results.stopping import find_touch
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.stopping import find_touch
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -431,7 +431,7 @@ def alone(points: Sequence[Point]) -> tuple[list[Point], Reference]:
 
 
 def _looks(model: str, index: int) -> dict[str, Any]:
-    from granular_contact.plots.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
+    from granular_contact.report.figures.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
 
     colours = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK)
     if model in OWN and index == OWN.index(model):
@@ -455,7 +455,7 @@ def _diagram(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from granular_contact.plots.style import DOUBLE, DPI, style
+    from granular_contact.report.figures.style import DOUBLE, DPI, style
 
     shown = [p for p in points if not p.failure and (fronts or p.setting.model in models)]
     rows = -(-(len(models) + 3) // 4)

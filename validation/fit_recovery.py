@@ -25,16 +25,16 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
-from granular_contact.fit import fit, load_specification, prepare
-from granular_contact.fit.jacobian import jacobian
-from granular_contact.fit.problem import Problem
-from granular_contact.fit.solve import Solution
-from granular_contact.fit.uncertainty import Uncertainty, uncertainty
-from granular_contact.plots.panels import blank
-from granular_contact.plots.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, PURPLE, VERMILION, style
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, PURPLE, VERMILION, style
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.sweep.pool import cores, local_processes
+from granular_contact.studies.fit import fit, load_specification, prepare
+from granular_contact.studies.fit.jacobian import jacobian
+from granular_contact.studies.fit.problem import Problem
+from granular_contact.studies.fit.solve import Solution
+from granular_contact.studies.fit.uncertainty import Uncertainty, uncertainty
+from granular_contact.studies.sweep.pool import cores, local_processes
 from validation.paper_cases import CASES, CONFIG, SPEEDS
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown

@@ -106,7 +106,7 @@ def comment(path: Path) -> str:
 
 def draw(one: Entry) -> Path:
     """Write the picture of a model as a PNG of few colours; its path."""
-    from granular_contact.plots.film import write_strip
+    from granular_contact.report.figures.film import write_strip
 
     path = FIGURES / f"gallery_{one.model}.png"
     write_strip(one.results, path, PANELS, WIDTH)

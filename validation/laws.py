@@ -447,7 +447,7 @@ def _figure(rows: int, columns: int, height: float) -> tuple[Any, Any]:
 
 
 def _save(figure: Any, name: str) -> None:
-    from granular_contact.plots.style import DPI
+    from granular_contact.report.figures.style import DPI
 
     FIGURES.mkdir(exist_ok=True)
     figure.savefig(FIGURES / name, dpi=DPI)
@@ -456,7 +456,7 @@ def _save(figure: Any, name: str) -> None:
 def _draw_drops(heights: Vector, depths: Vector, times: Vector) -> None:
     from matplotlib.ticker import NullFormatter, ScalarFormatter
 
-    from granular_contact.plots.style import BLUE, style
+    from granular_contact.report.figures.style import BLUE, style
 
     with style():
         figure, (left, right) = _figure(1, 2, 2.5)
@@ -476,7 +476,7 @@ def _draw_drops(heights: Vector, depths: Vector, times: Vector) -> None:
 
 
 def _draw_plates(depths: Vector, pushed: dict[str, Vector], dragged: dict[str, Vector]) -> None:
-    from granular_contact.plots.style import PALETTE, style
+    from granular_contact.report.figures.style import PALETTE, style
 
     with style():
         figure, axes = _figure(1, 2, 2.5)

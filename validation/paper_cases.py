@@ -23,8 +23,8 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
-from granular_contact.plots.panels import blank
-from granular_contact.plots.style import BLUE, DOUBLE, DPI, GREEN, INK, PURPLE, SINGLE, VERMILION, style
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, GREEN, INK, PURPLE, SINGLE, VERMILION, style
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build

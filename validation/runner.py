@@ -180,7 +180,7 @@ def draw(found: dict[str, list[Gait]]) -> None:
     """Figure of speed, and of the way of a stride, against limb frequency."""
     import matplotlib.pyplot as plt
 
-    from granular_contact.plots.style import DPI, PALETTE, style
+    from granular_contact.report.figures.style import DPI, PALETTE, style
 
     with style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(7.1, 2.7), layout="constrained")

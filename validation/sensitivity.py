@@ -17,10 +17,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import Sweep, load_sweep
-from granular_contact.plots.sensitivity import Bars, draw_sensitivity
+from granular_contact.report.figures.sensitivity import Bars, draw_sensitivity
 from granular_contact.scene import build
-from granular_contact.sweep import Crew, Journal, run, sensitivity
-from granular_contact.sweep.sensitivity import Indices
+from granular_contact.studies.sweep import Crew, Journal, run, sensitivity
+from granular_contact.studies.sweep.sensitivity import Indices
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 

@@ -31,7 +31,7 @@ from granular_contact.config import is_sweep, load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.sweep.pool import cores, local_processes
+from granular_contact.studies.sweep.pool import cores, local_processes
 from validation.stability_cases import Case, cases, heat
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
@@ -277,7 +277,7 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
     from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
 
-    from granular_contact.plots.style import DOUBLE, DPI, style
+    from granular_contact.report.figures.style import DOUBLE, DPI, style
 
     by = {one.case: one for one in found}
     with style():

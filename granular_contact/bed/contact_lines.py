@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import SceneError, scene_error
+from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.kernels import kinematics, spatial
 from granular_contact.kernels.law import RUN
 from granular_contact.media.kinds import Kind
-from granular_contact.polygon import crossing, doubled_area, extent
 
 Vector = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granular_contact.geometry.surface import surface as corners
 from granular_contact.media.checks import check
 from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import Medium
 from granular_contact.media.layer import Layer
 from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.surface import surface as corners
 
 Vector = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.energy import accumulate, work
+from granular_contact.results.energy import accumulate, work
 
 if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory

@@ -29,7 +29,7 @@ def _is_fine(path: str) -> bool:
         if config.is_sweep(path):
             config.load_sweep(path, probe=scene.build)
         elif config.is_fit(path):
-            from granular_contact.fit import load_specification, prepare
+            from granular_contact.studies.fit import load_specification, prepare
 
             prepare(load_specification(path))
         else:

@@ -19,7 +19,7 @@ from granular_contact.cli.common import (
 )
 
 if TYPE_CHECKING:
-    from granular_contact.compare import Comparison, Row
+    from granular_contact.studies.compare import Comparison, Row
 
 HELP = "run a config by several models and say which is enough"
 
@@ -54,7 +54,7 @@ def _tolerance(text: str) -> float:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.compare import compare, write
+    from granular_contact.studies.compare import compare, write
 
     folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.config).stem}_compare")
     problem = folder_problem(folder, "compare")

@@ -20,7 +20,7 @@ from granular_contact.cli.common import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from granular_contact.compare_media import Row
+    from granular_contact.studies.compare_media import Row
 
 HELP = "run a config in several media"
 
@@ -41,7 +41,7 @@ def _names(text: str) -> tuple[str, ...]:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.compare_media import compare_media, write
+    from granular_contact.studies.compare_media import compare_media, write
 
     folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.config).stem}_media")
     problem = folder_problem(folder, "compare-media")

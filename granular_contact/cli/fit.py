@@ -24,7 +24,7 @@ from granular_contact.cli.common import (
 from granular_contact.cli.fit_options import wanted
 
 if TYPE_CHECKING:
-    from granular_contact.fit import Fit
+    from granular_contact.studies.fit import Fit
 
 HELP = "find coefficients from measured runs, with their errors"
 MOST_SHOWN = 12  # parameters in the matrix of correlations
@@ -64,8 +64,8 @@ def act(chosen: argparse.Namespace) -> int:
         complain(problem_of_folder)
         return FAULTY_INPUT
 
-    from granular_contact.fit import fit, prepare, write
-    from granular_contact.sweep.pool import cores
+    from granular_contact.studies.fit import fit, prepare, write
+    from granular_contact.studies.sweep.pool import cores
 
     problem = prepare(asked)
     with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:

@@ -12,14 +12,14 @@ from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
-    from granular_contact.fit import Specification
+    from granular_contact.studies.fit import Specification
 
 _HERE = tree.Position("fit", None)
 
 
 def wanted(chosen: argparse.Namespace) -> Specification:
     """Specification of the files and options chosen; ConfigError with all that is wrong with them."""
-    from granular_contact.fit import load_specification, specification
+    from granular_contact.studies.fit import load_specification, specification
 
     first = Path(chosen.files[0])
     if len(chosen.files) == 1 and (is_fit(first) or not first.exists()):

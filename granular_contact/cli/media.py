@@ -108,9 +108,9 @@ def _draw(spec: schema.AnyLaw, folder: Path, quiet: bool) -> int:
         if not quiet:
             print("no figure: the forces need what the source does not state")
         return FINE
-    from granular_contact.plots.laws import draw_law
     from granular_contact.probe import panels
     from granular_contact.report import LAW, whole_folder
+    from granular_contact.report.figures.laws import draw_law
 
     acting = medium(spec)
     with whole_folder(folder, "media") as making:

@@ -18,12 +18,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact import html
+    from granular_contact.report import pages
 
     file = Path(chosen.out) if chosen.out else None
     try:
-        written = html.write(Path(chosen.directory), file)
-    except html.FolderError as error:
+        written = pages.write(Path(chosen.directory), file)
+    except pages.FolderError as error:
         complain(f"report: {error}")
         return FAULTY_INPUT
     except OSError as error:

@@ -30,9 +30,9 @@ from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
     from granular_contact.config.sweep_sample import Sample
-    from granular_contact.sweep import Crew, Row
-    from granular_contact.sweep.part import Part
-    from granular_contact.sweep.sensitivity import Indices
+    from granular_contact.studies.sweep import Crew, Row
+    from granular_contact.studies.sweep.part import Part
+    from granular_contact.studies.sweep.sensitivity import Indices
 
 HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
 MOST_SHOWN = 40  # rows; the rest is in the table
@@ -61,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.sweep import CrewError, FolderRefused
+    from granular_contact.studies.sweep import CrewError, FolderRefused
 
     folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.file).stem)
     problem = folder_problem(folder, "sweep")
@@ -77,22 +77,22 @@ def act(chosen: argparse.Namespace) -> int:
 
 
 def _crew(chosen: argparse.Namespace, folder: Path) -> Crew:
-    from granular_contact.sweep import Crew
-    from granular_contact.sweep.pool import prepare
+    from granular_contact.studies.sweep import Crew
+    from granular_contact.studies.sweep.pool import prepare
 
     if chosen.scheduler is None:
         prepare()  # while the file is read
         return Crew(chosen.workers)
-    from granular_contact.sweep.cluster import cluster_crew
+    from granular_contact.studies.sweep.cluster import cluster_crew
 
     return cluster_crew(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
 
 
 def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
     from granular_contact import scene
-    from granular_contact.sweep import CrewError, table
-    from granular_contact.sweep.part import finished, opened
-    from granular_contact.sweep.runner import faults
+    from granular_contact.studies.sweep import CrewError, table
+    from granular_contact.studies.sweep.part import finished, opened
+    from granular_contact.studies.sweep.runner import faults
 
     sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, crew=crew))
     if finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
@@ -133,7 +133,7 @@ def _nothing_to_do(folder: Path, quiet: bool) -> int:
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folder: Path) -> int:
-    from granular_contact.sweep import CrewError, run, sensitivity, table
+    from granular_contact.studies.sweep import CrewError, run, sensitivity, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     if part.done and not chosen.quiet:

@@ -7,18 +7,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from granular_contact import series
-from granular_contact.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.interpolation import Track, rates
-from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
-from granular_contact.multibody import observe_mechanism as mechanism
+from granular_contact.multibody import mechanism
 from granular_contact.multibody.joint_history import JointForces
 from granular_contact.multibody.medium_work import medium_works
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.solve import Trajectory
 from granular_contact.multibody.system import System
-from granular_contact.results import Column, Outline
+from granular_contact.results import Column, Outline, series
+from granular_contact.results.energy import accumulate, damping_power, elastic_energy, strain
+from granular_contact.results.interpolation import Track, rates
+from granular_contact.results.limits import Reach
 from granular_contact.scene.types import Connection, Vector
 
 STATIONS = 16  # to which a side is divided where the surface is not level

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.multibody.observe import Observer
+from granular_contact.results.stopping import Stop, Touch, find_stop, find_touch
 from granular_contact.scene.types import Connection
-from granular_contact.stopping import Stop, Touch, find_stop, find_touch
 
 STAYS = 0.02  # s at rest, where the run does not say how long
 

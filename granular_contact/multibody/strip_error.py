@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from granular_contact.bed.strip_error import by_power, by_resultant
-from granular_contact.doubts import Doubt
 from granular_contact.multibody.observe import Observer
 from granular_contact.results import FINISHED
+from granular_contact.results.accuracy import Doubt
 from granular_contact.scene.types import Load, Scene
 
 ERROR = 5e-3  # of the distance, that is told

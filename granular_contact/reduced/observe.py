@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from granular_contact import series
-from granular_contact.interpolation import Track
-from granular_contact.limits import Reach
 from granular_contact.media.kinds import term_names
 from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
-from granular_contact.results import Column, Outline
+from granular_contact.results import Column, Outline, series
+from granular_contact.results.interpolation import Track
+from granular_contact.results.limits import Reach
+from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
-from granular_contact.stopping import Stop
 
 POINTS = 17  # on a bent link in pictures
 ALL = slice(None)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault
+from granular_contact.geometry.surface import greatest_depth, height_at, slope_at, surface
 from granular_contact.media.floor import Floor
 from granular_contact.media.kinds import Medium
 from granular_contact.media.laws import WITH_RESULTANT
 from granular_contact.media.layer import Layer
 from granular_contact.scene.media import medium, missing
-from granular_contact.surface import greatest_depth, height_at, slope_at, surface
 
 Vector = NDArray[np.float64]
 

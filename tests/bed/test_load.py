@@ -102,7 +102,7 @@ def test_a_state_taken_back_leaves_no_trace() -> None:
 def test_tangent_is_the_derivative_of_the_force() -> None:
     load = plate_load()
     pose, velocity = pushed(load, 1000, 0.3, 0.02)
-    velocity = velocity + [0.02, 0.0, 0.5]
+    velocity += np.array([0.02, 0.0, 0.5])
     found = np.zeros((3, 3))
     for i, j, value in load.tangent(pose, velocity, 1.0, 0.0):
         found[int(i), int(j)] += value

@@ -81,7 +81,7 @@ def test_where_the_path_of_a_medium_starts_is_said(capsys: pytest.CaptureFixture
 
 
 def test_the_window_and_the_sign_of_the_clock_are_said(capsys: pytest.CaptureFixture[str]) -> None:
-    from granular_contact.fit.sections import OFFSET_RANGE
+    from granular_contact.studies.fit.sections import OFFSET_RANGE
 
     with pytest.raises(SystemExit):
         cli.main(["fit", "--help"])

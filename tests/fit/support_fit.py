@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from support_runs import CONFIGS, simulate
 
-from granular_contact.fit import Fit, fit, load_specification, prepare
-from granular_contact.fit.problem import Problem
+from granular_contact.studies.fit import Fit, fit, load_specification, prepare
+from granular_contact.studies.fit.problem import Problem
 
 Vector = NDArray[np.float64]
 

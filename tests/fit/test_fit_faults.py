@@ -11,9 +11,9 @@ from support_fit import CONFIG, RIGID, measure
 
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.fit import load_specification, prepare
-from granular_contact.fit.csv_table import read_table
-from granular_contact.fit.measurements import select
+from granular_contact.studies.fit import load_specification, prepare
+from granular_contact.studies.fit.csv_table import read_table
+from granular_contact.studies.fit.measurements import select
 
 FIT = f"""\
 parameters: [medium.eta_d]

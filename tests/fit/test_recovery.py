@@ -12,9 +12,9 @@ import pytest
 from support_fit import CONFIG, NOISE, RIGID, TRUE, fitted, four, measure, near, problem
 
 from granular_contact.errors import SolveError
-from granular_contact.fit import fit
-from granular_contact.fit.solve import DIED, Start, starting_points
-from granular_contact.sweep import pool
+from granular_contact.studies.fit import fit
+from granular_contact.studies.fit.solve import DIED, Start, starting_points
+from granular_contact.studies.sweep import pool
 
 ALL = "\n".join(f"  {key}: {{start: {1.3 * value}}}" for key, value in TRUE.items())
 # Beyond four standard errors normal noise takes an estimate once in 16 000 times; the seeds are fixed anyway.
@@ -236,7 +236,7 @@ def test_a_start_whose_process_died_is_told(recovered) -> None:
 
 
 def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> None:
-    from granular_contact.fit import tracks
+    from granular_contact.studies.fit import tracks
 
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run())

@@ -10,12 +10,12 @@ import pytest
 from scipy.stats import binom
 from support_fit import NOISE, TRUE, four, problem
 
-from granular_contact.fit import noise
-from granular_contact.fit.goodness import ljung_box
-from granular_contact.fit.jacobian import STEP, jacobian
-from granular_contact.fit.problem import Loss, Problem
-from granular_contact.fit.solve import Solution, minimise, solve
-from granular_contact.fit.uncertainty import uncertainty
+from granular_contact.studies.fit import noise
+from granular_contact.studies.fit.goodness import ljung_box
+from granular_contact.studies.fit.jacobian import STEP, jacobian
+from granular_contact.studies.fit.problem import Loss, Problem
+from granular_contact.studies.fit.solve import Solution, minimise, solve
+from granular_contact.studies.fit.uncertainty import uncertainty
 
 KEYS = "parameters: {medium.eta_d: , medium.plunging.eta_v: , medium.plunging.lambda: {from: 0.5, to: 2}}"
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from exudyn import itemInterface as items
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, RotationMatrixY, RotationMatrixZ
-from granular_contact.bed.contact_lines import ELEMENTS_PER_LINE
 from support_runs import order
 
 from granular_contact import preset
+from granular_contact.bed.contact_lines import ELEMENTS_PER_LINE
 from granular_contact.errors import SceneError
 from granular_contact.kernels import kinematics, lines, strips
 from granular_contact.media.layer import Layer

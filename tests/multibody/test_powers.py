@@ -14,11 +14,11 @@ import pytest
 from numpy.typing import NDArray
 from support_runs import DENSITY, scenario_of, simulate
 
-from granular_contact.energy import accumulate, work
 from granular_contact.multibody.build import build as build_system
 from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.solve import solve
 from granular_contact.results import Results
+from granular_contact.results.energy import accumulate, work
 from granular_contact.scene import build
 
 Array = NDArray[np.float64]

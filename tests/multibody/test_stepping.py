@@ -7,8 +7,8 @@ import pytest
 from support_runs import scenario_of, scene_of, simulate, tip_error
 
 from granular_contact.errors import ConfigError
+from granular_contact.multibody.accuracy import jump_error, step_error
 from granular_contact.multibody.build import build
-from granular_contact.multibody.doubts import jump_error, step_error
 from granular_contact.multibody.ending import status
 from granular_contact.multibody.explain import left_out
 from granular_contact.multibody.recorder import Recorder

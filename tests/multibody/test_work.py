@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from support_runs import scene_of, simulate
 
-from granular_contact.doubts import IMBALANCE_LIMIT, Doubt, told
-from granular_contact.energy import accumulate, work
 from granular_contact.results import Results
+from granular_contact.results.accuracy import IMBALANCE_LIMIT, Doubt, told
+from granular_contact.results.energy import accumulate, work
 
 BOX = """
 model:

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from support_runs import scenario_of, scene_of, simulate
 
 from granular_contact.errors import SceneError
+from granular_contact.geometry.surface import greatest_depth, height_at, surface
 from granular_contact.scene import build
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.reach import MARGIN, dips
-from granular_contact.surface import greatest_depth, height_at, surface
 
 # A hub of radius 20 mm, 100 mm above the sand, of a kind that its medium (for bars) does not take, and a link on it.
 HUB = """

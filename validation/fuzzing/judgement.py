@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from granular_contact import config
-from granular_contact.doubts import IMBALANCE_LIMIT
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import Results
+from granular_contact.results.accuracy import IMBALANCE_LIMIT
 from granular_contact.run import run
 from granular_contact.scene import Scene, build
 

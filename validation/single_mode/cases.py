@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from granular_contact import scene, sweep
+from granular_contact import scene
 from granular_contact.config import Scenario, load, load_sweep
 from granular_contact.reduced.model import model as reduce
 from granular_contact.reduced.world import world
 from granular_contact.report import yaml_text
 from granular_contact.results import Results
 from granular_contact.run import run
+from granular_contact.studies import sweep
 
 CONFIG = Path(__file__).parents[2] / "configs" / "pendulum.yaml"
 ELEMENTS = "model.bodies.link.flexible.elements"

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from granular_contact import scene
 from granular_contact.config import load
-from granular_contact.plots.panels import blank
-from granular_contact.plots.style import BLUE, DOUBLE, DPI, FAINT, INK, SKY, VERMILION, style
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, INK, SKY, VERMILION, style
 from granular_contact.run import run
 from validation.single_mode.cases import CONFIG, MEASURES, Case, Point, models
 from validation.single_mode.numbers import NUMBERS, SATURATED, fit

@@ -1,0 +1,1 @@
+"""Points and lines in the plane, of no body in particular."""

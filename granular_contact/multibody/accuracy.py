@@ -1,0 +1,171 @@
+"""What makes the answer of a finished solve doubtful, from its own steps, and what to change.
+
+Each sentence says what was measured on the trajectory. Silence is no proof: a run whose steps miss an event altogether
+has nothing of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
+in `results.accuracy`, which says which of all that is told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from granular_contact.multibody.medium_work import uncertain_work
+from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.recorder import levers
+from granular_contact.multibody.strip_error import strip_doubts
+from granular_contact.results.accuracy import Doubt, remedy
+from granular_contact.scene.types import Vector
+
+STEP_ERROR = 5e-3  # of the way
+UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
+FEW = 8  # steps from the touch to the stop
+ROUGH_BEAM = 0.05  # of the way: jumps of curvature times the square of an element; positions are off by less
+ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
+TREMBLE = 1e-3  # of a link's length
+EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
+
+
+def doubts(observer: Observer) -> Iterator[Doubt]:
+    """Sentences on steps, beams and vibration."""
+    if len(observer.trajectory.time) < 4:
+        return
+    yield from _steps(observer)
+    yield from _entry(observer)
+    yield from strip_doubts(observer)
+    for name in observer.system.links:
+        yield from _beam(observer, name)
+        yield from _vibration(observer, name)
+
+
+def step_error(time: Vector, speeds: Vector) -> float:
+    """Estimated error (m) of positions as in `stepping`; time (n,) s, speeds (n, k) m/s of points."""
+    steps = np.diff(time)
+    change = np.diff(np.diff(speeds, axis=0) / steps[:, None], axis=0)
+    return EXCESS * float(np.sum(steps[1:] ** 2 * np.abs(change).max(axis=1)))
+
+
+def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
+    """Estimated error (m) of positions by jumps of the force, as in `stepping`.
+
+    v (n, m): rates of all coordinates, with their mass matrix; fastest (n,) m/s: greatest speed of any point. A jump J
+    within a step of length h changes the mean acceleration from this step to the next by J / 2, so that what is
+    unexpected of these changes, times h, is the most that the velocity is off by: what it has of the motion itself (in
+    the sense of the mass, in which vibration has nothing of it). With its sign, for what comes and goes leaves no
+    error. It fades with v / a, the time that the motion lasts. Where in its step the jump comes: root mean square.
+    """
+    steps = np.diff(time)[:, None]
+    mean = np.diff(v, axis=0) / steps
+    change = np.diff(mean, axis=0)
+    before = np.concatenate([np.zeros((1, v.shape[1])), change[:-1]]) * steps[1:] / steps[:-1]
+    jump = steps[1:] * np.where(np.abs(change) < np.abs(change - before), change, change - before)
+    momentum = (v @ mass)[2:]
+    energy = np.sum(momentum * v[2:], axis=1)
+    kick = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
+    rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
+    velocity = off = most = 0.0
+    for step, one, factor in zip(steps[1:, 0], kick * fastest[2:], np.exp(-steps[1:, 0] * rate), strict=True):
+        velocity = velocity * factor + one
+        off += step * velocity
+        most = max(most, abs(off))
+    return most / math.sqrt(3.0)
+
+
+def _steps(observer: Observer) -> Iterator[Doubt]:
+    lever = levers(observer.system)
+    time, v, fastest = observer.trajectory.time, observer.trajectory.v, observer.speeds
+    if observer.trajectory.load is not None:
+        # Only what meets the medium, or a short impact would drown in a long flight.
+        met = observer.trajectory.load.depth > 0.0
+        since = max(0, int(np.argmax(met)) - 1)
+        time, v, fastest = time[since:], v[since:], fastest[since:]
+    if len(time) < 4:
+        return
+    unknown = _unknown_energy(observer)
+    if unknown > UNKNOWN:
+        said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
+        yield Doubt(f"{said}, and the result is not usable; {remedy(observer.scene)}", math.inf)
+        return
+    way = max(float(np.sum(np.diff(time) * fastest[1:])), observer.scene.least_way)
+    error = step_error(time, (v * lever)[:, lever > 0.0]) / way
+    if observer.scene.solver.accuracy is None:  # or every jump was judged as it came
+        error = max(error + jump_error(time, v, observer.trajectory.mass, fastest) / way, 0.5 * unknown)
+    if error > STEP_ERROR:
+        said = f"the steps are too long: they put the motion off by about {error:.1%} of its way, {error * way:.2g} m"
+        yield Doubt(f"{said}; {remedy(observer.scene)}", error)
+
+
+def _unknown_energy(observer: Observer) -> float:
+    """What the steps leave open of the medium's work, over the greatest energy there was; velocities go with its root.
+
+    It sees forces that change within a step in any direction, also across the motion, where they turn the heading.
+    """
+    trajectory = observer.trajectory
+    kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
+    work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
+    scale = max(float(kinetic.max()), work, observer.scene.force_scale * observer.scene.least_way)
+    return uncertain_work(observer) / scale if scale > 0.0 else 0.0
+
+
+def _entry(observer: Observer) -> Iterator[Doubt]:
+    """Whether the first touch was passed over in a few steps."""
+    load = observer.trajectory.load
+    if load is None:
+        return
+    below = np.flatnonzero(load.depth > 0.0)
+    if len(below) == 0 or below[-1] == below[0]:
+        return
+    first = int(below[0])
+    deepest = int(first + np.argmax(load.depth[first:]))
+    if deepest - first + 1 < FEW and load.depth[first] > 0.0 and first > 0:
+        said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
+        yield Doubt(f"{said}; {remedy(observer.scene)}")
+
+
+def _beam(observer: Observer, name: str) -> Iterator[Doubt]:
+    """Whether a link bends within single elements: what cubics miss shows as jumps of curvature from one to the next.
+
+    At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
+    l^2; in 35 beams of 1 to 16 elements, EI from 1e-6 to 1 times the source's, it was a sixteenth to one.
+    """
+    t, link = observer.trajectory, observer.system.links[name].link
+    nodes = np.array(observer.nodes(name))
+    elements, length = len(nodes) - 1, link.length / (len(nodes) - 1)
+    first, last = curvatures(t.q[:, nodes], length)
+    jump = np.abs(first[:, 1:] - last[:, :-1]).sum(axis=1)
+    if link.free:
+        jump = np.maximum(jump, np.abs(last[:, -1]))
+    way = max(observer.way, observer.scene.least_way)
+    size = float(jump.max()) * length**2
+    if size > ROUGH_BEAM * way:
+        more = min(elements * int(np.ceil(np.sqrt(size / way / ROUGH_BEAM) + 1.0)), 1024)
+        yield Doubt(
+            f"{name} bends too much within its elements: take model.bodies.{name}.flexible.elements: {more} "
+            f"(now {elements})"
+        )
+
+
+def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
+    """Curvature (1/m) at both ends of every element (instants, elements); q (instants, nodes, 4); length of one (m)."""
+    place, slope = q[..., :2], q[..., 2:]
+    chord = 6.0 * np.diff(place, axis=1)
+    a, b = slope[:, :-1], slope[:, 1:]
+    found = []
+    for at, second in ((a, chord - length * (4.0 * a + 2.0 * b)), (b, length * (2.0 * a + 4.0 * b) - chord)):
+        turn = at[..., 0] * second[..., 1] - at[..., 1] * second[..., 0]
+        found.append(turn / length**2 / np.sum(at**2, axis=2) ** 1.5)
+    return found[0], found[1]
+
+
+def _vibration(observer: Observer, name: str) -> Iterator[Doubt]:
+    bend = observer.bend(name).values
+    first, second = np.diff(bend), np.diff(bend, 2)
+    size = float(np.sqrt(np.mean(first**2)))
+    if size < TREMBLE * observer.system.links[name].link.length:
+        return
+    rough = float(np.sqrt(np.mean(second**2))) / (2.0 * size)
+    if rough > ROUGH:
+        yield Doubt(f"{name} vibrates faster than the steps can show; {remedy(observer.scene)}")

@@ -1,0 +1,270 @@
+"""Frames -> pictures: the mechanism moving in the sand, with the forces on it, its tip's trace, time and scale.
+
+All that stands still is drawn once; each picture starts from a copy of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon, Rectangle
+from numpy.typing import NDArray
+
+from granular_contact.report.figures.outlines import edge, fixed_points
+from granular_contact.report.figures.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, bounds, stage_of, strongest
+from granular_contact.report.figures.style import INK, SAND, VERMILION
+from granular_contact.results import Force, Results, Snapshot
+from granular_contact.results.frames import pace, surface_height
+from granular_contact.results.units import Array, minus, unit_for
+
+Picture = NDArray[np.uint8]
+
+DPI = 100
+STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
+HEAD, SHAFT, LEAST_ARROW, GAP = 12.0, 4.0, 2.0, 8  # px
+LONGEST_TRACE = 1.0  # of the width
+FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
+
+
+def pictures(results: Results) -> Iterator[Picture]:
+    """A picture (height, width, 3) of each frame."""
+    return _Film(results, stage_of(results)).pictures(results.frames)
+
+
+def strip(results: Results, count: int, width: int) -> Picture:
+    """Pictures of `count` (even) frames as one, about so many px wide; the wider the stage, the fewer in a row.
+
+    Between each and the next the mechanism moves as far, which is seldom as long.
+    """
+    low, high = bounds(results.frames)
+    ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
+    in_row = count if ratio < 2.0 else 2 if ratio < 9.0 else 1
+    stage = stage_of(results, width // in_row, 0.6 if in_row == count else 0.2)
+    shown = list(_Film(results, stage, words=False).pictures(_evenly_moved(results.frames, count)))
+    rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
+    return _joined(rows, axis=0)
+
+
+def _joined(shown: list[Picture], axis: int) -> Picture:
+    """Pictures beside (1) or under each other (0), with gaps between them."""
+    height, width, _ = shown[0].shape
+    gap = np.full((height, GAP, 3) if axis else (GAP, width, 3), 255, np.uint8)
+    return np.concatenate([part for one in shown for part in (gap, one)][1:], axis=axis)
+
+
+def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
+    """Frames between which the mechanism moves about equally far; those within show the forces at their best."""
+    points = np.array([np.concatenate([outline.points for outline in frame.outlines]) for frame in frames])
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    push = np.array([sum(float(np.linalg.norm(force.force)) for force in frame.forces) for frame in frames])
+    share = way[-1] / (count - 1)
+    picked = [0]
+    for k in range(1, count - 1):
+        near = np.flatnonzero(np.abs(way - k * share) <= share / 4)
+        closest = int(np.argmin(np.abs(way - k * share)))
+        picked.append(int(near[np.argmax(push[near])]) if push[near].any() else closest)
+    return [frames[i] for i in (*picked, len(frames) - 1)]
+
+
+class _Film:
+    """A figure whose moving artists are drawn over a copy of the ones that stand still."""
+
+    def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:
+        """words: whether name, pace and what the arrows mean stand in the picture too."""
+        self.results, self.stage = results, stage
+        self.largest = strongest(results.frames)
+        figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
+        self.canvas = _canvas(figure)
+        self.axes = figure.add_axes((0, 0, 1, 1))
+        self.axes.set_axis_off()
+        extent = (self.stage.left, self.stage.right, self.stage.bottom, self.stage.top)
+        picture = backdrop(self.stage, results)
+        self.axes.imshow(picture, extent=extent, interpolation="nearest", aspect="auto")
+        self.axes.set_xlim(*extent[:2])
+        self.axes.set_ylim(*extent[2:])
+        self.trace = self._trace_points()
+        steps = np.linalg.norm(np.diff(self.trace[1], axis=0), axis=1)
+        self.way = np.concatenate([[0.0], np.cumsum(steps)])
+        self.moving = [*self._moving(), *_scale_bar(self.axes, stage), *(self._words() if words else ())]
+        for artist in self.moving:
+            artist.set_animated(True)
+        self.canvas.draw()
+        self.background = self.canvas.copy_from_bbox(figure.bbox)
+
+    def pictures(self, frames: Sequence[Snapshot]) -> Iterator[Picture]:
+        """Pictures of some of the frames."""
+        for frame in frames:
+            self.canvas.restore_region(self.background)
+            self._show(frame)
+            for artist in self.moving:
+                self.axes.draw_artist(artist)
+            yield np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
+
+    def _words(self) -> list[Artist]:
+        """Name, pace and scale of forces; drawn in each picture, or the sand in front of bodies would cover them."""
+        stage, axes = self.stage, self.axes
+        name = self.results.name.replace("_", " ")
+        words = [
+            _pixels(axes, stage, SIDE, stage.height - 18, name, weight="bold"),
+            _pixels(axes, stage, stage.width - SIDE, stage.height - 18, _pace_words(self.results), ha="right"),
+        ]
+        return [*words, *(self._force_key() if self.largest > 0.0 else ())]
+
+    def _force_key(self) -> list[Artist]:
+        """An arrow of a round force, with its number."""
+        newton = _round_below(self.largest * 0.5)
+        tail = _at(self.stage, SIDE, 0.45 * FOOTER)
+        way = arrow_way(np.array([newton, 0.0]), self.largest, self.stage)
+        shown = _arrows([arrow(tail, tail + way, self.stage)])
+        self.axes.add_collection(shown)
+        unit = unit_for(np.array([newton]), "N")
+        words = f"{newton * unit.factor:g} {unit.name} from the medium"
+        return [shown, _pixels(self.axes, self.stage, SIDE + way[0] * self.stage.scale + 8, 0.45 * FOOTER, words)]
+
+    def _moving(self) -> list[Artist]:
+        axes, stage = self.axes, self.stage
+        first = self.results.frames[0].outlines
+        tones = [STEEL[i % 2] for i in range(len(first))]
+        self.line = Line2D([], [], color=TRACE, linewidth=1.0, solid_joinstyle="round")
+        self.bodies = PolyCollection(
+            [], facecolors=tones, edgecolors=STEEL_EDGE, linewidths=0.8 if len(first) < 32 else 0.4
+        )
+        self.forces = _arrows([])
+        self.clock = _pixels(axes, stage, stage.width / 2, stage.height - 18, "", ha="center", weight="bold")
+        self.elapsed = Rectangle((stage.left, stage.bottom), 0.0, 3.0 / stage.scale, color=TRACE, linewidth=0)
+        self.pins = Line2D(*fixed_points(self.results).T, **_PIN)
+        moving: list[Artist] = [self.bodies, self.line, self.pins, self.forces, self.clock, self.elapsed]
+        if self.results.surface is not None:
+            # The sand in front of what is immersed.
+            x = np.linspace(stage.left, stage.right, stage.width)
+            line = np.column_stack([x, surface_height(self.results.surface, x)])
+            corners = np.vstack([[stage.left, stage.bottom], line, [stage.right, stage.bottom]])
+            moving.insert(2, Polygon(corners, color=SAND, alpha=0.22, linewidth=0))
+        for artist in moving:
+            if artist is not self.clock:
+                axes.add_artist(artist)
+        return moving
+
+    def _trace_points(self) -> tuple[Array, Array]:
+        has = {column.name for column in self.results.columns}
+        if not {"tip_x_m", "tip_y_m"} <= has:
+            return np.zeros(0), np.zeros((0, 2))
+        return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results["tip_y_m"]])
+
+    def _tail(self, until: int) -> int:
+        """Where the trace begins that ends at a row: the last of the way, as long as the picture is wide."""
+        if until == 0:
+            return 0
+        begin = self.way[until - 1] - LONGEST_TRACE * (self.stage.right - self.stage.left)
+        return int(np.searchsorted(self.way, begin))
+
+    def _show(self, frame: Snapshot) -> None:
+        self.bodies.set_verts([edge(outline) for outline in frame.outlines])
+        time, tip = self.trace
+        until = int(np.searchsorted(time, frame.time, side="right"))
+        self.line.set_data(*tip[self._tail(until) : until].T)
+        self.forces.set_verts([one for force in frame.forces if (one := self._arrow(force)) is not None])
+        self.clock.set_text(self._time(frame.time))
+        frames = self.results.frames
+        share = (frame.time - frames[0].time) / max(frames[-1].time - frames[0].time, 1e-300)
+        self.elapsed.set_width(share * (self.stage.right - self.stage.left))
+
+    def _arrow(self, force: Force) -> Array | None:
+        """From where the force acts, as long as it is strong; None for one too weak to be seen."""
+        way = arrow_way(force.force, self.largest, self.stage)
+        if float(np.linalg.norm(way)) * self.stage.scale < LEAST_ARROW:
+            return None
+        return arrow(force.point, force.point + way, self.stage)
+
+    def _time(self, seconds: float) -> str:
+        end = self.results.frames[-1].time
+        unit = unit_for(np.array([end]), "s")
+        digits = 2 if end * unit.factor < 10 else 1 if end * unit.factor < 100 else 0
+        number = f"{seconds * unit.factor:.{digits}f}"
+        width = len(f"{end * unit.factor:.{digits}f}")
+        return minus(f"{number:>{width}} {unit.name}").replace(" ", "\N{FIGURE SPACE}", width - len(number))
+
+
+_PIN: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 5.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": STEEL_EDGE,
+    "markeredgewidth": 1.2,
+    "linestyle": "none",
+}
+
+
+def _canvas(figure: Figure) -> Any:
+    """An Agg canvas, whose methods have no types."""
+    return FigureCanvasAgg(figure)
+
+
+def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
+    """Corners (7, 2) m of an arrow; a short one is all head, and a smaller one."""
+    way = tip - tail
+    length = float(np.linalg.norm(way)) * stage.scale
+    along = way / max(float(np.linalg.norm(way)), 1e-300)
+    across = np.array([-along[1], along[0]])
+    head = min(HEAD, 0.7 * length)
+    size = head / HEAD
+    px = np.array(
+        [
+            (0, SHAFT / 2 * size),
+            (length - head, SHAFT / 2 * size),
+            (length - head, 0.48 * head),
+            (length, 0),
+            (length - head, -0.48 * head),
+            (length - head, -SHAFT / 2 * size),
+            (0, -SHAFT / 2 * size),
+        ]
+    )
+    return np.asarray(tail + (px[:, :1] * along + px[:, 1:] * across) / stage.scale)
+
+
+def _arrows(corners: list[Array]) -> PolyCollection:
+    return PolyCollection(corners, facecolors=VERMILION, edgecolors="white", linewidths=0.6)
+
+
+def _at(stage: Stage, x: float, y: float) -> Array:
+    """Point (2,) m at px from the lower left corner."""
+    return np.array([stage.left + x / stage.scale, stage.bottom + y / stage.scale])
+
+
+def _pixels(axes: Axes, stage: Stage, x: float, y: float, words: str, **look: Any) -> Any:
+    left, bottom = _at(stage, x, y)
+    return axes.text(left, bottom, words, va="center_baseline", **{**FONT, **look})
+
+
+def _round_below(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-9)) * power)
+
+
+def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
+    length = _round_below(0.22 * stage.width / stage.scale)
+    unit = unit_for(np.array([length]), "m")
+    y, right = 0.38 * FOOTER, float(stage.width - SIDE)
+    left = right - length * stage.scale
+    corners = np.array([_at(stage, *px) for px in ((left, y + 3), (left, y), (right, y), (right, y + 3))])
+    bar = axes.plot(*corners.T, color=INK, linewidth=1.2, solid_joinstyle="miter")
+    words = f"{length * unit.factor:g} {unit.name}"
+    return [*bar, _pixels(axes, stage, (left + right) / 2, y + 10, words, ha="center")]
+
+
+def _pace_words(results: Results) -> str:
+    """How fast the film runs, played at its rate."""
+    factor = pace(results.frames)
+    if factor == 1.0:
+        return "real time"
+    return f"{factor:g} times slowed down" if factor > 1.0 else f"{1 / factor:g} times sped up"

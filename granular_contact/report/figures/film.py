@@ -1,0 +1,89 @@
+"""Pictures -> a film: GIF by Pillow, MP4 by an ffmpeg on the path."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from granular_contact.report.figures.animation import STEEL, STEEL_EDGE, TRACE, Picture, pictures, strip
+from granular_contact.report.figures.style import INK, VERMILION
+from granular_contact.results import Results
+from granular_contact.results.frames import RATE
+
+COLOURS = 96  # of a GIF, beside those that must not be lost however few pixels have them
+OURS = (VERMILION, INK, *STEEL, STEEL_EDGE, TRACE, "#FFFFFF")
+LAST = 1600  # ms that the last picture of a GIF stays before it starts again
+
+
+def write(results: Results, file: Path) -> None:
+    """Write the frames of `results` as a film, of the kind that the name of the file says, .gif or .mp4.
+
+    Raises
+    ------
+    OSError
+        The disk refuses, or ffmpeg is missing or fails.
+    """
+    _WRITERS[file.suffix](pictures(results), file, len(results.frames))
+
+
+def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
+    """All pictures with one palette, so that each needs to hold no more than what changed."""
+    kept = list(film)
+    palette = _palette(kept)
+    frames = (Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in kept)
+    durations = [1000 // RATE] * (count - 1) + [LAST]
+    next(frames).save(file, save_all=True, append_images=frames, duration=durations, loop=0, disposal=1)
+
+
+def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200) -> None:
+    """Write some of the frames of `results` into one PNG of few colours, see `animation.strip`.
+
+    Raises
+    ------
+    OSError
+        The disk refuses.
+    """
+    picture = strip(results, count, width)
+    shown = Image.fromarray(picture).quantize(palette=_palette([picture]), dither=Image.Dither.NONE)
+    shown.save(file, optimize=True)
+
+
+def _palette(kept: list[Picture]) -> Image.Image:
+    """Our own colours, and those that suit pictures from all over the film."""
+    some = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
+    found = Image.fromarray(np.concatenate(some)).quantize(COLOURS, dither=Image.Dither.NONE)
+    ours = [int(colour[i : i + 2], 16) for colour in OURS for i in (1, 3, 5)]
+    colours = ours + (found.getpalette() or [])[: 3 * COLOURS]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colours + colours[:3] * (256 - len(colours) // 3))
+    return palette
+
+
+def ffmpeg() -> str | None:
+    """The ffmpeg of this machine, None without one."""
+    return shutil.which("ffmpeg")
+
+
+def _mp4(film: Iterator[Picture], file: Path, count: int) -> None:  # noqa: ARG001
+    """H.264 in the colours that every player takes."""
+    program = ffmpeg()
+    if program is None:
+        raise OSError("there is no ffmpeg on the path to make an MP4 with; a GIF needs none")
+    first = next(film)
+    height, width, _ = first.shape
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(RATE), "-i", "-"]
+    coded = ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"]
+    command = [program, "-y", "-loglevel", "error", *raw, *coded, str(file)]
+    done = subprocess.run(command, input=b"".join(p.tobytes() for p in chain([first], film)), capture_output=True)
+    if done.returncode:
+        reason = done.stderr.decode(errors="replace").strip().splitlines()
+        raise OSError(f"ffmpeg could not make {file.name}: {reason[-1] if reason else done.returncode}")
+
+
+_WRITERS = {".gif": _gif, ".mp4": _mp4}

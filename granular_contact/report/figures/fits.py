@@ -1,0 +1,154 @@
+"""A fit: data with the model and its bands laid over them, residuals below; how parameters vary together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, INK, SINGLE, SKY, VERMILION, style
+from granular_contact.results.units import Array, Unit, unit_for
+
+MOST_RUNS = 24  # that are drawn one by one
+
+
+@dataclass(frozen=True)
+class ColumnPicture:
+    """One column of a run: data and residuals (n,), model and half width of its 95 % band (m,), noise; own unit.
+
+    quantile: how many times the noise holds 95 % of the rows.
+    """
+
+    name: str
+    data: Array
+    model: Array
+    half_width: Array
+    residuals: Array
+    noise: float
+    quantile: float
+
+
+@dataclass(frozen=True)
+class RunPicture:
+    """One run: times of the data (n,) and of the curves (m,), s."""
+
+    name: str
+    time: Array
+    fine: Array
+    columns: tuple[ColumnPicture, ...]
+
+
+@dataclass(frozen=True)
+class FitPicture:
+    """All runs; labels, values and standard errors (p,) of the shared parameters and their correlation (p, p)."""
+
+    runs: tuple[RunPicture, ...]
+    labels: tuple[str, ...]
+    values: Array
+    errors: Array
+    correlation: Array
+    misfit: bool
+
+
+def draw(picture: FitPicture, directory: Path) -> None:
+    """Write a figure for each of the first runs, one of all residuals, and one of the correlations."""
+    with style():
+        for i, run in enumerate(picture.runs[:MOST_RUNS], 1):
+            overlay(run).savefig(directory / f"run_{i:02d}.png", dpi=DPI, metadata={"Software": None})
+        residuals(picture).savefig(directory / "residuals.png", dpi=DPI, metadata={"Software": None})
+        if len(picture.labels) > 1:
+            correlations(picture).savefig(directory / "correlation.png", dpi=DPI, metadata={"Software": None})
+
+
+def overlay(run: RunPicture) -> Figure:
+    """Data and model of one run: a panel for each column with its residuals below."""
+    count = len(run.columns)
+    figure = blank(SINGLE, 12.0 + 52.0 * count, layout="constrained")
+    grid = figure.subplots(2 * count, 1, sharex=True, height_ratios=(2.6, 1.0) * count, squeeze=False)[:, 0]
+    clock = unit_for(run.fine, "s")
+    for i, column in enumerate(run.columns):
+        unit = _unit(column)
+        _curves(grid[2 * i], run, column, clock, unit)
+        _residuals(grid[2 * i + 1], run, column, clock, unit_for(column.residuals, "m") if unit.name != "deg" else unit)
+    grid[0].set_title(run.name, loc="left")
+    grid[0].legend(loc="best")
+    grid[-1].set_xlabel(f"time of the measurement ({clock.name})")
+    figure.align_ylabels(list(grid))
+    return figure
+
+
+def _unit(column: ColumnPicture) -> Unit:
+    return Unit(1.0, "deg") if column.name.endswith("_deg") else unit_for(column.data, "m")
+
+
+def _curves(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, unit: Unit) -> None:
+    fine, model, factor = run.fine * clock.factor, column.model * unit.factor, unit.factor
+    new = np.hypot(column.half_width, column.quantile * column.noise) * factor
+    axes.fill_between(fine, model - new, model + new, color=SKY, alpha=0.3, linewidth=0, label="95 % of new data")
+    sure = column.half_width * factor
+    axes.fill_between(fine, model - sure, model + sure, color=BLUE, alpha=0.5, linewidth=0, label="95 % of the model")
+    axes.plot(fine, model, color=INK, linewidth=0.7, label="model")
+    axes.plot(run.time * clock.factor, column.data * factor, "o", color=VERMILION, markersize=1.8, label="data")
+    axes.set_ylabel(f"{column.name.rpartition('_')[0].replace('_', ' ')} ({unit.name})")
+
+
+def _residuals(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, unit: Unit) -> None:
+    noise = column.noise * unit.factor
+    axes.axhspan(-column.quantile * noise, column.quantile * noise, color=SKY, alpha=0.3, linewidth=0)
+    fine, sure = run.fine * clock.factor, column.half_width * unit.factor
+    axes.fill_between(fine, -sure, sure, color=BLUE, alpha=0.5, linewidth=0)
+    axes.axhline(0.0, color=FAINT, linewidth=0.5)
+    axes.plot(run.time * clock.factor, column.residuals * unit.factor, "o", color=VERMILION, markersize=1.8)
+    axes.set_ylabel(f"residual ({unit.name})")
+
+
+def residuals(picture: FitPicture) -> Figure:
+    """Residuals in units of the noise: of all runs over the share of their time, and how they are distributed."""
+    figure = blank(DOUBLE, 62.0, layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0), sharey=True)
+    everything = []
+    for run in picture.runs:
+        share = (run.time - run.time[0]) / (run.time[-1] - run.time[0])
+        for column in run.columns:
+            values = column.residuals / column.noise
+            everything.append(values)
+            left.plot(share, values, ".", color=BLUE, markersize=1.5, alpha=0.6)
+    left.axhline(0.0, color=FAINT, linewidth=0.5)
+    left.set(xlabel="share of the time of each run", ylabel="residual / noise", xlim=(0, 1))
+    left.set_title("misfit: see fit.json" if picture.misfit else "all runs", loc="left")
+    values = np.concatenate(everything)
+    edges = np.linspace(-1, 1, 41) * max(4.5, min(float(np.max(np.abs(values))), 50.0))
+    right.hist(values, edges, orientation="horizontal", density=True, color=SKY)
+    normal = np.linspace(edges[0], edges[-1], 301)
+    right.plot(np.exp(-(normal**2) / 2) / np.sqrt(2 * np.pi), normal, color=INK, linewidth=0.7, label="normal")
+    right.set_xlabel("density")
+    right.legend(loc="upper right")
+    return figure
+
+
+def correlations(picture: FitPicture) -> Figure:
+    """Correlation of the shared parameters, with values and standard errors beside their names."""
+    count = len(picture.labels)
+    size = min(30.0 + 15.0 * count, DOUBLE)
+    figure = blank(size + 24.0, size, layout="constrained")
+    axes = figure.subplots()
+    axes.imshow(picture.correlation, cmap="RdBu_r", vmin=-1, vmax=1)
+    for i in range(count):
+        for j in range(count):
+            value = picture.correlation[i, j]
+            if np.isfinite(value):
+                colour = "white" if abs(value) > 0.6 else INK
+                axes.text(j, i, f"{value:+.2f}".replace("-", "\N{MINUS SIGN}"), ha="center", va="center", color=colour)
+    lines = [
+        f"{label}\n{value:.4g} ± {error:.2g}"
+        for label, value, error in zip(picture.labels, picture.values, picture.errors, strict=True)
+    ]
+    axes.set_xticks(range(count), list(picture.labels), rotation=30, ha="right")
+    axes.set_yticks(range(count), lines)
+    axes.grid(False)
+    axes.set_title("correlation of the errors", loc="left")
+    return figure

@@ -1,0 +1,153 @@
+"""The mechanism at touch, at its deepest and at the end, to scale, in the sand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon, Rectangle
+
+from granular_contact.report.figures.hinges import hinges_of
+from granular_contact.report.figures.outlines import deepest_point, edge, fixed_points
+from granular_contact.report.figures.style import FLOOR, GRAINS, INK, SAND, SAND_EDGE, VERMILION
+from granular_contact.report.figures.units import instant
+from granular_contact.report.figures.views import View, side_by_side, tip_view, whole_view
+from granular_contact.results import Results, Snapshot
+from granular_contact.results.frames import surface_height
+from granular_contact.results.interpolation import at_times
+from granular_contact.results.units import Unit, minus, unit_for
+
+_POSES: dict[str, dict[str, Any]] = {
+    "touch": {"facecolor": "#D4D4D4", "edgecolor": "#7A7A7A", "zorder": 3},
+    "end": {"facecolor": "#6FA8CC", "edgecolor": "#00486F", "zorder": 4},
+    "deepest": {"facecolor": "none", "edgecolor": VERMILION, "zorder": 5},
+}
+_PIVOT: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 4.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": INK,
+    "markeredgewidth": 0.9,
+    "linestyle": "none",
+}
+
+
+def mechanism(results: Results) -> Figure:
+    """The mechanism at touch, at its deepest and at the end, one over the other; beside it the immersed part enlarged.
+
+    Overlaid and not side by side, as a link turns by a few degrees only: three pictures would look the same.
+    """
+    whole = whole_view(results)
+    tip = tip_view(results)
+    figure, panels = side_by_side(
+        [whole] if tip is None else [whole, tip], legend_rows=1 if tip else len(results.snapshots) + 1
+    )
+    if tip is not None:
+        tip = panels[1].view
+        panels[0] = panels[0].showing(tip)
+    unit = unit_for(np.array([whole.width, whole.height]), "m")
+    for panel in panels:
+        _scene(panel.axes, results, unit, panel.view)
+    pivots = fixed_points(results)
+    for x, y in pivots:
+        panels[0].axes.plot(x * unit.factor, y * unit.factor, zorder=6, **_PIVOT)
+    if tip is not None:
+        _outline_view(panels[0].axes, tip, unit)
+        _dimension_depth(panels[1].axes, results, unit)
+    handles: list[Artist] = [Patch(**_pose(shot), label=_caption(results, shot)) for shot in results.snapshots]
+    if len(pivots):
+        handles.append(Line2D([], [], label="pivot", **_PIVOT))
+    figure.legend(handles=handles, loc="lower center", ncols=4 if tip is not None else 1, borderaxespad=0.4)
+    return figure
+
+
+def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
+    """Sand and all snapshots within `view`, to scale."""
+    axes.set(xlabel=f"x ({unit.name})", ylabel=f"y ({unit.name})")
+    axes.grid(False)
+    axes.locator_params(nbins=6)
+    for side in axes.spines.values():
+        side.set_visible(True)
+    _sand(axes, results, view, unit)
+    for shot in results.snapshots:
+        for outline in shot.outlines:
+            look = {**_pose(shot), "linewidth": 0.7}
+            axes.add_patch(Polygon(edge(outline) * unit.factor, **look))
+    axes.set_xlim(view.left * unit.factor, (view.left + view.width) * unit.factor)
+    axes.set_ylim(view.bottom * unit.factor, (view.bottom + view.height) * unit.factor)
+    axes.set_aspect("equal")
+
+
+def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
+    """The medium below its surface, strewn with grains that only look like sand; its layers, and the floor."""
+    surface = results.surface
+    if surface is None:
+        return
+    left, right = view.left, view.left + view.width
+    x = np.linspace(left, right, 401)
+    top = surface_height(surface, x)
+    if top.max() <= view.bottom:
+        return
+    corners = np.vstack([[left, view.bottom], np.column_stack([x, top]), [right, view.bottom]]) * unit.factor
+    axes.add_patch(Polygon(corners, facecolor=SAND, edgecolor="none", zorder=0))
+    place = np.random.default_rng(7)
+    depth = min(float(top.max()) - view.bottom, view.height)
+    count = int(2500 * depth / view.height)
+    for colour in GRAINS:
+        across, up = left + view.width * place.random(count // 2), view.bottom + depth * place.random(count // 2)
+        size = place.uniform(0.05, 0.9, count // 2)
+        under = up < surface_height(surface, across)
+        across, up = across[under] * unit.factor, up[under] * unit.factor
+        axes.scatter(across, up, s=size[under], color=colour, linewidths=0, zorder=1)
+    axes.plot(*corners[1:-1].T, color=SAND_EDGE, linewidth=0.9, zorder=2)
+    for depth in results.layers:
+        axes.plot(x * unit.factor, (top - depth) * unit.factor, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=2)
+    if results.floor is not None and results.floor > view.bottom:
+        low, high = view.bottom * unit.factor, results.floor * unit.factor
+        box = Rectangle((left * unit.factor, low), view.width * unit.factor, high - low, facecolor=FLOOR, zorder=2)
+        axes.add_patch(box)
+
+
+def _pose(shot: Snapshot) -> dict[str, Any]:
+    """How the mechanism looks in this snapshot."""
+    return _POSES.get(shot.label, _POSES["touch"])
+
+
+def _caption(results: Results, shot: Snapshot) -> str:
+    """Which snapshot, when, and the angle of the pivot then."""
+    words = f"{shot.label}: {instant(results, shot.time)}"
+    pivot = next((hinge for hinge in hinges_of(results) if hinge.reference is None), None)
+    if pivot is None or not len(results.table):
+        return words
+    history = results["time_s"], results[pivot.angle], np.degrees(results[pivot.rate])
+    angle = float(at_times(*history, np.array([shot.time]))[0])
+    return f"{words}, {minus(f'{angle:.2f}')}°"
+
+
+def _outline_view(axes: Axes, view: View, unit: Unit) -> None:
+    """A thin frame where the enlarged view lies."""
+    corner, size = np.array([view.left, view.bottom]), np.array([view.width, view.height])
+    corner, size = corner * unit.factor, size * unit.factor
+    axes.add_patch(Rectangle(tuple(corner), *size, fill=False, edgecolor=INK, linewidth=0.5, zorder=7))
+
+
+def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
+    """The largest depth as a drawing dimensions it: extension line, double arrow and number beside the body."""
+    deepest = deepest_point(results)
+    if deepest is None:
+        return
+    own = unit_for(np.array([deepest.depth]), "m")
+    side, margin = deepest.side, 0.06 * float(np.ptp(axes.get_xlim()))
+    x, at = deepest.x * unit.factor, deepest.clear * unit.factor + side * margin
+    top, low = deepest.surface * unit.factor, (deepest.surface - deepest.depth) * unit.factor
+    axes.plot([x, at + 0.3 * side * margin], [low, low], color=INK, linewidth=0.5, zorder=8)
+    head = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.3", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (at, top), (at, low), arrowprops={**head, "linewidth": 0.6, "color": INK}, zorder=8)
+    words = f"depth\n{deepest.depth * own.factor:.2f} {own.name}"
+    align: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center"}
+    middle = (at, (top + low) / 2)
+    axes.annotate(words, middle, (4 * side, 0), textcoords="offset points", zorder=9, **align)

@@ -1,0 +1,56 @@
+"""Histories of one run in several media laid over each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from granular_contact.report.figures.style import DOUBLE, DPI, PALETTE, style
+from granular_contact.results import Results
+from granular_contact.results.units import unit_for
+
+LINES = ("-", "--", "-.", ":")
+Runs = list[tuple[str, Results]]
+
+
+def draw_media(runs: Runs, file: Path) -> None:
+    """Draw runs (medium and results) into a PNG: depth, force and energy taken, each over time."""
+    with style():
+        figure(runs).savefig(file, dpi=DPI)
+
+
+def figure(runs: Runs) -> Figure:
+    """Depth, the medium's resultant, and the energy that it took, until a little after the last stop."""
+    drawn = Figure(figsize=(DOUBLE / 25.4, 150.0 / 25.4), layout="constrained")
+    panels = drawn.subplots(3, 1, sharex=True)
+    time = unit_for(np.array([_end(runs)]), "s")
+    length = unit_for(np.concatenate([one["depth_m"] for _, one in runs]), "m")
+    for i, (name, one) in enumerate(runs):
+        look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
+        t = one["time_s"] * time.factor
+        x, y = (sum(one[f"{term}_force_{xy}_N"] for term in one.terms) for xy in "xy")
+        panels[0].plot(t, one["depth_m"] * length.factor, **look)
+        panels[1].plot(t, np.hypot(x, y), **look)
+        panels[2].plot(t, -one["granular_work_J"], **look)
+    for axes, label in zip(
+        panels, (f"depth ({length.name})", "force of the medium (N)", "energy taken (J)"), strict=True
+    ):
+        axes.set_ylabel(label)
+    panels[0].invert_yaxis()
+    panels[0].legend()
+    panels[2].set_xlabel(f"time ({time.name})")
+    panels[2].set_xlim(0.0, _end(runs) * time.factor)
+    return drawn
+
+
+def _end(runs: Runs) -> float:
+    """Time (s) until which there is something to see."""
+    ends = [
+        one["time_s"][-1]
+        if one.summary["stopping_time_s"] is None or one.summary["touch_time_s"] is None
+        else one.summary["touch_time_s"] + 1.3 * one.summary["stopping_time_s"]
+        for _, one in runs
+    ]
+    return float(max(ends))

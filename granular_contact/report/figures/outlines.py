@@ -1,0 +1,112 @@
+"""Outlines of the mechanism: edges, points that stay fixed, what is below the surface and how deep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from granular_contact.report.figures.hinges import hinges_of
+from granular_contact.results import Outline, Results, Snapshot
+from granular_contact.results.frames import surface_height
+from granular_contact.results.units import Array
+
+NEAR = 4.0  # depths
+SHARPEST = 3.0  # a corner sticks out by at most so many half diameters
+
+
+def edge(outline: Outline) -> Array:
+    """Closed edge (m, 2) m of an outline; a bar's is its line moved to either side by half the diameter."""
+    points, radius = outline.points, outline.diameter / 2
+    if len(points) == 1:
+        turn = np.linspace(0, 2 * np.pi, 65)[:-1]
+        return np.asarray(points + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+    if is_closed(outline):
+        return points[:-1]
+    aside = radius * _normals(points)
+    return np.concatenate([points + aside, (points - aside)[::-1]])
+
+
+def is_closed(outline: Outline) -> bool:
+    """Whether an outline is that of an area."""
+    return len(outline.points) > 3 and bool(np.array_equal(outline.points[0], outline.points[-1]))
+
+
+def _normals(points: Array) -> Array:
+    """Left normals (n, 2) of a line, longer at its corners so that the bar keeps its width on both sides of them."""
+    along = np.diff(points, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+    left = np.column_stack([-along[:, 1], along[:, 0]])
+    before, after = np.vstack([left[:1], left]), np.vstack([left, left[-1:]])
+    mitre = (before + after) / np.maximum(1 + np.sum(before * after, axis=1, keepdims=True), 2 / SHARPEST**2)
+    return np.asarray(mitre)
+
+
+def _dense(ring: Array) -> Array:
+    """Points along a closed edge, fifty to a side."""
+    share = np.linspace(0, 1, 50)[None, :, None]
+    return np.asarray((ring[:, None] * (1 - share) + np.roll(ring, -1, axis=0)[:, None] * share).reshape(-1, 2))
+
+
+def submerged(shot: Snapshot, surface: ArrayLike) -> Array:
+    """Points (k, 2) m of the edges that lie below the surface."""
+    points = np.concatenate([_dense(edge(outline)) for outline in shot.outlines])
+    return np.asarray(points[points[:, 1] < surface_height(surface, points[:, 0])])
+
+
+def around(points: Array, x: float, depth: float) -> Array:
+    """Of points (k, 2) that lie far apart against the depth (m), as a walker's feet do, those near x (m)."""
+    if not len(points) or np.ptp(points[:, 0]) <= 2 * NEAR * depth:
+        return points
+    return np.asarray(points[np.abs(points[:, 0] - x) <= NEAR * depth])
+
+
+def fixed_points(results: Results) -> Array:
+    """Points (k, 2) m that nothing moves: ground hinges; where nothing moved, the first point of a hinged model."""
+    pictures = [*results.snapshots, *results.frames]
+    if not pictures:
+        return np.zeros((0, 2))
+    shots = [np.concatenate([outline.points for outline in one.outlines]) for one in pictures]
+    first = shots[0]
+    moved = np.max([np.linalg.norm(shot - first, axis=1) for shot in shots], axis=0)
+    if not moved.max() > 0:
+        return first[:1] if hinges_of(results) else first[:0]
+    still = first[moved < 0.01 * moved.max()]
+    size = float(np.max(np.ptp(first, axis=0)))
+    kept: list[Array] = []
+    for point in still:
+        if all(np.linalg.norm(point - other) > 0.02 * size for other in kept):
+            kept.append(point)
+    return np.array(kept).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class Deepest:
+    """The deepest point: x (m), height of the surface there (m), depth (m), the side (+1 or -1 along x) with room, and
+    where the body ends there (m).
+    """
+
+    x: float
+    surface: float
+    depth: float
+    side: float
+    clear: float
+
+
+def deepest_point(results: Results) -> Deepest | None:
+    """Of all snapshots, the point at the largest depth on record (on a bar's centre line or a disc's rim)."""
+    depth, surface = results.summary.get("max_depth_m"), results.surface
+    if surface is None or depth is None or not depth > 0 or not results.snapshots:
+        return None
+    found = []
+    for shot in results.snapshots:
+        low = [o.points if len(o.points) > 1 else o.points - (0, o.diameter / 2) for o in shot.outlines]
+        points = np.concatenate(low)
+        miss = np.abs(surface_height(surface, points[:, 0]) - points[:, 1] - depth)
+        found.append((float(miss.min()), float(points[miss.argmin(), 0]), shot))
+    _, x, shot = min(found, key=lambda entry: entry[0])
+    side = 1.0 if x >= np.median(np.concatenate([o.points for o in shot.outlines])[:, 0]) else -1.0
+    under = around(submerged(shot, surface), x, float(depth))
+    clear = side * float(np.max(side * under[:, 0], initial=side * x))
+    return Deepest(x, float(surface_height(surface, x)), float(depth), side, clear)

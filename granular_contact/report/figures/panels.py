@@ -1,0 +1,103 @@
+"""Panels over time: stacked on one time axis, with curves thinned to what shows, and legends that hide no data.
+
+Drawn on an Agg canvas directly, without the cost of importing pyplot.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from granular_contact.report.figures.style import DPI, LEGEND_ROW, SINGLE
+from granular_contact.report.figures.units import time_unit
+from granular_contact.results import Results
+from granular_contact.results.units import Array, greatest
+
+_PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths, mm: of a panel, of what stands by a label in a legend, of a letter
+
+ROUND_OFF = 1e-9  # of its scale: what is smaller is no motion, force or energy
+
+
+def blank(width: float, height: float, **options: Any) -> Figure:
+    """An empty figure (mm) with an Agg canvas."""
+    figure = Figure(figsize=(width / 25.4, height / 25.4), **options)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def cleared(values: Array, scale: float) -> Array:
+    """Values that are nothing but the round-off of a quantity of this scale as zeros, else as they are."""
+    return np.zeros_like(values) if greatest(values) < ROUND_OFF * scale else values
+
+
+def size_of(results: Results) -> float:
+    """Extent (m) of the mechanism in its pictures."""
+    points = [outline.points for shot in results.snapshots for outline in shot.outlines]
+    return float(np.max(np.ptp(np.concatenate(points), axis=0))) if points else 0.0
+
+
+def stacked(results: Results, height: float, ratios: tuple[float, ...]) -> tuple[Figure, list[Axes], Array]:
+    """A column of panels of these relative heights that share the time axis, and the times (rows,) in its unit."""
+    figure = blank(SINGLE, height, layout="constrained")
+    grid = figure.subplots(len(ratios), sharex=True, squeeze=False, height_ratios=ratios)
+    panels: list[Axes] = list(grid[:, 0])
+    figure.align_ylabels(panels)
+    unit = time_unit(results)
+    time = results["time_s"] * unit.factor
+    panels[0].set_xlim(*((time[0], time[-1]) if time[-1] > time[0] else (time[0] - 1, time[0] + 1)))
+    panels[-1].set_xlabel(f"time ({unit.name})")
+    return figure, panels, time
+
+
+def curve(axes: Axes, time: Array, values: Array, colour: str, label: str = "", **line: Any) -> None:
+    """One curve; so few rows that there is no line to see are drawn as dots."""
+    rows = thin(time, values)
+    marker = "o" if len(rows) < 5 else ""
+    axes.plot(time[rows], values[rows], color=colour, label=label, marker=marker, clip_on=not marker, **line)
+
+
+def thin(time: Array, values: Array, bins: int = 700) -> NDArray[np.intp]:
+    """Rows that draw the same curve: first, last, least and greatest of each of `bins` equal spans of `time` (n,)."""
+    if len(time) <= 4 * bins:
+        return np.arange(len(time))
+    starts = np.unique(np.searchsorted(time, np.linspace(time[0], time[-1], bins + 1)[:-1]))
+    ends = np.append(starts[1:], len(time))
+    picks = [starts, ends - 1]
+    for extreme in (np.fmin, np.fmax):
+        hits = np.flatnonzero(values == np.repeat(extreme.reduceat(values, starts), ends - starts))
+        spans = np.searchsorted(starts, hits, side="right")
+        picks.append(hits[np.append(True, spans[1:] != spans[:-1])[: len(hits)]])
+    return np.unique(np.concatenate(picks))
+
+
+def finish(axes: Axes, words: str, columns: int = 0) -> None:
+    """Label the panel, fit its scale to the curves and, if `columns`, set a legend in room made above them."""
+    axes.set_ylabel(words)
+    values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
+    least = 1e-4 * max(abs(low), abs(high)) or 1.0  # a constant is drawn as one, its round-off is not enlarged
+    if high - low < least:
+        low, high = (low + high - least) / 2, (low + high + least) / 2
+    handles, _ = axes.get_legend_handles_labels()
+    rows = -(-len(handles) // columns) if columns else 0
+    height = axes.bbox.height / DPI * 25.4
+    room = (high - low) / (0.9 - min(LEGEND_ROW * rows / height, 0.6))  # the curves keep a third at the least
+    axes.set_ylim(low - 0.05 * room, low + 0.95 * room)
+    if rows:
+        axes.legend(loc="upper left", ncols=columns).set_in_layout(False)
+
+
+def fitting_columns(labels: list[str], most: int) -> int:
+    """As many columns, up to `most`, as a legend of these labels can have within a panel."""
+    lengths = [len(label) for label in labels]
+    for columns in range(min(most, len(labels)), 1, -1):
+        longest = [max(column) for column in np.array_split(lengths, columns)]  # as matplotlib deals them out
+        if sum(_HANDLE + _LETTER * length for length in longest) <= _PANEL:
+            return columns
+    return 1

@@ -1,0 +1,115 @@
+"""Deflection, forces and energy over time."""
+
+from __future__ import annotations
+
+from itertools import cycle
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from granular_contact.report.figures.events import mark_events
+from granular_contact.report.figures.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
+from granular_contact.report.figures.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
+from granular_contact.report.figures.units import instant, time_unit
+from granular_contact.results import CENTRAL_MOMENT, MOMENT, Results
+from granular_contact.results.units import Array, greatest, minus, unit_for
+
+_LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
+    (BLUE, "-"),
+    (VERMILION, (0, (4, 1.2))),
+    (GREEN, (0, (4, 1.2, 1, 1.2))),
+    (PURPLE, (0, (1, 1))),
+    (ORANGE, (0, (2, 1))),
+)
+
+
+def deflection(results: Results) -> Figure:
+    """Deflection of the flexible link's tip over time, its greatest value marked."""
+    figure, (axes,), time = stacked(results, 55.0, (1,))
+    values = cleared(results["deflection_m"], 1e-2 * size_of(results))  # links bend by 1e-7 of their length and more
+    unit = unit_for(values, "m")
+    axes.axhline(0, color=FAINT, linewidth=0.5)
+    curve(axes, time, values * unit.factor, BLUE)
+    peak, at = results.summary.get("max_deflection_m"), results.summary.get("max_deflection_time_s")
+    if peak is not None and at is not None and len(time) and np.isfinite(values).any():
+        # Between the rows of the table, of which there may be few; on the side where they are.
+        peak *= np.sign(values[np.nanargmax(np.abs(values))]) * unit.factor
+        words = f"largest: {peak:.3g} {unit.name} at {instant(results, at)}"
+        axes.plot(at * time_unit(results).factor, peak, "o", color=VERMILION, label=minus(words), linestyle="none")
+    finish(axes, f"tip deflection ({unit.name})", columns=1)
+    mark_events(results, [axes])
+    return figure
+
+
+def forces(results: Results) -> Figure:
+    """The terms of the granular force and their sum over time: horizontal, vertical, and their moment."""
+    figure, panels, time = stacked(results, 118.0, (1, 1, 1))
+    force = greatest(np.concatenate([results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]))
+    lever = force * size_of(results)
+    pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
+    column, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
+    turning = greatest(np.concatenate([results[f"{term}_{column}"] for term in results.terms]))
+    newton = unit_for(np.array([force]), "N")
+    moment = unit_for(np.array([turning if turning > ROUND_OFF * lever else lever]), "N·m")
+    rows = (
+        ("force_x_N", force, newton, "horizontal force"),
+        ("force_y_N", force, newton, "vertical force"),
+        (column, lever, moment, f"moment about {about}"),
+    )
+    for axes, (column, scale, unit, words) in zip(panels, rows, strict=True):
+        axes.axhline(0, color=FAINT, linewidth=0.5)
+        parts = [cleared(results[f"{term}_{column}"], scale) * unit.factor for term in results.terms]
+        curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
+        for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
+            curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
+        labels = ["sum", *(term.replace("_", " ") for term in results.terms)]
+        finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if axes is panels[0] else 0)
+    mark_events(results, panels)
+    return figure
+
+
+def energy(results: Results) -> Figure:
+    """Where the energy is and went over time, the total that should be constant, and by how much it is not."""
+    figure, (upper, lower), time = stacked(results, 98.0, (3, 1))
+    recorded = {column.name for column in results.columns}
+    parts = [  # gravity counted from the start, work turned into what is dissipated
+        ("kinetic", "kinetic_J", 1.0, BLUE, "-"),
+        ("gravity, from start", "gravity_J", 1.0, GREEN, (0, (4, 1.2))),
+        ("elastic", "elastic_J", 1.0, PURPLE, (0, (1, 1))),
+        ("dissipated in medium", "granular_work_J", -1.0, VERMILION, (0, (4, 1.2, 1, 1.2))),
+    ]
+    if "elastic_J" in recorded:  # a flexible link, which alone can lose energy by damping
+        parts.append(("dissipated by damping", "damping_work_J", -1.0, ORANGE, (0, (2, 1))))
+    parts += [  # of joints, where a mechanism has such things
+        ("springs and stops of joints", "spring_J", 1.0, SKY, (0, (1, 1))),
+        ("dissipated by dampers", "joint_damping_work_J", -1.0, ORANGE, (0, (4, 1.2))),
+        ("dissipated by dry friction", "friction_work_J", -1.0, PURPLE, (0, (2, 1))),
+        ("taken by the floor", "floor_work_J", -1.0, FAINT, (0, (4, 1.2))),
+        ("taken from drives", "drive_work_J", -1.0, SKY, (0, (4, 1.2, 1, 1.2))),
+    ]
+    curves = []
+    for label, name, sign, colour, kind in parts:
+        if name in recorded:
+            values = sign * results[name]
+            curves.append((label, values - values[0] if name == "gravity_J" else values, colour, kind))
+    total = np.sum([values for _, values, _, _ in curves], axis=0)
+    scale = max(greatest(values) for _, values, _, _ in curves)
+    curves = [one for one in curves if greatest(one[1]) >= ROUND_OFF * scale]
+    unit = unit_for(np.array([scale]), "J")
+    curve(upper, time, total * unit.factor, INK, "total", linewidth=0.8)
+    for label, values, colour, kind in curves:
+        curve(upper, time, values * unit.factor, colour, label, linestyle=kind)
+    finish(upper, f"energy ({unit.name})", columns=2)
+    _imbalance(lower, results, time, scale)
+    mark_events(results, [upper, lower])
+    return figure
+
+
+def _imbalance(axes: Axes, results: Results, time: Array, scale: float) -> None:
+    """What the total changes by, on its own scale; of round-off of the energies (J) on theirs."""
+    values = cleared(results["energy_imbalance_J"], 1e-3 * scale)
+    unit = unit_for(values if values.any() else np.array([scale]), "J")
+    axes.axhline(0, color=FAINT, linewidth=0.5)
+    curve(axes, time, values * unit.factor, INK, linewidth=0.8)
+    finish(axes, f"imbalance ({unit.name})")

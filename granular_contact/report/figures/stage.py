@@ -1,0 +1,128 @@
+"""The stage of an animation: a view to scale that fills a picture, with sand under its surface, in pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.colors import to_rgb
+
+from granular_contact.report.figures.outlines import edge
+from granular_contact.report.figures.style import FLOOR, SAND, SAND_EDGE
+from granular_contact.results import Results, Snapshot
+from granular_contact.results.frames import surface_height
+from granular_contact.results.units import Array
+
+WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
+HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
+LONGEST_ARROW = 0.25  # of the height
+SKY, DEEP, LAYER = "#F6F8FA", "#D8C091", 0.9
+SPECKS = (("#CDB27B", 0.03), ("#FBF3E0", 0.02), ("#B4975B", 0.012))  # colours of single grains, and their share
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What a picture of `width` x `height` px shows: from left and bottom (m) on, at so many px per m."""
+
+    left: float
+    bottom: float
+    scale: float
+    width: int
+    height: int
+
+    @property
+    def right(self) -> float:
+        """Right edge (m)."""
+        return self.left + self.width / self.scale
+
+    @property
+    def top(self) -> float:
+        """Upper edge (m)."""
+        return self.bottom + self.height / self.scale
+
+
+def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -> Stage:
+    """The stage that holds the mechanism and the arrows in all frames, the surface and some sand.
+
+    width in px; its height is at least `flattest` times that.
+    """
+    low, high = bounds(results.frames)
+    if results.surface is not None:
+        size = float(np.max(high - low))
+        sand = surface_height(results.surface, np.linspace(low[0], high[0], 65))
+        if sand.max() > low[1] - 2 * size:
+            low[1] = min(low[1], sand.min() - 0.1 * size)
+            high[1] = max(high[1], sand.max())
+    stage = _around(low, high, width, flattest)
+    largest = strongest(results.frames)
+    tips = [force.point + arrow_way(force.force, largest, stage) for one in results.frames for force in one.forces]
+    if not tips:
+        return stage
+    return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0), width, flattest)
+
+
+def bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
+    """Lower left and upper right corner (2,) m of all that is drawn in any frame."""
+    rings = [edge(outline) for frame in frames for outline in frame.outlines]
+    low = np.min([ring.min(axis=0) for ring in rings], axis=0)
+    high = np.max([ring.max(axis=0) for ring in rings], axis=0)
+    return low, high
+
+
+def _around(low: Array, high: Array, width: int, flattest: float) -> Stage:
+    wide, tall = np.maximum(high - low, 1e-9)
+    across = width - 2 * SIDE
+    height = np.clip(across * tall / wide + HEADER + FOOTER, flattest * width, TALLEST * width)
+    height = height // 2 * 2  # MP4 needs even numbers
+    scale = min(across / wide, (height - HEADER - FOOTER) / tall)
+    left = (low[0] + high[0]) / 2 - width / 2 / scale
+    spare = height - HEADER - FOOTER - tall * scale  # px, a third of it for more sand
+    bottom = low[1] - (FOOTER + spare / 3) / scale
+    return Stage(float(left), float(bottom), float(scale), width, int(height))
+
+
+def strongest(frames: Sequence[Snapshot]) -> float:
+    """The largest force (N) in any frame."""
+    return max((float(np.linalg.norm(force.force)) for frame in frames for force in frame.forces), default=0.0)
+
+
+def arrow_way(force: Array, largest: float, stage: Stage) -> Array:
+    """From tail to tip (2,) m of the arrow of a force (2,) N, given the largest of all (N)."""
+    return np.asarray(force * (LONGEST_ARROW * stage.height / stage.scale / largest))
+
+
+def backdrop(stage: Stage, results: Results) -> Array:
+    """Sky, and under the surface sand that darkens downwards and with every layer, and the floor.
+
+    (height, width, 3) from 0 to 1, the upper row first.
+    """
+    picture = np.full((stage.height, stage.width, 3), to_rgb(SKY))
+    if results.surface is None:
+        return picture
+    x = stage.left + (np.arange(stage.width) + 0.5) / stage.scale
+    y = stage.top - (np.arange(stage.height) + 0.5) / stage.scale
+    depth = (surface_height(results.surface, x)[None, :] - y[:, None]) * stage.scale  # px
+    cover = np.clip(depth + 0.5, 0.0, 1.0)[:, :, None]
+    edge_line = np.clip(1.6 - np.abs(depth - 0.8), 0.0, 1.0)[:, :, None]
+    sand = _sand(depth, stage.height)
+    sand = sand * (1 - edge_line) + np.array(to_rgb(SAND_EDGE)) * edge_line
+    for top in results.layers:
+        sand *= np.where(depth > top * stage.scale, LAYER, 1.0)[:, :, None]
+    picture = picture * (1 - cover) + sand * cover
+    if results.floor is not None:
+        picture[(depth > 0.0) & (y < results.floor)[:, None]] = to_rgb(FLOOR)
+    return picture
+
+
+def _sand(depth: Array, height: int) -> Array:
+    """Colour of the sand at depths (rows, columns) px, with grains strewn in it."""
+    share = np.clip(depth / (0.6 * height), 0.0, 1.0)[:, :, None]
+    share = np.round(share * 10) / 10  # few colours, so that a GIF stays small
+    picture = np.array(to_rgb(SAND)) * (1 - share) + np.array(to_rgb(DEEP)) * share
+    dice = np.random.default_rng(7).random(depth.shape)
+    begin = 0.0
+    for colour, part in SPECKS:
+        picture[(dice >= begin) & (dice < begin + part)] = to_rgb(colour)
+        begin += part
+    return np.asarray(picture)

@@ -1,0 +1,118 @@
+"""Pictures evenly spaced in time, with the force of the medium in each: what an animation is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.geometry.surface import height_at
+from granular_contact.results import Force, Outline, Snapshot
+
+Vector = NDArray[np.float64]
+Pictures = Sequence[tuple[Outline, ...]]
+
+CENTERED = 0.1  # how much a point's distance from the middle counts beside that from the line of action
+RATE = 25  # pictures a second when played
+# Seconds played for one second simulated: what a viewer can make sense of.
+_PACES = sorted(m * 10.0**e for e in range(-6, 10) for m in (1.0, 2.0, 5.0))
+
+
+def instants(start: float, end: float, most: int) -> Vector:
+    """At most `most` (from 2) evenly spaced times (s) from start to end, so that one of the paces plays them.
+
+    The last one may be past the end by less than a picture.
+    """
+    duration = end - start
+    if not duration > 0.0:
+        return np.array([start])
+    slowest = (most - 1) / (RATE * duration)
+    pace = max(p for p in _PACES if p <= slowest * (1 + 1e-9))
+    count = int(np.ceil(duration * RATE * pace - 1e-6)) + 1
+    return start + np.arange(count) / (RATE * pace)
+
+
+def pace(frames: Sequence[Snapshot]) -> float:
+    """Seconds played for one second simulated: above 1 it is slow motion."""
+    if len(frames) < 2:
+        return 1.0
+    exact = (len(frames) - 1) / (RATE * (frames[-1].time - frames[0].time))
+    return min(_PACES, key=lambda p: abs(np.log(p / exact)))
+
+
+def resample(time: Vector, values: Vector, at: Vector) -> Vector:
+    """Values (n, m) at `time` (n,), interpolated linearly at the times (k,), and held beyond the ends: (k, m)."""
+    if len(time) < 2:
+        return np.repeat(values[:1], len(at), axis=0)
+    i = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    share = np.clip((at - time[i]) / (time[i + 1] - time[i]), 0.0, 1.0)[:, None]
+    resampled: Vector = (1.0 - share) * values[i] + share * values[i + 1]
+    return resampled
+
+
+def frames(
+    at: Vector, pictures: Pictures, loads: Mapping[str, Vector], surface: ArrayLike | None
+) -> tuple[Snapshot, ...]:
+    """A snapshot for each time (k,).
+
+    Parameters
+    ----------
+    at, pictures
+        Times (k,) s and the outlines at each.
+    loads
+        Forces of the medium on bodies, (k, 3) x, y (N) and moment about the origin (N m, counter-clockwise), by their
+        names: those of their parts with a + between; an empty one is all parts together.
+    surface
+        The free surface, see `surface_height`; None in vacuum.
+    """
+    return tuple(
+        Snapshot("frame", float(t), outlines, tuple(_forces(outlines, {p: w[i] for p, w in loads.items()}, surface)))
+        for i, (t, outlines) in enumerate(zip(at, pictures, strict=True))
+    )
+
+
+def _forces(outlines: tuple[Outline, ...], wrenches: Mapping[str, Vector], surface: ArrayLike | None) -> list[Force]:
+    found = []
+    for body, wrench in wrenches.items():
+        own = [outline for outline in outlines if outline.part in body.split("+")]
+        under = immersed(own or outlines, surface)
+        if len(under) and np.any(wrench[:2]):
+            found.append(Force(body, point_of_action(wrench, under), wrench[:2].copy()))
+    return found
+
+
+def surface_height(surface: ArrayLike, x: ArrayLike) -> Vector:
+    """Height (n,) m of the free surface at x (n,) m: level at a number, or with corners (k, 2) m, see `Results`."""
+    corners, x = np.asarray(surface, dtype=np.float64), np.asarray(x, dtype=np.float64)
+    return height_at(np.array([[0.0, float(corners)]]) if corners.ndim == 0 else corners, x)
+
+
+def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
+    """Points (k, 2) m along the lines of outlines, and on the rims of discs, that are below the surface."""
+    if surface is None or not outlines:
+        return np.zeros((0, 2))
+    share = np.linspace(0.0, 1.0, 33)[None, :, None]
+    turn = np.linspace(0.0, 2.0 * np.pi, 33)
+    found = []
+    for outline in outlines:
+        line = outline.points
+        if len(line) == 1:
+            line = line + 0.5 * outline.diameter * np.column_stack([np.cos(turn), np.sin(turn)])
+        found.append((line[:-1, None] * (1.0 - share) + line[1:, None] * share).reshape(-1, 2))
+    points = np.concatenate(found)
+    return np.asarray(points[points[:, 1] <= surface_height(surface, points[:, 0])])
+
+
+def point_of_action(wrench: Vector, under: Vector) -> Vector:
+    """Where a force is drawn: of the immersed points (k, 2) m, the one nearest to its line of action.
+
+    wrench: force x, y (N) and moment about the origin (N m). The line itself may pass beside the body: between two
+    feet, or, of a force that nearly vanishes beside its moment, far away. Of points as near, the middle one is taken.
+    """
+    fx, fy, moment = wrench
+    size = float(np.hypot(fx, fy))
+    beside = (under[:, 0] * fy - under[:, 1] * fx - moment) / size
+    off = np.linalg.norm(under - under.mean(axis=0), axis=1)
+    point: Vector = under[np.argmin(np.hypot(beside, CENTERED * off))]
+    return point

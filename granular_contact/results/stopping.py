@@ -1,0 +1,104 @@
+"""When a pendulum stops: the first zero of its rate, found inside a step from the side before the stop.
+
+At the stop the static resistance turns round, so values after it tell nothing about when it came. The last step before
+it has the rate and its derivative, from the moments that act; with the derivative one step earlier the zero of a
+parabola is the stop, to second order in the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.results.interpolation import Track, above_zero
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First contact with the surface: time (s), and the last accepted step at or before it (index)."""
+
+    time: float
+    index: int
+
+
+def find_touch(time: Vector, depths: Sequence[Track]) -> Touch | None:
+    """First crossing of the surface from depths (m) of points, positive below; None when nothing gets below it."""
+    below = above_zero(time, depths)
+    if not below:
+        return None
+    first = below[0][0]
+    return Touch(first, int(np.searchsorted(time, first, side="right")) - 1)
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Time (s) since the start and angle (rad) there, of what has one; time of the first zero of its own rate."""
+
+    time: float
+    angle: float | None
+    hub_time: float | None
+
+
+def find_stop(
+    time: Vector, rate: Vector, acceleration: Vector, angle: Vector, angle_rate: Vector, *, hub: bool = True
+) -> Stop | None:
+    """First zero of `rate`, None if it has none.
+
+    All (n,) over the accepted steps: rate (rad/s) with its derivative acceleration (rad/s2) before each instant, and an
+    angle (rad) with its rate, which need not be the same motion (a hub trembles about the mean). hub: whether to look
+    for the first zero of that rate, too.
+    """
+    k = first_reversal(rate)
+    if k is None:
+        return None
+    step = time[k + 1] - time[k]
+    jerk = (acceleration[k] - acceleration[k - 1]) / (time[k] - time[k - 1]) if k > 0 else 0.0
+    tau = _parabola_root(rate[k], acceleration[k], 0.5 * jerk, step)
+    i = first_reversal(angle_rate) if hub else None
+    hub_time = None
+    if i is not None:
+        hub_time = float(time[i]) + _rate_zero(float(time[i + 1] - time[i]), angle[i : i + 2], angle_rate[i : i + 2])
+    return Stop(
+        time=float(time[k] + tau),
+        angle=_hermite(tau / step, step, angle[k], angle[k + 1], angle_rate[k], angle_rate[k + 1]),
+        hub_time=hub_time,
+    )
+
+
+def first_reversal(rate: Vector) -> int | None:
+    """Last index before the rate (n,) first reaches zero from the sign it first has."""
+    moving = np.flatnonzero(rate)
+    if len(moving) == 0:
+        return None
+    start = int(moving[0])
+    over = np.flatnonzero(rate[start:] * np.sign(rate[start]) <= 0.0)
+    return None if len(over) == 0 else start + int(over[0]) - 1
+
+
+def _parabola_root(value: float, slope: float, curvature: float, step: float) -> float:
+    """Smallest positive zero of value + slope tau + curvature tau^2, kept within (0, step]."""
+    roots = np.roots([curvature, slope, value]) if curvature != 0.0 else np.array([-value / slope if slope else step])
+    real = [float(r.real) for r in np.atleast_1d(roots) if abs(r.imag) <= 1e-12 * abs(r) and r.real > 0.0]
+    return min([*real, step])
+
+
+def _rate_zero(step: float, angle: Vector, rate: Vector) -> float:
+    """When in a step the rate is zero, of the cubic through the angles (2,) and rates (2,) at its ends."""
+    rise = 3.0 * (angle[1] - angle[0]) / step - 2.0 * rate[0] - rate[1]
+    bow = rate[0] + rate[1] - 2.0 * (angle[1] - angle[0]) / step
+    return step * _parabola_root(float(rate[0]), 2.0 * float(rise), 3.0 * float(bow), 1.0)
+
+
+def _hermite(xi: float, step: float, a: float, b: float, a_rate: float, b_rate: float) -> float:
+    """Cubic through two values and rates at the ends of a step, at fraction xi of it."""
+    return float(
+        (1 + 2 * xi) * (1 - xi) ** 2 * a
+        + xi * (1 - xi) ** 2 * step * a_rate
+        + xi**2 * (3 - 2 * xi) * b
+        + xi**2 * (xi - 1) * step * b_rate
+    )

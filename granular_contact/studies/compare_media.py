@@ -1,0 +1,132 @@
+"""One config in several media: the same impact, what comes out of each."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from granular_contact.config import load
+from granular_contact.errors import ConfigError, Fault, SceneError
+from granular_contact.report import whole_folder
+from granular_contact.results import Compiling, Results
+from granular_contact.run import run, uninterrupted
+from granular_contact.scene import Scene, build
+
+TABLE, FIGURES, HISTORIES = "compare-media.csv", "figures", "histories.png"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A medium as it was named, and its results."""
+
+    name: str
+    results: Results
+
+    @property
+    def peak_force(self) -> float:
+        """Greatest resultant of the medium on the mechanism (N)."""
+        from numpy import hypot
+
+        x, y = (
+            sum(self.results[f"{term}_force_{xy}_N"] for term in self.results.terms if term != "floor") for xy in "xy"
+        )
+        return float(hypot(x, y).max())
+
+
+def compare_media(
+    path: str | PathLike[str],
+    media: Sequence[str],
+    *,
+    overrides: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+    compiling: Compiling | None = None,
+) -> tuple[Row, ...]:
+    """Run a config in each of several media, named as in a config (preset, file, or several joined by +).
+
+    progress: told what is run next; compiling: see `run`.
+
+    Raises
+    ------
+    ConfigError, SceneError
+        The config or one of the media is at fault; nothing is run before all are read.
+    """
+    if not media:
+        raise ConfigError([Fault("", None, "--media", "got none; allowed are names, as play_sand,rft_generic")])
+    if faults := list(_idle(overrides)):
+        raise ConfigError(faults)
+    scenes = [(name, load(path, [*overrides, f"medium={_value(name)}"])) for name in media]
+    built: list[tuple[str, Scene]] = []
+    for name, loaded in scenes:
+        try:
+            built.append((name, build(loaded.scenario)))
+        except SceneError as error:  # noqa: PERF203
+            faults += loaded.sources.place(error.faults)
+    if faults:
+        raise SceneError(faults)
+    rows = []
+    for (name, scene), (_, loaded) in zip(built, scenes, strict=True):
+        if progress is not None:
+            progress(name)
+        rows.append(Row(name, uninterrupted(run(scene, loaded.scenario, compiling=compiling))))
+    return tuple(rows)
+
+
+def _idle(overrides: Sequence[str]) -> Iterator[Fault]:
+    """Overrides that the media compared would replace."""
+    for text in overrides:
+        key = text.partition("=")[0].strip()
+        if key.split(".")[0].strip() == "medium":
+            why = "is set by --media; write a medium with other numbers into a file, as {from: play_sand, eta_h: 80}, "
+            yield Fault(f"--set {text}", None, key, f"{why}and name the file there")
+
+
+def _value(name: str) -> str:
+    """A medium as the text of a YAML value: a name, or a list of those joined by +."""
+    parts = [part.strip() for part in name.split("+")]
+    return parts[0] if len(parts) == 1 else f"[{', '.join(parts)}]"
+
+
+HEAD = (
+    "medium",
+    "status",
+    "stopping_time_s",
+    "angle_at_stop_deg",
+    "max_depth_m",
+    "peak_force_N",
+    "granular_work_J",
+    "energy_imbalance_relative",
+    "warnings",
+)
+
+
+def cells(row: Row) -> tuple[str | float | None, ...]:
+    """A row in the order of HEAD."""
+    summary = row.results.summary
+    return (
+        row.name,
+        summary["status"],
+        summary["stopping_time_s"],
+        summary["angle_at_stop_deg"],
+        summary["max_depth_m"],
+        row.peak_force,
+        summary["energy"]["granular_work_J"],
+        summary["energy"]["imbalance_relative"],
+        "; ".join(row.results.warnings),
+    )
+
+
+def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
+    """Write the table and the histories laid over each other, whole or not at all."""
+    with whole_folder(directory, "compare-media") as folder:
+        with (folder / TABLE).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(HEAD)
+            writer.writerows(["" if cell is None else cell for cell in cells(row)] for row in rows)
+        if figures:
+            from granular_contact.report.figures.media import draw_media
+
+            (folder / FIGURES).mkdir()
+            draw_media([(row.name, row.results) for row in rows], folder / FIGURES / HISTORIES)

@@ -1,0 +1,109 @@
+"""Problem -> Fit: parameters, how well they are known, whether the model describes the data at all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.studies.fit import media_of_runs
+from granular_contact.studies.fit.goodness import Goodness, goodness
+from granular_contact.studies.fit.jacobian import jacobian
+from granular_contact.studies.fit.problem import Problem
+from granular_contact.studies.fit.solve import DIED, NOTHING, SAME, Progress, Solution, solve
+from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
+
+Vector = NDArray[np.float64]
+
+BAND_POINTS = 241
+DISTRUST = "the model does not describe these data, and the errors are too small to believe"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One run as fitted: times (m,) s of the measurement, model and half width of its 95 % band (m, columns)."""
+
+    time: Vector
+    model: Vector
+    half_width: Vector
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What came of a fit. residuals: data less model (n, columns) of each run; curves: for figures."""
+
+    problem: Problem
+    solution: Solution
+    uncertainty: Uncertainty
+    goodness: Goodness
+    residuals: tuple[Vector, ...]
+    curves: tuple[Curve, ...]
+
+    @property
+    def values(self) -> Vector:
+        """Best parameters (p,)."""
+        return self.problem.values(self.solution.scaled)
+
+    @property
+    def agreeing(self) -> int:
+        """How many starts came to the best end, or as good as there."""
+        costs = np.array([start.cost for start in self.solution.starts])
+        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME) + NOTHING * len(self.solution.residuals)))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All that speaks against trusting the numbers, in sentences."""
+        found = []
+        if self.goodness.status == "misfit":
+            found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")
+        if not self.solution.converged:
+            found.append("the fit did not settle: try more starts, narrower bounds or fewer parameters")
+        found += [*self.goodness.doubts, *self.uncertainty.words]
+        found += media_of_runs.words(self.problem, self.values)
+        count = len(self.solution.starts)
+        if count > 1 and self.agreeing == 1:
+            found.append(f"only 1 of {count} starting points led to this fit; there may be a better one: more starts")
+        died = sum(start.problem == DIED for start in self.solution.starts)
+        if died:
+            found.append(f"{died} of {count} starting points came to nothing: {DIED}, by a lack of memory perhaps")
+        return tuple(found)
+
+
+def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) -> Fit:
+    """Fit a problem of `granular_contact.studies.fit.prepare`.
+
+    Parameters
+    ----------
+    problem : Problem
+        Runs, data and parameters.
+    workers : int, optional
+        Processes that the starting points are shared out to.
+    progress : callable, optional
+        Told how many starting points are done, and of how many.
+
+    Raises
+    ------
+    SolveError
+        The model fails wherever it is started.
+    """
+    solution = solve(problem, workers, progress)
+    known = uncertainty(problem, solution)
+    times = [np.linspace(time[0], time[-1], BAND_POINTS) for time in problem.times()]
+    model = _split(problem, problem.model(solution.scaled, times), times)
+    width = _split(problem, band(known, jacobian(problem, solution.scaled, times)), times)
+    return Fit(
+        problem,
+        solution,
+        known,
+        goodness(problem, solution),
+        tuple(_split(problem, solution.residuals, problem.times())),
+        tuple(Curve(*one) for one in zip(times, model, width, strict=True)),
+    )
+
+
+def _split(problem: Problem, values: Vector, times: list[Vector]) -> list[Vector]:
+    """Values in a row as (n, columns) of each run."""
+    blocks = [(len(t), len(run.measured.columns)) for run, t in zip(problem.runs, times, strict=True)]
+    ends = np.cumsum([n * m for n, m in blocks])[:-1]
+    return [part.reshape(shape) for part, shape in zip(np.split(values, ends), blocks, strict=True)]

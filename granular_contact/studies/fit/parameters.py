@@ -1,0 +1,140 @@
+"""What was asked for -> parameters with start, bounds and scale, or why a key can't be one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from granular_contact.config.export import scenario_to_dict, value_at
+from granular_contact.config.messages import unknown
+from granular_contact.config.overrides import Override
+from granular_contact.config.tree import Scalar
+from granular_contact.errors import ConfigError, Fault
+from granular_contact.studies.fit.problem import Parameter
+from granular_contact.studies.fit.tracks import Simulator
+from granular_contact.studies.fit.wanted import RunWanted, Wanted
+
+# How a run is computed is no property of the sand or the mechanism.
+NOT_FITTED = ("solver", "method", "output", "name")
+# Bounds where none are given: the widest of these factors on the start that the schema allows on that side.
+FACTORS = (10.0, 3.0, 1.5, 1.1)
+LOG_FROM = 10.0  # ratio of bounds from which on the scale is logarithmic
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A parameter, and where it was asked for."""
+
+    parameter: Parameter
+    wanted: Wanted
+
+
+def choose(wanted: Sequence[Wanted], simulators: Sequence[Simulator], faults: list[Fault]) -> list[Choice]:
+    """Parameters that all runs share; a run whose config lacks the key is left out, unless all lack it."""
+    return [choice for one in wanted if (choice := _choice(one, dict(enumerate(simulators)), "", faults)) is not None]
+
+
+def own_choices(wanted: RunWanted, index: int, simulator: Simulator, faults: list[Fault]) -> list[Choice]:
+    """Parameters of one run alone."""
+    found = [_choice(one, {index: simulator}, f" @ {wanted.name}", faults) for one in wanted.parameters]
+    return [choice for choice in found if choice is not None]
+
+
+def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, faults: list[Fault]) -> Choice | None:
+    plains = {i: scenario_to_dict(one.load(()).scenario) for i, one in simulators.items()}
+    values = {i: value_at(plain, wanted.key, _MISSING) for i, plain in plains.items()}
+    numbers = {i: float(v) for i, v in values.items() if isinstance(v, float)}
+    problem = _refused(wanted, list(values.values()), list(plains.values()))
+    if problem is None:
+        runs = tuple(numbers)
+        start = wanted.start if wanted.start is not None else numbers[runs[0]]
+        if wanted.start is None and len(set(numbers.values())) > 1:
+            shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
+            problem = f"the runs have different values, {shown}: give it a start in a fit file"
+        else:
+            found = _bounded(wanted, start, [simulators[i] for i in runs])
+            if isinstance(found, str):
+                problem = found
+            else:
+                low, high, start, log = found
+                return Choice(Parameter(wanted.key, runs, low, high, start, log, wanted.name + suffix), wanted)
+    faults.append(wanted.position.fault((wanted.name,), problem))
+    return None
+
+
+def _refused(wanted: Wanted, values: Sequence[Any], plains: Sequence[dict[str, Any]]) -> str | None:
+    """Why no run can be fitted by this key, in words that name what can be."""
+    if wanted.key[0] in NOT_FITTED:
+        return f"tells how a run is computed, not what is measured; {unknown('', sorted(_keys(plains[0])))}"
+    if any(isinstance(value, float) for value in values):
+        return None
+    whole = next((value for value in values if isinstance(value, int) and not isinstance(value, bool)), None)
+    if whole is not None:
+        return f"is a whole number, {whole}; what can be fitted is not"
+    present = next((value for value in values if value is not _MISSING), _MISSING)
+    hint = unknown(wanted.name, sorted(_keys(plains[0])))
+    if present is _MISSING:
+        return f"the run has no such key; {hint}"
+    kind = "nothing there" if present is None else "a mapping" if isinstance(present, dict) else f"{present!r}"
+    return f"is no number but {kind}; {hint}"
+
+
+_MISSING = object()
+
+
+def _keys(plain: Any, path: str = "") -> Iterator[str]:
+    """Dotted keys of all that could be fitted, but the places of the mechanism's parts."""
+    items = plain.items() if isinstance(plain, dict) else enumerate(plain) if isinstance(plain, list) else ()
+    for key, value in items:
+        if not path and (key in NOT_FITTED or key == "model"):
+            continue
+        name = f"{path}.{key}" if path else str(key)
+        if isinstance(value, float):
+            yield name
+        else:
+            yield from _keys(value, name)
+
+
+def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> tuple[float, float, float, bool] | str:
+    """Lower and upper bound, start and whether the scale is logarithmic; or what is wrong with them.
+
+    Where the config's own value lies outside given bounds, the start is in the middle of them.
+    """
+    if start == 0.0 and (wanted.low is None or wanted.high is None):
+        return "starts at 0, from which no bounds follow: give it bounds, from and to in a fit file"
+    low = wanted.low if wanted.low is not None else _default(wanted, start, -1, simulators)
+    high = wanted.high if wanted.high is not None else _default(wanted, start, +1, simulators)
+    for name, value, given in (("from", low, wanted.low), ("to", high, wanted.high), ("start", start, wanted.start)):
+        problem = _allowed(wanted, value, simulators)
+        if problem is not None and (given is not None or name == "start"):
+            return f"{name}: {problem}"
+    if not low < high:
+        return f"has no room between its bounds, {low:g} and {high:g}; give it from and to"
+    log = wanted.scale == "log" or (wanted.scale is None and low > 0.0 and high / low >= LOG_FROM)
+    if log and low <= 0.0:
+        return f"has the lower bound {low:g}; on a log scale it must be above 0"
+    if not low <= start <= high:
+        start = (low * high) ** 0.5 if log else 0.5 * (low + high)
+    return low, high, start, log
+
+
+def _default(wanted: Wanted, start: float, side: int, simulators: Sequence[Simulator]) -> float:
+    """A bound on one side of the start, as far as the schema allows."""
+    for factor in FACTORS:
+        away = factor if (start > 0.0) == (side > 0) else 1.0 / factor
+        if _allowed(wanted, start * away, simulators) is None:
+            return start * away
+    return start
+
+
+def _allowed(wanted: Wanted, value: float, simulators: Sequence[Simulator]) -> str | None:
+    """What the schema has against a value of this key, or None."""
+    at = wanted.position
+    override = Override(wanted.key, Scalar(at, float(value), f"{value:g}"), at)
+    try:
+        for simulator in simulators:
+            simulator.load((), [override])
+    except ConfigError as error:
+        return error.faults[0].message
+    return None

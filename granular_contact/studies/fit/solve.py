@@ -1,0 +1,223 @@
+"""Problem -> the best parameters: from several points to the same basin, then weighted by the noise that is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.stats import qmc
+
+from granular_contact.errors import SolveError
+from granular_contact.studies.fit import noise
+from granular_contact.studies.fit.jacobian import jacobian
+from granular_contact.studies.fit.problem import Loss, Problem
+from granular_contact.studies.fit.tracks import ModelFailed
+
+Vector = NDArray[np.float64]
+# Told after each starting point how many are done, and of how many.
+Progress = Callable[[int, int], None]
+
+MOST_EVALUATIONS = 60
+ROUNDS = 8  # of weights and parameters in turn
+SETTLED = 1e-3  # relative change of the noise that ends them
+ROUGHLY, FINELY = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
+FAR = 1e6  # residual of parameters for which the model fails
+SAME = 0.02  # relative difference of cost between starts that came to the same end
+DIED = "the process died"
+NOTHING = 1e-7  # cost for each value of data that are met but for the errors of the computation
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where one start came to: scaled parameters and half the sum of squares; why it came nowhere."""
+
+    scaled: Vector
+    cost: float
+    problem: str | None = None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The best fit. scaled: parameters (p,); sigma: noise (columns,); residuals: (values,) data less model.
+
+    jacobian: of the model (values, p); at_bound: -1, 0, 1 for each parameter; starts: of all tries.
+    """
+
+    scaled: Vector
+    sigma: Vector
+    residuals: Vector
+    jacobian: Vector
+    at_bound: NDArray[np.int64]
+    starts: tuple[Start, ...]
+    converged: bool
+
+
+def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) -> Solution:
+    """Fit from several starts, in so many processes, and refine the best.
+
+    Raises
+    ------
+    SolveError
+        The model fails wherever it is started.
+    """
+    starts = _from_all(problem, workers, progress)
+    alive = [one for one in starts if one.problem is None]
+    if not alive:
+        raise SolveError(f"the model fails at every starting point; at the first: {starts[0].problem}")
+    best = min(alive, key=lambda one: one.cost)
+    try:
+        return _refined(problem, best.scaled, tuple(starts))
+    except ModelFailed as error:
+        raise SolveError(f"the model fails near the best parameters: {error}") from error
+
+
+def starting_points(problem: Problem) -> list[Vector]:
+    """The start that was given, then a Sobol sequence within the bounds (scaled); clocks start as given."""
+    low, high = problem.bounds
+    points = [np.clip(problem.start, low, high)]
+    if problem.starts > 1:
+        shares = qmc.Sobol(len(low), seed=problem.seed).random_base2(int(np.ceil(np.log2(problem.starts))))
+        for share in shares[: problem.starts - 1]:
+            point = low + share * (high - low)
+            own = np.array([not p.shared for p in problem.parameters])
+            points.append(np.where(own, points[0], point))
+    return points
+
+
+def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list[Start]:
+    points = starting_points(problem)
+    found: dict[int, Start] = {}
+
+    def keep(i: int, start: Start) -> None:
+        found[i] = start
+        if progress is not None:
+            progress(len(found), len(points))
+
+    workers = min(workers, len(points))
+    if workers <= 1:
+        for i, point in enumerate(points):
+            keep(i, descend(problem, point))
+    else:
+        for i, start in _from_processes(problem, points, workers):
+            keep(i, start)
+    return [found[i] for i in range(len(points))]
+
+
+def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Iterator[tuple[int, Start]]:
+    """Index and end of each start, as they come.
+
+    A process that dies takes all starts that are under way with it. Each is tried once more in a process of its own,
+    so that none pays for another; never in this one, which would die of it as well.
+    """
+    from granular_contact.studies.sweep.pool import local_processes
+
+    lost: list[int] = []
+    with local_processes(workers) as pool:
+        tasks = {_handed_to(pool, problem, point): i for i, point in enumerate(points)}
+        for task in as_completed(tasks):
+            if isinstance(task.exception(), BrokenExecutor):
+                lost.append(tasks[task])
+            else:
+                yield tasks[task], task.result()
+    for i in sorted(lost):
+        with local_processes(1) as alone:
+            task = _handed_to(alone, problem, points[i])
+            died = isinstance(task.exception(), BrokenExecutor)
+        yield i, Start(points[i], np.inf, DIED) if died else task.result()
+
+
+def _handed_to(pool: Executor, problem: Problem, point: Vector) -> Future[Start]:
+    """A start in another process; of a pool that is broken already, one that was lost."""
+    try:
+        return pool.submit(descend, problem, point)
+    except BrokenExecutor as error:
+        lost: Future[Start] = Future()
+        lost.set_exception(error)
+        return lost
+
+
+def descend(problem: Problem, point: Vector) -> Start:
+    """Plain least squares from a point; columns are weighted by how much they vary, as the noise is not known yet."""
+    data, column = problem.data(), problem.column_of()
+    spread = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
+    try:
+        problem.model(point, problem.times())
+        found = minimise(problem, point, spread, "linear", ROUGHLY, rough=True)
+    except ModelFailed as error:
+        return Start(point, np.inf, str(error))
+    return Start(found.x, float(found.cost))
+
+
+def minimise(
+    problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINELY, rough: bool = False
+) -> Any:
+    """`scipy.optimize.least_squares` of residuals in units of sigma (columns,); raises ModelFailed."""
+    data, weights, times = problem.data(), 1.0 / sigma[problem.column_of()], problem.times()
+
+    def residuals(scaled: Vector) -> Vector:
+        try:
+            return (problem.model(scaled, times) - data) * weights
+        except ModelFailed:
+            return np.full(len(data), FAR)
+
+    return least_squares(
+        residuals,
+        point,
+        jac=lambda scaled: jacobian(problem, scaled, times, rough) * weights[:, None],
+        bounds=problem.bounds,
+        x_scale="jac",
+        loss=loss,
+        f_scale=noise.CUT,
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=tolerance,
+        max_nfev=MOST_EVALUATIONS,
+    )
+
+
+def _refined(problem: Problem, point: Vector, starts: tuple[Start, ...]) -> Solution:
+    """Noise and parameters in turn, until the noise does not change any more."""
+    column, floors = problem.column_of(), noise.floors(problem)
+    residuals = problem.data() - problem.model(point, problem.times())
+    sigma = estimate_noise(problem, residuals, column, floors)
+    settled = False
+    for _ in range(ROUNDS):
+        found = minimise(problem, point, sigma, problem.loss)
+        point = found.x
+        residuals = problem.data() - problem.model(point, problem.times())
+        new = estimate_noise(problem, residuals, column, floors)
+        settled = bool(np.all(np.abs(new - sigma) <= SETTLED * sigma))
+        sigma = new
+        if settled:
+            break
+    return Solution(
+        scaled=point,
+        sigma=sigma,
+        residuals=residuals,
+        jacobian=jacobian(problem, point, problem.times()),
+        at_bound=_at_bound(problem, point),
+        starts=starts,
+        converged=bool(found.status > 0) and settled,
+    )
+
+
+def estimate_noise(problem: Problem, residuals: Vector, column: NDArray[np.intp], floors: Vector) -> Vector:
+    """Noise (columns,): as given, else from the residuals (values,)."""
+    share = min(len(problem.parameters) / len(residuals), 0.5)
+    return np.array(
+        [
+            given if given is not None else max(noise.scale(residuals[column == k], problem.loss, share), floors[k])
+            for k, given in enumerate(problem.noise.values())
+        ]
+    )
+
+
+def _at_bound(problem: Problem, point: Vector) -> NDArray[np.int64]:
+    low, high = problem.bounds
+    near = 1e-4 * (high - low)
+    return np.where(point <= low + near, -1, np.where(point >= high - near, 1, 0))

@@ -1,0 +1,158 @@
+"""Fit -> a folder: fit.json, medium.yaml, residuals.csv and figures, there whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, yaml_text
+from granular_contact.results.summary import versions
+from granular_contact.studies.fit.fitting import Fit
+from granular_contact.studies.fit.medium import media
+from granular_contact.studies.fit.problem import Parameter
+
+SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
+
+
+def write(fit: Fit, directory: Path, figures: bool = True) -> None:
+    """Write a fit to `directory`, in place of an earlier fit's results there.
+
+    Raises
+    ------
+    OSError
+        The disk refuses, or the folder holds something else.
+    """
+    with whole_folder(directory, "fit") as folder:
+        (folder / SUMMARY).write_text(json_text(summary(fit)), encoding="utf-8")
+        for name, found in media(fit, f"{PROGRAM} {version()}").items():
+            (folder / name).write_text(_header(fit, name) + yaml_text(found), encoding="utf-8")
+        with (folder / RESIDUALS).open("w", encoding="utf-8") as file:
+            file.writelines(_residual_lines(fit))
+        if figures:
+            from granular_contact.report.figures.fits import draw
+
+            (folder / FIGURES).mkdir()
+            draw(figure_data(fit), folder / FIGURES)
+
+
+def _header(fit: Fit, name: str) -> str:
+    lines = [f"Written by {PROGRAM} {version()}; in a config: medium: path/to/{name}"]
+    shared = [one for one in fit.uncertainty.estimates if one.parameter.shared]
+    lines += [f"{one.parameter.label}: {one.value:.6g} +- {one.error:.2g}" for one in shared]
+    lines += fit.warnings
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def summary(fit: Fit) -> dict[str, Any]:
+    """What fit.json holds: plain data, SI units and degrees as in the names of the columns."""
+    problem, known, good = fit.problem, fit.uncertainty, fit.goodness
+    labels = [p.label for p in problem.parameters]
+    return {
+        "name": problem.name,
+        "status": good.status,
+        "converged": fit.solution.converged,
+        "warnings": list(fit.warnings),
+        "parameters": {
+            one.parameter.label: {
+                "value": one.value,
+                "standard_error": one.error,
+                "interval_95": [one.low, one.high],
+                "bounds": [one.parameter.low, one.parameter.high],
+                "start": one.parameter.start,
+                "scale": "log" if one.parameter.log else "linear",
+                "at_bound": bool(one.at_bound),
+                "runs": [problem.runs[i].name for i in one.parameter.runs],
+            }
+            for one in known.estimates
+        },
+        "correlation": {"labels": labels, "matrix": known.correlation.tolist()},
+        "directions": [{"relative_error": size, "parts": parts} for size, parts in known.directions],
+        "goodness": {
+            "degrees_of_freedom": good.degrees_of_freedom,
+            "reduced_chi_square": good.reduced_chi_square,
+            "ljung_box_probability": good.ljung_box,
+            "outlier_share": good.outliers,
+            "reduced_chi_square_without_outliers": good.without_outliers,
+            "columns": {
+                one.column: {
+                    "noise": one.noise,
+                    "noise_given": one.given,
+                    "rows": one.rows,
+                    "residual_rms": one.rms,
+                    "row_to_row_noise": one.roughness,
+                    "reduced_chi_square": one.reduced_chi_square,
+                    "durbin_watson": one.durbin_watson,
+                }
+                for one in good.columns
+            },
+        },
+        "runs": [
+            {
+                "name": run.name,
+                "data": run.measured.file,
+                "rows": len(run.measured.time),
+                "columns": list(run.measured.columns),
+                "unused_columns": list(run.measured.unused),
+            }
+            for run in problem.runs
+        ],
+        "solver": {
+            "loss": problem.loss,
+            "starts": len(fit.solution.starts),
+            "starts_agreeing": fit.agreeing,
+            "seed": problem.seed,
+        },
+        "versions": versions(),
+    }
+
+
+def _residual_lines(fit: Fit) -> Iterator[str]:
+    """One line for each measured value: run, column, time, data, model, residual in units of the noise."""
+    yield "run,column,time_s,data,model,residual_over_noise\n"
+    sigma = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True))
+    for run, residuals in zip(fit.problem.runs, fit.residuals, strict=True):
+        name = run.name if not set(run.name) & set(',"\n') else '"' + run.name.replace('"', '""') + '"'
+        for k, column in enumerate(run.measured.columns):
+            rows = np.column_stack([run.measured.time, run.measured.values[:, k], residuals[:, k]]).tolist()
+            for time, data, residual in rows:
+                yield f"{name},{column},{time!r},{data!r},{data - residual!r},{residual / sigma[column]:.4f}\n"
+
+
+def figure_data(fit: Fit) -> Any:
+    """What the figures show, as plain arrays."""
+    from granular_contact.report.figures.fits import ColumnPicture, FitPicture, RunPicture
+
+    sigma = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True))
+    runs = []
+    for run, residuals, curve in zip(fit.problem.runs, fit.residuals, fit.curves, strict=True):
+        columns = [
+            ColumnPicture(
+                name=column,
+                data=run.measured.values[:, k],
+                model=curve.model[:, k],
+                half_width=curve.half_width[:, k],
+                residuals=residuals[:, k],
+                noise=float(sigma[column]),
+                quantile=fit.uncertainty.quantile,
+            )
+            for k, column in enumerate(run.measured.columns)
+        ]
+        runs.append(RunPicture(run.name, run.measured.time, curve.time, tuple(columns)))
+    shared = [j for j, p in enumerate(fit.problem.parameters) if p.shared]
+    estimates = [fit.uncertainty.estimates[j] for j in shared]
+    return FitPicture(
+        runs=tuple(runs),
+        labels=tuple(_short(one.parameter) for one in estimates),
+        values=np.array([one.value for one in estimates]),
+        errors=np.array([one.error for one in estimates]),
+        correlation=fit.uncertainty.correlation[np.ix_(shared, shared)],
+        misfit=fit.goodness.status == "misfit",
+    )
+
+
+def _short(parameter: Parameter) -> str:
+    """The key without what all keys of a medium begin with."""
+    return ".".join(parameter.key).removeprefix("medium.").removeprefix("plunging.")

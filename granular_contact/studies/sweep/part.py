@@ -1,0 +1,238 @@
+"""The work folder of a sweep, `DIR.part` beside its target DIR: what is finished is kept there until all is.
+
+    DIR.part/sweep.yaml     the sweep; a folder of another one is refused
+    DIR.part/journal/       rows as they were finished, and what began them
+    DIR.part/cases/         results of cases, with --plots
+
+When the table is written the folder is renamed to DIR, in one step. Nothing of a sweep is in DIR before.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import shutil
+from collections.abc import Iterator, Set
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from granular_contact import report
+from granular_contact.config import Sweep
+from granular_contact.errors import GranularContactError
+from granular_contact.report import CASES, JOURNAL, SWEEP, TABLE
+from granular_contact.results.summary import versions
+from granular_contact.studies.sweep import table
+from granular_contact.studies.sweep.journal import Journal
+
+try:
+    import fcntl
+except ImportError:  # not everywhere
+    fcntl = None  # type: ignore[assignment]
+
+_BEGUN = "begun.json"
+
+
+class FolderRefused(GranularContactError):
+    """What is in the way is not of this sweep; the message is one line."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A work folder that is open. done: cases that had a row when it was opened; cases: folder for their results."""
+
+    folder: Path
+    target: Path
+    journal: Journal
+    done: frozenset[int]
+    cases: Path | None
+
+    def finish(self) -> None:
+        """Let the folder, in which all is written, take the place of the target.
+
+        Raises
+        ------
+        OSError
+            The disk refuses; the folder stays as it is.
+        """
+        for path in (self.folder / SWEEP, self.folder / TABLE):
+            _sync(path)
+        report.swap(self.folder, self.target)
+        _remove(self.folder)  # an earlier result of the same sweep, run again
+        _remove(self.target / JOURNAL)
+
+    def discard(self) -> None:
+        """Remove the folder."""
+        _remove(self.folder)
+
+
+def part_of(target: Path) -> Path:
+    """The work folder of a target; a symbolic link is followed first."""
+    target = target.resolve()
+    return target.with_name(f"{target.name}.part")
+
+
+def finished(sweep: Sweep, target: Path, cases: bool) -> bool:
+    """Whether `target` holds this sweep already, with results of its cases if these are asked for.
+
+    Raises
+    ------
+    FolderRefused
+        It holds another sweep.
+    OSError
+        It is no folder of a sweep.
+    """
+    report.check_target(target, "sweep")
+    visible = [path for path in target.iterdir() if not path.name.startswith(".")] if target.exists() else []
+    if not visible:
+        return False
+    _same(sweep, target, "give another --out, or remove it")
+    if cases and not (target / CASES).is_dir():
+        raise FolderRefused(f"{target} holds this sweep without --plots: --restart runs it again")
+    _remove(target / JOURNAL)  # the end may have been cut short
+    return True
+
+
+@contextmanager
+def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Part]:
+    """The work folder of a sweep, made or found again, and kept from other processes meanwhile.
+
+    cases: whether each case gets a results folder. restart: throw away what there is.
+
+    Raises
+    ------
+    FolderRefused
+        It holds another sweep, or one begun with other versions or options; or another process is at work on it.
+    OSError
+        The disk refuses, or something else is in the way.
+    """
+    folder = part_of(target)
+    report.check_target(folder, "sweep")
+    begun: dict[str, Any] = {"versions": versions(), "plots": cases}
+    fresh = not (folder / JOURNAL / _BEGUN).exists()
+    if fresh or restart:
+        (folder / JOURNAL).mkdir(parents=True, exist_ok=True)
+    with _locked(folder):
+        if fresh or restart:
+            _clear(folder)
+            (folder / SWEEP).write_text(table.sweep_text(sweep), encoding="utf-8")
+            _write_whole(folder / JOURNAL / _BEGUN, json.dumps(begun) + "\n")
+        else:
+            _same(sweep, folder, "--restart throws it away")
+            _same_start(folder, begun)
+        (folder / TABLE).unlink(missing_ok=True)
+        journal = Journal(folder / JOURNAL)
+        done = frozenset(journal.done())
+        place = folder / CASES if cases else None
+        if place is not None:
+            _keep_only(place, {sweep.cases[i].name for i in done})
+        yield Part(folder, target.resolve(), journal, done, place)
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Keep `folder` for this process; the system takes the lock away when the process dies."""
+    if fcntl is None:
+        yield
+        return
+    with (folder / JOURNAL / ".lock").open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise FolderRefused(f"{folder}: another process is at work on this sweep") from None
+        yield
+
+
+def _same(sweep: Sweep, folder: Path, remedy: str) -> None:
+    """Raise unless `folder` holds this very sweep."""
+    path, here = folder / SWEEP, table.sweep_text(sweep)
+    if not path.exists():
+        raise FolderRefused(f"{folder} does not tell which sweep it is of, as it has no {SWEEP}: {remedy}")
+    there = path.read_text(encoding="utf-8")
+    if here != there:
+        raise FolderRefused(f"{folder} is of another sweep ({_difference(there, here)}): {remedy}")
+
+
+def _same_start(folder: Path, begun: dict[str, Any]) -> None:
+    there = json.loads((folder / JOURNAL / _BEGUN).read_text(encoding="utf-8"))
+    for name, version in begun["versions"].items():
+        if there["versions"].get(name) != version:
+            words = f"was begun with {name} {there['versions'].get(name)}, and here is {version}"
+            raise FolderRefused(f"{folder} {words}: --restart throws it away")
+    if there["plots"] != begun["plots"]:
+        how = "with" if there["plots"] else "without"
+        raise FolderRefused(f"{folder} was begun {how} --plots: go on {how} it, or throw it away with --restart")
+
+
+ABOUT = (".standing", ".provenance")
+
+
+def _difference(there: str, here: str) -> str:
+    """The first key that differs, with both values."""
+    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    try:
+        one, other = yaml.load(there, loader), yaml.load(here, loader)
+    except yaml.YAMLError:
+        return f"its {SWEEP} can't be read"
+    # What a medium's numbers rest on changes with them, and the numbers say more.
+    found = min(_differing(one, other), key=lambda said: said.split()[0].endswith(ABOUT), default=None)
+    if found is not None:
+        return found
+    lines = zip(there.splitlines(), here.splitlines(), strict=False)
+    return next((f"{a.lstrip('# ')!r} there" for a, b in lines if a != b), "its text differs")
+
+
+def _differing(there: Any, here: Any, key: str = "") -> Iterator[str]:
+    if isinstance(there, dict) and isinstance(here, dict):
+        for name in itertools.chain(here, (name for name in there if name not in here)):
+            below = f"{key}.{name}" if key else str(name)
+            if name not in there or name not in here:
+                yield f"{below} is only {'here' if name in here else 'there'}"
+            else:
+                yield from _differing(there[name], here[name], below)
+    elif there != here:
+        yield f"{key} is {_short(there)} there and {_short(here)} here"
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _clear(folder: Path) -> None:
+    """Remove what an earlier sweep left, the lock excepted."""
+    for path in (*folder.iterdir(), *(folder / JOURNAL).iterdir()):
+        if path.name not in (JOURNAL, ".lock"):
+            _remove(path)
+
+
+def _keep_only(folder: Path, names: Set[str]) -> None:
+    """Remove results of cases that have no row: they may be half of it."""
+    for path in folder.iterdir() if folder.exists() else ():
+        if path.name not in names:
+            _remove(path)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with suppress(OSError):
+            path.unlink()
+
+
+def _write_whole(path: Path, text: str) -> None:
+    """Write a file that is there whole or not at all."""
+    making = path.with_suffix(".new")
+    making.write_text(text, encoding="utf-8")
+    _sync(making)
+    making.replace(path)
+
+
+def _sync(path: Path) -> None:
+    with path.open("rb") as file:
+        os.fsync(file.fileno())

@@ -1,0 +1,186 @@
+"""Sweep -> rows: cases dealt out to a crew in chunks; a case that takes its worker down costs its own row only."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from itertools import islice
+from pathlib import Path
+
+from granular_contact.config import Case, Sweep
+from granular_contact.config.sweep import Probe, case_faults
+from granular_contact.errors import Fault
+from granular_contact.studies.sweep.crew import Crew, CrewError
+from granular_contact.studies.sweep.journal import Journal, Row
+from granular_contact.studies.sweep.worker import Job, Simulate, Task, check, error_row, simulate, work
+
+CHUNK_SECONDS = 0.5  # long against the 2 ms that it takes to hand over a chunk, short against a sweep
+LARGEST_CHUNK = 256
+FEW = 400  # cases that are checked sooner here than workers are started
+_DIED = "the process died; run this case alone to see why, it may need more memory than there is"
+
+Work = Future[tuple[list[bytes], float]]
+
+
+def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew) -> list[Fault]:
+    """Faults of cases as `case_faults` gives them, found by the crew where there are many."""
+    if len(cases) <= FEW:
+        return case_faults(sweep, cases, probe)
+    job, size = Job(sweep, simulate).packed(), max(64, len(cases) // (8 * crew.count))
+    found: list[Fault] = []
+    shared: list[tuple[Future[list[Fault]], range]] = []
+    for start in range(0, len(cases), size):
+        chunk = cases[start : start + size]
+        # What a case refers to is a file here, and may be none elsewhere.
+        found += case_faults(sweep, [case for case in chunk if sweep.needs_files(case)], probe)
+        others = [case for case in chunk if not sweep.needs_files(case)]
+        places = range(start, start + len(chunk))
+        try:
+            shared.append((crew.pool().submit(check, job, others, probe), places))
+        except BrokenExecutor:  # a worker was lost since the last one
+            crew.dismiss()
+            found += case_faults(sweep, others, probe)
+    for future, places in shared:
+        lost = isinstance(future.exception(), BrokenExecutor)
+        found += case_faults(sweep, [cases[i] for i in places], probe) if lost else future.result()
+    if any(future.exception() is not None for future, _ in shared):
+        crew.dismiss()
+    return found
+
+
+def run(
+    sweep: Sweep,
+    crew: Crew,
+    *,
+    done: Collection[int] = (),
+    journal: Journal | None = None,
+    cases_folder: Path | None = None,
+    function: Simulate = simulate,
+) -> Generator[Row, None, None]:
+    """Run the cases of a sweep; rows come as they are finished, one for each case.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        Of `granular_contact.config.load_sweep`.
+    crew : Crew
+        Who works.
+    done : collection of int
+        Indices of cases that are left out.
+    journal : Journal, optional
+        Keeps each row, before it comes here.
+    cases_folder : Path, optional
+        Where each case gets a results folder of its name.
+    function : callable, optional
+        What a case goes through, importable in the workers.
+
+    Raises
+    ------
+    OSError
+        A row or the results of a case can't be saved; what was saved before is whole.
+    CrewError
+        The workers can't be reached any more.
+    """
+    local = journal is not None and crew.here  # then the workers write
+    keep = None if journal is None else journal.writer()
+    job = Job(sweep, function, cases_folder, journal.folder if journal is not None and local else None).packed()
+    deal = _Deal(_tasks(sweep, done), len(sweep.cases) - len(done), crew.count)
+    try:
+        while deal.left:
+            suspects: list[Task] = []
+            for line in _together(deal, crew, job, suspects):
+                if keep is not None and not local:
+                    keep.append(line)
+                yield Row.of(line)
+            if suspects and journal is not None and local:
+                suspects = yield from _without_finished(suspects, journal)
+            for line, lost in _one_by_one(suspects, sweep, crew, job):
+                if keep is not None and (lost or not local):
+                    keep.append(line)
+                yield Row.of(line)
+    finally:
+        if keep is not None:
+            keep.close()
+
+
+def _without_finished(tasks: Sequence[Task], journal: Journal) -> Generator[Row, None, list[Task]]:
+    """Rows of the tasks that were finished before their worker died; returns the others."""
+    wanted = {task.index for task in tasks}
+    found = [row for row in journal if row.index in wanted]
+    yield from found
+    wanted -= {row.index for row in found}
+    return [task for task in tasks if task.index in wanted]
+
+
+def _tasks(sweep: Sweep, done: Collection[int]) -> Iterator[Task]:
+    for index, case in enumerate(sweep.cases):
+        if index not in done:
+            yield Task(index, case, sweep.scenario(case) if sweep.needs_files(case) else None)
+
+
+class _Deal:
+    """Gives away the cases in chunks: large enough that handing them over costs little, small towards the end."""
+
+    def __init__(self, tasks: Iterator[Task], count: int, workers: int) -> None:
+        self._tasks, self.left, self._workers = tasks, count, workers
+        self._size = 1
+
+    def take(self) -> list[Task]:
+        """The next cases, fewer than there are workers to share the rest."""
+        size = max(1, min(self._size, self.left // (2 * self._workers)))
+        chunk = list(islice(self._tasks, size))
+        self.left -= len(chunk)
+        return chunk
+
+    def note(self, cases: int, seconds: float) -> None:
+        """Learn from a finished chunk; from the latest one, as a worker's first is slower than all others."""
+        self._size = max(1, min(LARGEST_CHUNK, int(CHUNK_SECONDS * cases / max(seconds, 1e-6))))
+
+
+def _together(deal: _Deal, crew: Crew, job: bytes, suspects: list[Task]) -> Iterator[bytes]:
+    """Lines until all cases are given away or a chunk is lost; `suspects` gets the cases that may be the reason."""
+    pending: dict[Work, list[Task]] = {}
+    while pending or (deal.left and not suspects):
+        while deal.left and not suspects and len(pending) < 2 * crew.count:
+            chunk = deal.take()
+            try:
+                pending[crew.pool().submit(work, job, chunk)] = chunk
+            except BrokenExecutor:
+                suspects += chunk
+        for future in wait(pending, return_when=FIRST_COMPLETED).done:
+            chunk = pending.pop(future)
+            error = future.exception()
+            if isinstance(error, OSError | CrewError):
+                raise error
+            if error is not None:
+                suspects += chunk
+                continue
+            lines, seconds = future.result()
+            deal.note(len(lines), seconds)
+            yield from lines
+    if suspects:
+        crew.dismiss()
+
+
+def _one_by_one(suspects: Sequence[Task], sweep: Sweep, crew: Crew, job: bytes) -> Iterator[tuple[bytes, bool]]:
+    """Lines of cases that are tried alone, each in a worker that no other has harmed, and whether the row was lost."""
+    tasks = deque(suspects)
+    while tasks:
+        with Crew(1, crew.executor, here=crew.here) as alone:
+            broken = False
+            while tasks and not broken:
+                task = tasks.popleft()
+                try:
+                    future: Work = alone.pool().submit(work, job, [task])
+                except BrokenExecutor:  # since the last case, and so not by this one
+                    tasks.appendleft(task)
+                    break
+                error = future.exception()
+                broken = isinstance(error, BrokenExecutor)
+                if isinstance(error, OSError | CrewError):
+                    raise error
+                if error is None:
+                    yield future.result()[0][0], False
+                else:
+                    yield error_row(task, sweep, RuntimeError(_DIED) if broken else error).line(), True

@@ -1,0 +1,167 @@
+"""Rows of a Saltelli design -> Sobol indices: what part of the variance of an output each input explains.
+
+First order: alone. Total: with all that it does together with others. By scipy.stats.sobol_indices (Saltelli et al.
+2010), with the inputs independent and even over their ranges; intervals by a bootstrap over the points of the design.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.config import Sweep
+from granular_contact.config.sweep_range import is_number
+from granular_contact.report import FIGURES, SENSITIVITY
+from granular_contact.studies.sweep.journal import Row
+
+CONFIDENCE = 0.95
+RESAMPLES = 999
+MOST_NAMED = 3  # cases
+WIDEST = 0.5  # interval of an index that says something
+ASTRAY = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
+HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Sobol indices of one output, (inputs,) each, with the ends of their confidence intervals (2, inputs).
+
+    refused: why there are none, and then the arrays are empty.
+    """
+
+    output: str
+    inputs: tuple[str, ...]
+    first: Vector
+    total: Vector
+    first_interval: Vector
+    total_interval: Vector
+    refused: str = ""
+
+
+def doubt(one: Indices, i: int) -> str:
+    """Why the indices of an input are not known well enough to be used; empty if they are."""
+    if one.refused:
+        return ""
+    width = max(float(np.ptp(ends[:, i])) for ends in (one.first_interval, one.total_interval))
+    first, total = float(one.first[i]), float(one.total[i])
+    if not width <= WIDEST:  # or it is no number at all
+        why = f"an interval {width:.2g} wide"
+    elif max(-first, -total, first - 1.0, total - 1.0) > ASTRAY:
+        why = "an index outside 0 to 1"
+    elif first - total > ASTRAY:
+        why = "a first order above the total"
+    else:
+        return ""
+    return f"too few points, {why}: take a greater count"
+
+
+def doubts(one: Indices) -> list[str]:
+    """Of each input whose indices are not known well enough, a sentence."""
+    named = ((name, doubt(one, i)) for i, name in enumerate(one.inputs))
+    return [f"Sobol indices of {one.output} to {name}: {why}" for name, why in named if why]
+
+
+def of_sweep(sweep: Sweep, rows: Iterable[Row]) -> list[Indices]:
+    """Indices of each output that the sample of a sweep is made for; none for any other sweep."""
+    sample = sweep.sample
+    return [] if sample is None else of_rows(rows, tuple(sample.ranges), sample.count, sample.outputs)
+
+
+def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Sequence[str]) -> list[Indices]:
+    """Indices of each output; refused where a case has failed or has no such number, as none may be left out.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+        All cases of the design, in its order: A, B, and A with each input from B in turn.
+    inputs : sequence of str
+        Keys of the design.
+    count : int
+        Cases in A, a power of two.
+    outputs : sequence of str
+        Keys of the summary.
+    """
+    if not outputs:
+        return []
+    size = (len(inputs) + 2) * count
+    values = np.full((len(outputs), size), np.nan)
+    names, failed = [""] * size, np.zeros(size, dtype=bool)
+    for row in rows:
+        names[row.index], failed[row.index] = row.name, row.failed
+        for i, output in enumerate(outputs):
+            if is_number(row.summary.get(output)):
+                values[i, row.index] = row.summary[output]
+    return [
+        _of_output(output, tuple(inputs), count, value, failed, names)
+        for output, value in zip(outputs, values, strict=True)
+    ]
+
+
+def _of_output(
+    output: str, inputs: tuple[str, ...], count: int, values: Vector, failed: NDArray[np.bool_], names: Sequence[str]
+) -> Indices:
+    for missing, said in ((failed, "failed"), (~np.isfinite(values), f"have no {output}")):
+        if missing.any():
+            which = [name for name, lacks in zip(names, missing, strict=True) if lacks]
+            listed = ", ".join(which[:MOST_NAMED]) + (", ..." if len(which) > MOST_NAMED else "")
+            return _refused(output, inputs, f"{len(which)} of {len(values)} cases {said} ({listed})")
+    if np.ptp(values[: 2 * count]) == 0.0:
+        return _refused(output, inputs, "it is the same in all cases")
+    return indices(output, inputs, values.reshape(len(inputs) + 2, count))
+
+
+def _refused(output: str, inputs: tuple[str, ...], why: str) -> Indices:
+    none = np.empty(0)
+    return Indices(output, inputs, none, none, none, none, why)
+
+
+def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0) -> Indices:
+    """Indices from values (inputs + 2, count) of the output: at A, at B, and at A with each input from B."""
+    from scipy import stats
+
+    count = values.shape[1]
+
+    def of(points: NDArray[np.int64]) -> Vector:
+        held = values[:, points]
+        parts = {"f_A": held[:1], "f_B": held[1:2], "f_AB": held[2:, None, :]}
+        found = stats.sobol_indices(func=parts, n=count)
+        return np.stack([np.atleast_1d(found.first_order), np.atleast_1d(found.total_order)])
+
+    points = np.arange(count)
+    found = of(points)
+    drawn = np.random.default_rng(seed).integers(count, size=(RESAMPLES, count))
+    tails = (0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE))
+    ends = np.quantile(np.array([of(one) for one in drawn]), tails, axis=0)
+    return Indices(output, inputs, found[0], found[1], ends[:, 0], ends[:, 1])
+
+
+def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
+    """Write sensitivity.csv, a line for each output and input, and a figure of each output; raises OSError."""
+    with (folder / SENSITIVITY).open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEAD)
+        for one in found:
+            for i, name in enumerate(one.inputs):
+                numbers = [""] * 6 if one.refused else [repr(float(value)) for value in _numbers(one, i)]
+                writer.writerow([one.output, name, *numbers, one.refused or doubt(one, i)])
+    drawn = [one for one in found if figures and not one.refused]
+    if drawn:
+        from granular_contact.report.figures.sensitivity import Bars, draw_sensitivity
+
+        (folder / FIGURES).mkdir(exist_ok=True)
+        for one in drawn:
+            first = Bars("first order", one.first, one.first_interval)
+            total = Bars("total", one.total, one.total_interval)
+            draw_sensitivity(one.output, one.inputs, first, total, folder / FIGURES / f"sensitivity_{one.output}.png")
+
+
+def _numbers(one: Indices, i: int) -> Iterable[float]:
+    first, total = one.first_interval[:, i], one.total_interval[:, i]
+    return one.first[i], first[0], first[1], one.total[i], total[0], total[1]

@@ -1,0 +1,74 @@
+"""Rows of a sweep -> table.csv, and the sweep itself -> sweep.yaml, from which it can be run again."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from granular_contact.config import Sweep, scenario_to_dict
+from granular_contact.report import PROGRAM, SWEEP, TABLE, version, yaml_text
+from granular_contact.studies.sweep.journal import Row
+
+CASE = "case"
+
+
+def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
+    """Write table.csv; rows are gone through twice, and come in the order of the sweep.
+
+    Raises
+    ------
+    OSError
+        The disk refuses.
+    """
+    names = columns(sweep, rows)
+    with (folder / TABLE).open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        for row in rows:
+            cells = {**row.summary, **row.values, CASE: row.name}
+            writer.writerow([_cell(cells.get(name)) for name in names])
+
+
+def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
+    """Names of the columns: the case, what varies, then all that any run tells; rows of crashes know less."""
+    told: tuple[dict[str, None], dict[str, None]] = {}, {}
+    for row in rows:
+        told[row.summary["status"] == "error"].update(dict.fromkeys(row.summary))
+    return list(dict.fromkeys([CASE, *sweep.keys, *told[0], *told[1]]))
+
+
+def _cell(value: Any) -> str:
+    """`repr` of a float is the shortest text that reads back as the same one; nothing for what is not known."""
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list) and not any(isinstance(entry, dict | list) for entry in value):
+        return "; ".join(map(_cell, value))
+    if isinstance(value, dict | list):
+        return json.dumps(value, ensure_ascii=False)
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def sweep_text(sweep: Sweep) -> str:
+    """A sweep file that needs no other: the config with every default, and how its cases are drawn, or a line each."""
+    return "".join(_lines(sweep))
+
+
+def _lines(sweep: Sweep) -> Iterator[str]:
+    yield f"# Written by {PROGRAM} {version()}; to run it again: {PROGRAM} sweep {SWEEP}\n"
+    yield yaml_text({"config": scenario_to_dict(sweep.base)})
+    if sweep.sample is not None:
+        yield yaml_text({"sample": sweep.sample.plain()})
+        changes = (json.dumps(sweep.changes(case)).encode() for case in sweep.cases)
+        digest = hashlib.sha256(b"\n".join(changes)).hexdigest()[:16]
+        yield f"# {len(sweep.cases)} cases, {digest}\n"  # another version of the sampler may draw others
+        return
+    yield "cases:\n"
+    for case in sweep.cases:  # JSON is YAML, and written a hundred times as fast
+        yield f"  {case.name}: {json.dumps(sweep.changes(case), ensure_ascii=False)}\n"

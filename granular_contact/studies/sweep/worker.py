@@ -1,0 +1,127 @@
+"""What is done with a case, in whichever process: Case -> Scenario -> Results -> Row."""
+
+from __future__ import annotations
+
+import pickle
+import secrets
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from granular_contact.config import Case, Scenario, Sweep
+from granular_contact.config.sweep import Probe, case_faults
+from granular_contact.errors import ConfigError, Fault
+from granular_contact.results import Results
+from granular_contact.studies.sweep.journal import Journal, Row, Writer
+
+Simulate = Callable[[Scenario], Results]
+
+
+@dataclass(frozen=True)
+class Task:
+    """A case to run: its place in the sweep (from 0); and its scenario, where that can't be made anywhere."""
+
+    index: int
+    case: Case
+    scenario: Scenario | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """What the tasks of a sweep have in common; sent with each of them, and read once in each process.
+
+    sweep: without its cases. folder: for the results of each case, None to keep no more than a row. journal: where the
+    process writes its rows, None to leave that to whoever gets them. token: of this run, as a process may see several.
+    """
+
+    sweep: Sweep
+    function: Simulate
+    folder: Path | None = None
+    journal: Path | None = None
+    token: str = field(default_factory=lambda: secrets.token_hex(8))
+
+    def packed(self) -> bytes:
+        """As `work` and `check` take it."""
+        return pickle.dumps(replace(self, sweep=self.sweep.without_cases()))
+
+
+@lru_cache(maxsize=2)
+def _unpacked(job: bytes) -> tuple[Job, Writer | None]:
+    held: Job = pickle.loads(job)
+    return held, None if held.journal is None else Journal(held.journal).writer()
+
+
+def simulate(scenario: Scenario) -> Results:
+    """One run, as the command line does it."""
+    from granular_contact import scene
+    from granular_contact.run import run
+
+    return run(scene.build(scenario), scenario)
+
+
+def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
+    """Lines of the tasks' rows, and the seconds that they took; whatever a case raises is a row.
+
+    Raises
+    ------
+    OSError
+        The results can't be saved.
+    """
+    held, writer = _unpacked(job)
+    begin = time.perf_counter()
+    lines = []
+    for task in tasks:
+        lines.append(_line(task, held))
+        if writer is not None:
+            writer.append(lines[-1])
+    return lines, time.perf_counter() - begin
+
+
+def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
+    """Faults of some cases."""
+    return case_faults(_unpacked(job)[0].sweep, cases, probe)
+
+
+def _line(task: Task, job: Job) -> bytes:
+    try:
+        scenario = task.scenario or job.sweep.scenario(task.case)
+        results = job.function(scenario)
+        values = job.sweep.values(task.case, scenario)
+        line = Row(task.index, task.case.name, values, dict(_flat(results.summary))).line()
+    except Exception as error:
+        return error_row(task, job.sweep, error).line()
+    if job.folder is not None:
+        from granular_contact import report
+
+        try:
+            report.write(results, job.folder / task.case.name, figures=scenario.output.figures)
+        except OSError:  # no matter of the case
+            raise
+        except Exception as error:
+            return error_row(task, job.sweep, error).line()
+    return line
+
+
+def error_row(task: Task, sweep: Sweep, error: BaseException) -> Row:
+    """The row of a case that did not come to an end, with the exception in one line."""
+    try:
+        values = sweep.values(task.case, task.scenario or sweep.scenario(task.case))
+    except ConfigError:  # was not checked
+        values = task.case.values
+    message = " ".join(traceback.format_exception_only(error)[-1].split())
+    return Row(task.index, task.case.name, values, {"status": "error", "message": message})
+
+
+def _flat(summary: dict[str, Any], above: str = "") -> list[tuple[str, Any]]:
+    """Entries of nested mappings by dotted key."""
+    flat: list[tuple[str, Any]] = []
+    for key, value in summary.items():
+        if isinstance(value, dict):
+            flat += _flat(value, f"{above}{key}.")
+        else:
+            flat.append((f"{above}{key}", value))
+    return flat
