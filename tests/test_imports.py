@@ -188,7 +188,7 @@ assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
 """
     modules = loaded(code)
     assert "numba" in modules  # the test would see it
-    assert not modules & {"exudyn", "matplotlib", "scipy"}
+    assert not modules & {"exudyn", "matplotlib"}
 
 
 def test_checking_a_config_loads_no_engine() -> None:

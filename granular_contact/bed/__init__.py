@@ -17,7 +17,7 @@ Doors to engines stand on it (`multibody`, `minimal`), and a script may use it a
     ...     load.accept((i + 1) * step, pose, velocity)
     >>> wrench = load.force(pose, velocity, np.zeros(3))
     >>> print(f"force {wrench[1]:.2f} N, work {load.history.work[-1]:.4f} J")
-    force 0.00 N, work 0.0000 J
+    force 50.80 N, work -0.5080 J
 
 contact_lines   shapes -> stations along what the medium meets; a new shape is a function here
 batch           lines of one kind in one compiled call; other elements (facets in space) would be batches of their own
