@@ -178,7 +178,8 @@ def test_a_bed_on_given_poses_loads_no_engine() -> None:
     code = """
 import numpy as np
 from granular_contact import preset
-from granular_contact.bed import Body, GranularLoad, polyline
+from granular_contact.bed.contact_lines import Body, polyline
+from granular_contact.bed.load import GranularLoad
 load = GranularLoad(preset("rft_generic"), surface=0.0)
 load.add(polyline(Body("plate", [0, 1, 2]), [[-0.05, 0.0], [0.05, 0.0]], width=0.1))
 pose, velocity = np.array([0.0, -0.02, 0.0]), np.array([0.0, -0.1, 0.0])

@@ -5,7 +5,8 @@ Doors to engines stand on it (`multibody`, `minimal`), and a script may use it a
 
     >>> import numpy as np
     >>> from granular_contact import preset
-    >>> from granular_contact.bed import Body, GranularLoad, polyline
+    >>> from granular_contact.bed.contact_lines import Body, polyline
+    >>> from granular_contact.bed.load import GranularLoad
     >>> load = GranularLoad(preset("poppy_seeds_loose"), surface=0.0)
     >>> plate = Body("plate", [0, 1, 2])  # places of its x, y and angle among the coordinates
     >>> load.add(polyline(plate, [[-0.05, 0.0], [0.05, 0.0]], width=0.1))
@@ -26,27 +27,3 @@ history         what was done, step by step
 work, strip_error   what steps and strips leave open, from a history and the motion
 given, of_scene     what a bed is made of, from arguments and from a scene
 """
-
-from __future__ import annotations
-
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from granular_contact.bed.contact_lines import Body, ball, beam, outline, polyline
-    from granular_contact.bed.history import LoadHistory
-    from granular_contact.bed.load import GranularLoad
-
-# Loaded when first asked for: what reads a history needs no compiler.
-_HOMES = {
-    **dict.fromkeys(("Body", "ball", "beam", "outline", "polyline"), "contact_lines"),
-    "GranularLoad": "load",
-    "LoadHistory": "history",
-}
-__all__ = ["Body", "GranularLoad", "LoadHistory", "ball", "beam", "outline", "polyline"]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

@@ -14,7 +14,6 @@ from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
 from granular_contact.media.kinds import Kind
 
 Vector = NDArray[np.float64]
-Memory = tuple[Vector, Vector]
 
 
 class Batch:
@@ -101,11 +100,3 @@ class Batch:
     def approach(self) -> list[tuple[float, float]]:
         """Of each line after `accept`: depth of its deepest station (m), greatest speed of one downward (m/s)."""
         return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]
-
-    def remember(self) -> Memory:
-        """Copy of all that `accept` changes, for `recall`."""
-        return self.anchors.copy(), self.proximity.copy()
-
-    def recall(self, memory: Memory) -> None:
-        """Undo what `accept` did since `remember`."""
-        self.anchors[:], self.proximity[:] = memory

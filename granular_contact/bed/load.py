@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,7 +58,7 @@ class GranularLoad:
         self.batches: list[Batch] = []
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
-        self._table: HistoryTable | None = None
+        self.table = self._new_table()  # rows of the history
 
     # ---- what the medium acts on ----
 
@@ -73,6 +72,7 @@ class GranularLoad:
         """
         self.check_open()
         self.lines += [self._met(line) for line in lines]
+        self.table = self._new_table()
 
     def _met(self, line: ContactLine) -> ContactLine:
         """A line that some medium takes, by the form of this load."""
@@ -87,27 +87,27 @@ class GranularLoad:
         return replace(line, record=record)
 
     def check_open(self) -> None:
-        """Refuse more lines once the list is closed."""
-        if self._table is not None:
+        """Refuse more lines once there are batches of them."""
+        if self.batches:
             raise scene_error("bed", "it is attached already; name every body before attach()")
 
     def close(self) -> None:
-        """Close the list of lines: batches for the kernels, a table for the history. `start` does where it is open."""
-        self._table = self._new_table()
-        self.batches = list(self._batches(self._table))
+        """Form the batches, of lines that the floor or one medium meets on one kind of body; `start` does it too."""
+        for index, kinds, profile, medium, layer in self._meetings():
+            acting = [line for line in self.lines if line.kind in kinds]
+            for dtype in dict.fromkeys(line.stations.dtype for line in acting):
+                lines = [line for line in acting if line.stations.dtype == dtype]
+                columns = [self.table.columns(index, line.body) for line in lines]
+                self.batches.append(Batch(lines, [_in(layer, line) for line in lines], profile, medium, columns))
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
-    def _batches(self, table: HistoryTable) -> Iterator[Batch]:
-        """Lines that the floor, or one medium, meets on one kind of body."""
+    def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:
+        """Number, kinds of shape, surface, record and layer of the floor's contact, then of all media."""
         if self.floor is not None:
             for kind in dict.fromkeys(line.kind for line in self.lines):
-                lines = [line for line in self.lines if line.kind == kind]
-                records = [line.record for line in lines]
-                yield from _by_body(lines, records, self.floor.profile, self.floor.record(kind), table, table.media - 1)
-        for i, (layer, medium) in enumerate(zip(self.layers, self.records, strict=True)):
-            lines = [line for line in self.lines if line.kind in layer.medium.takes]
-            records = [_layered(line.record, layer) for line in lines]
-            yield from _by_body(lines, records, self.profile, medium, table, i)
+                yield len(self.media), (kind,), self.floor.profile, self.floor.record(kind), None
+        for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
+            yield i, layer.medium.takes, self.profile, record, layer
 
     def _new_table(self) -> HistoryTable:
         terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
@@ -115,11 +115,6 @@ class GranularLoad:
             terms, names = [*terms, 1], (*names, FLOOR_TERM)
         bodies = tuple(dict.fromkeys(line.body for line in self.lines))
         return HistoryTable(terms, names, bodies, self.floor is not None)
-
-    @property
-    def table(self) -> HistoryTable:
-        """Rows of the history."""
-        return self._new_table() if self._table is None else self._table
 
     # ---- steps ----
 
@@ -129,7 +124,7 @@ class GranularLoad:
         where (m,): places of the bed's coordinates in q and v, where these are a larger system's; reference, of the
         size of q: what is added to q.
         """
-        if self._table is None:
+        if not self.batches:
             self.close()
         self.table.length, self.time = 0, None
         if reference is None:
@@ -173,14 +168,14 @@ class GranularLoad:
     def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:
         """A state that counts as accepted for as long as the block lasts, and is taken back after it."""
         length, time = self.table.length, self.time
-        kept = [batch.remember() for batch in self.batches]
+        kept = [(batch.anchors.copy(), batch.proximity.copy()) for batch in self.batches]
         self.accept(t, q, v)
         try:
             yield
         finally:
             self.table.length, self.time = length, time
-            for batch, memory in zip(self.batches, kept, strict=True):
-                batch.recall(memory)
+            for batch, state in zip(self.batches, kept, strict=True):
+                batch.anchors[:], batch.proximity[:] = state
 
     # ---- what is read ----
 
@@ -201,23 +196,9 @@ class GranularLoad:
             yield from batch.approach()
 
 
-def _by_body(
-    lines: Sequence[ContactLine],
-    records: Sequence[NDArray[np.void]],
-    profile: Vector,
-    medium: NDArray[Any],
-    table: HistoryTable,
-    index: int,
-) -> Iterator[Batch]:
-    """A batch for each kind of body; index: of the medium in the table."""
-    for dtype in dict.fromkeys(line.stations.dtype for line in lines):
-        chosen = [i for i, line in enumerate(lines) if line.stations.dtype == dtype]
-        columns = [table.columns(index, lines[i].body) for i in chosen]
-        yield Batch([lines[i] for i in chosen], [records[i] for i in chosen], profile, medium, columns)
-
-
-def _layered(record: NDArray[np.void], layer: Layer) -> NDArray[np.void]:
+def _in(layer: Layer | None, line: ContactLine) -> NDArray[np.void]:
     """Record (1,) of a line for a medium in a layer."""
-    made = record.copy()
-    made["layered"], made["top"], made["bottom"] = not layer.whole, layer.top, layer.bottom
-    return made
+    record = line.record.copy()
+    if layer is not None:
+        record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom
+    return record

@@ -21,40 +21,25 @@ Vector = NDArray[np.float64]
 SLOW = 0.02  # m/s: below it bristles carry what the strips are off by, and nothing of it moves on
 
 
-def by_power(load: LoadHistory, v: Vector, mass: Any, fastest: Vector) -> float:
-    """Error of positions (m) by the power of the medium.
+def displacement(load: LoadHistory, v: Vector, mass: Any, fastest: Vector, floating: float | None = None) -> float:
+    """Error of positions (m) by the power of the medium, or by its resultant on a floating mass (kg) if one is given.
 
     v (n, m): rates of all coordinates, with their mass matrix; fastest (n,) m/s: greatest speed of any point.
     """
-    steps, twice = np.diff(load.time), _twice_kinetic(v, mass)
-    kick = _over(steps * np.abs(load.coarser[1:, 0] / 3.0), twice) * fastest[1:]
-    return _travelled(steps, (kick * (fastest[1:] >= SLOW))[:, None], _fade(steps, twice, v, mass, fastest))
-
-
-def by_resultant(load: LoadHistory, v: Vector, mass: Any, fastest: Vector, whole_mass: float) -> float:
-    """Error of positions (m) by the resultant of the medium on all bodies, of whole_mass (kg); else as `by_power`."""
-    steps = np.diff(load.time)
-    push = steps[:, None] * (load.coarser[1:, 1:] / 3.0) / whole_mass * (fastest[1:] >= SLOW)[:, None]
-    return _travelled(steps, push, _fade(steps, _twice_kinetic(v, mass), v, mass, fastest))
-
-
-def _twice_kinetic(v: Vector, mass: Any) -> Vector:
-    twice: Vector = np.sum((v @ mass) * v, axis=1)[1:]
-    return twice
+    steps, change, fast = np.diff(load.time), load.coarser[1:] / 3.0, fastest[1:] >= SLOW
+    twice = np.sum((v @ mass) * v, axis=1)[1:]  # 2 T (J)
+    mean = np.diff(v, axis=0) / steps[:, None]
+    fade = np.exp(-steps * np.sqrt(_over(np.sum((mean @ mass) * mean, axis=1), twice)))
+    fade[~fast] = 0.0
+    if floating is None:
+        return _travelled(steps, (_over(steps * np.abs(change[:, 0]), twice) * fastest[1:] * fast)[:, None], fade)
+    return _travelled(steps, steps[:, None] * change[:, 1:] / floating * fast[:, None], fade)
 
 
 def _over(part: Vector, twice: Vector) -> Vector:
     """A part (n,) of twice the kinetic energy (n,), 0 at rest."""
     ratio: Vector = np.divide(part, twice, out=np.zeros_like(twice), where=twice > 0.0)
     return ratio
-
-
-def _fade(steps: Vector, twice: Vector, v: Vector, mass: Any, fastest: Vector) -> Vector:
-    """Share (n - 1,) of an error of the velocity that a step leaves."""
-    mean = np.diff(v, axis=0) / steps[:, None]
-    fade: Vector = np.exp(-steps * np.sqrt(_over(np.sum((mean @ mass) * mean, axis=1), twice)))
-    fade[fastest[1:] < SLOW] = 0.0
-    return fade
 
 
 def _travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:

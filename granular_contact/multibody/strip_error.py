@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from granular_contact.bed.strip_error import by_power, by_resultant
+from granular_contact.bed.strip_error import displacement
 from granular_contact.multibody.observe import Observer
 from granular_contact.results import FINISHED
 from granular_contact.results.accuracy import Doubt
@@ -28,9 +28,9 @@ def strip_error(observer: Observer) -> float:
         return 0.0
     scene, error, motion = observer.scene, 0.0, (t.v, t.mass, observer.speeds)
     if not any(drive.kind == "motion" for drive in scene.drives):
-        error = by_power(t.load, *motion)
+        error = displacement(t.load, *motion)
     if scene.floating is not None and not any(medium.by_component for medium in scene.media):
-        error = max(error, by_resultant(t.load, *motion, scene.mass))
+        error = max(error, displacement(t.load, *motion, scene.mass))
     return error / max(observer.way, scene.least_way)
 
 

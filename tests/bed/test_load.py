@@ -9,7 +9,8 @@ import pytest
 
 import granular_contact.bed
 from granular_contact import probe
-from granular_contact.bed import Body, GranularLoad, ball, outline, polyline
+from granular_contact.bed.contact_lines import Body, ball, outline, polyline
+from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError
 from granular_contact.media.floor import Floor
 from granular_contact.media.static_friction import Elastoplastic
@@ -109,7 +110,7 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
     for j in range(3):
         step = 1e-7 * np.eye(3)[j]
         ends = [load.force(pose + s * step, velocity, np.zeros(3)) for s in (-1, 1)]
-        # Over 0.1 um the depth of the edge in the sand changes by 1e-5 of itself; the kernel's own differences are of 10 nm.
+        # Over 0.1 um the depth of the edge in the sand changes by 1e-5 of itself; the kernel's own steps are of 10 nm.
         np.testing.assert_allclose(found[:, j], (ends[1] - ends[0]) / 2e-7, rtol=2e-3, atol=1e-3 * np.abs(found).max())
 
 
