@@ -17,9 +17,11 @@ changes (`bar_statics`).
 
 What the elastoplastic form costs. The stiffness B / u_y of a bristle follows the depth z with the bound B of its force,
 so a closed loop below yield may gain up to B' u_y^2 where tau = 0, B' = dB/dz: 4e-9 J for the source's link at 14 mm.
-The damping tau takes more than that out of loops faster than about u_y / (z tau), 0.7 rad/s there. And between two
-saturated bristles of opposite sign the zero of s is not quite that of v, but off by at most u_y / (2 u_y + tau w) of a
-strip, where w is the difference of the end velocities: there the force works with the motion.
+The damping tau takes more than that out of loops faster than about u_y / (z tau), 0.7 rad/s there.
+
+Along the strip about which a body turns, e is no straight line between its ends: it is at the yield everywhere but near
+the point that rests. So at a bristle that yields and slides on, tau v counts as T v with T = SWITCH: there sigma is 1
+either way, but the zero of s along the strip comes to lie where that of v is, and |s| < 1 only near it.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from numba import njit
 
 ELASTOPLASTIC = 0
 SMOOTH = 1
+SWITCH = 0.01  # s, the time T
 
 
 @njit(cache=True)
@@ -37,7 +40,15 @@ def drive(stretch: float, v: float, m) -> float:
     """What the sign is taken of: s, of a bristle with stretch = p - anchor (m) and velocity component v (m/s)."""
     if m.friction == SMOOTH:
         return v / m.v_eps
-    return (min(m.u_y, max(-m.u_y, stretch)) + m.tau * v) / m.u_y
+    e = min(m.u_y, max(-m.u_y, stretch))
+    return (e + (sliding(abs(e), m) if e * v > 0.0 else m.tau) * v) / m.u_y
+
+
+@njit(cache=True)
+def sliding(e: float, m) -> float:
+    """What stands for tau (s) where a bristle stretched by e >= 0 (m) is stretched on: T from the yield on."""
+    yields = min(1.0, max(0.0, 2.0 * e / m.u_y - 1.0))
+    return m.tau + yields * max(0.0, SWITCH - m.tau)
 
 
 @njit(cache=True)

@@ -21,7 +21,7 @@ import math
 
 from numba import njit
 
-from granular_contact.kernels.friction import SMOOTH
+from granular_contact.kernels.friction import SMOOTH, sliding
 
 
 @njit(cache=True)
@@ -36,8 +36,11 @@ def drive(ex, ey, vx, vy, m):
     """Vector q (2,) along which the law sees the motion: m, or m/s where smooth; p - anchor (m), velocity v (m/s)."""
     if m.friction == SMOOTH:
         return vx, vy
-    k = shortening(ex, ey, m)
-    return k * ex + m.tau * vx, k * ey + m.tau * vy
+    h, k, tau = math.hypot(ex, ey), shortening(ex, ey, m), m.tau
+    along = ex * vx + ey * vy
+    if along > 0.0:
+        tau += along / (h * math.hypot(vx, vy)) * (sliding(k * h, m) - m.tau)
+    return k * ex + tau * vx, k * ey + tau * vy
 
 
 @njit(cache=True)

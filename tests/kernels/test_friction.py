@@ -181,4 +181,4 @@ def test_the_sign_changes_near_where_the_velocity_does() -> None:
         of_s, of_v = s0 / (s0 - s1), back / (back + ahead)
         w = back + ahead
         # The bound is reached where one of the ends stands still; round-off.
-        assert abs(of_s - of_v) <= U_Y / (2 * U_Y + DAMPED["tau"] * w) * (1 + 1e-9)
+        assert abs(of_s - of_v) <= U_Y / (2 * U_Y + friction.SWITCH * w) * (1 + 1e-9)

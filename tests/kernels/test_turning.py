@@ -12,6 +12,7 @@ from support_sharp import force
 from support_slow import fitted_order
 
 from granular_contact.kernels import law, lines
+from granular_contact.kernels.friction import SWITCH
 from granular_contact.kernels.probe import probe
 from granular_contact.media.drft import Drft
 from granular_contact.media.rft import Rft
@@ -219,8 +220,9 @@ def test_bristles_of_a_turning_strip_take_what_the_true_sign_takes(medium: Any) 
                 power.append(float((F * V).sum()))
             lines.drag_anchors(P, anchors, run[0], LEVEL, soft[0])
         # In a part `wrong` of the strip about its centre the sign is another (see `friction`), and the speed is so much
-        # less: 2 wrong^2 of an integral of the speed that is 1/4 at least, at no more than the mean depth.
+        # less: 2 wrong^2 of an integral of the speed that is 1/4 at least, at no more than the mean depth. Another
+        # direction may also take more, as the stress is not that which takes the most.
         w = 0.5 * abs(rate) * 2.0 * RADIUS
-        wrong = static.yield_displacement / (2.0 * static.yield_displacement + static.damping_time * w)
+        wrong = static.yield_displacement / (2.0 * static.yield_displacement + SWITCH * w)
         assert power[1] < -1e-2
-        assert 1.0 - 8.0 * wrong**2 <= power[0] / power[1] <= 1.0 + 1e-9
+        assert abs(power[0] / power[1] - 1.0) <= 8.0 * wrong**2
