@@ -38,8 +38,7 @@ from granular_contact.scene.types import Reduced, Scene, Vector
 if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory
     from granular_contact.multibody.observe import Observer
-    from granular_contact.multibody.solve import Trajectory
-    from granular_contact.multibody.system import System
+    from granular_contact.multibody.system import System, Trajectory
 
 
 def run(

@@ -29,7 +29,7 @@ MAY = {
     "results.series": {"media", "results"},
     "bed": {"bed", "kernels", "media", "scene", "results", "geometry", "errors"},
     # Three ways through; the reduced one knows nothing of the others.
-    # The engine's coordinates and observer, without its solver.
+    # The coordinates of the engine's door and its observer, without the engine.
     "minimal": {"minimal", "bed", "multibody", "scene", "kernels", "results"},
     "multibody": {"multibody", "bed", "results", "scene", "media", "kernels", "geometry", "errors"},
     "reduced": {"reduced", "results", "config", "scene", "media", "kernels", "errors"},
@@ -190,6 +190,12 @@ assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
     modules = loaded(code)
     assert "numba" in modules  # the test would see it
     assert not modules & {"exudyn", "matplotlib"}
+
+
+def test_a_run_in_minimal_coordinates_loads_no_engine() -> None:
+    modules = loaded(RUN.format(config="pendulum_rigid", overrides=["method=minimal", "solver.end_time_s=0.01"]))
+    assert "numba" in modules
+    assert "exudyn" not in modules
 
 
 def test_checking_a_config_loads_no_engine() -> None:

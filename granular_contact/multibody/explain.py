@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 from granular_contact.media.kinds import Medium
 from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.scene.build import LEAST_BOW
 from granular_contact.scene.reach import dips
 

@@ -12,8 +12,7 @@ from granular_contact.multibody import mechanism
 from granular_contact.multibody.joint_history import JointForces
 from granular_contact.multibody.medium_work import medium_works
 from granular_contact.multibody.recorder import levers
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Column, Outline, series
 from granular_contact.results.energy import accumulate, damping_power, elastic_energy, strain
 from granular_contact.results.interpolation import Track, rates

@@ -7,9 +7,8 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import exudyn as exu
 import numpy as np
@@ -20,32 +19,10 @@ from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import StepControl
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.multibody.weights import mass_matrix
-from granular_contact.results import Cost, Progress, Status
-from granular_contact.scene.types import FASTEST, Vector
-
-if TYPE_CHECKING:
-    from granular_contact.bed.history import LoadHistory
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """Accepted steps of a solve, the start included.
-
-    time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
-    force (N) of prescribed motions, (n,) each, by joint.
-    """
-
-    status: Status
-    cost: Cost
-    time: Vector
-    q: Vector
-    v: Vector
-    load: LoadHistory | None
-    mass: Any
-    reactions: dict[str, Vector]
+from granular_contact.results import Cost, Progress
+from granular_contact.scene.types import FASTEST
 
 
 @contextmanager
