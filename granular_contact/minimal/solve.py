@@ -10,8 +10,8 @@ from granular_contact.bed.history import HistoryTable, LoadHistory
 from granular_contact.bed.load import GranularLoad
 from granular_contact.kernels import tree_march as kernels
 from granular_contact.minimal.tree import Tree
+from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.system import Trajectory
-from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress, Status, out_of_time
 from granular_contact.scene.types import Minimal, Scene, Vector
 

@@ -11,9 +11,9 @@ import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.multibody.joints import add_joint
+from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
-from granular_contact.multibody.weights import weights
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, rotation
 
@@ -38,9 +38,9 @@ def build(scene: Scene) -> System:
         add_joint(system, ground, joint)
     system = replace(system, bed=_granular_load(system))
     if system.bed is not None:
-        system.bed.attach(weights(system))
+        system.bed.attach(gravity_loads(system))
     elif scene.gravity != 0.0:
-        Overlay(mbs).attach(weights(system))
+        Overlay(mbs).attach(gravity_loads(system))
     mbs.Assemble()
     for load in system.loads.values():
         load.start(mbs)

@@ -28,9 +28,9 @@ import numpy as np
 from granular_contact.errors import OutOfTimeError, SolveError
 from granular_contact.media.static_friction import Smooth
 from granular_contact.multibody.balance import Balance
+from granular_contact.multibody.mass_and_gravity import MANY, mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.multibody.weights import MANY, mass_matrix
 from granular_contact.scene.types import Vector
 
 PLACES = 4000  # on the way; more are taken for a mechanism that finds no rest

@@ -15,12 +15,12 @@ import numpy as np
 
 from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
+from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System, Trajectory
-from granular_contact.multibody.weights import mass_matrix
 from granular_contact.results import Cost, Progress
 from granular_contact.scene.types import FASTEST
 
