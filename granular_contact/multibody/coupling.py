@@ -9,8 +9,8 @@ no trace.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import exudyn as exu
@@ -124,15 +124,11 @@ class Coupling:
         self.load.accept(t, q, v)
         self._last = q.copy()
 
-    @contextmanager
-    def present(self) -> Iterator[None]:
+    def present(self) -> AbstractContextManager[None]:
         """The system's current state counts as accepted within; it is taken back afterwards."""
-        t, q, v = self._present()
-        if self.load.time is None or not t > self.load.time:
-            yield
-        else:
-            with self.load.accepted(t, q, v):
-                yield
+        if self.load.time is None or not self.mbs.systemData.GetTime() > self.load.time:
+            return nullcontext()
+        return self.load.accepted(*self._present())
 
     def _present(self) -> tuple[float, Vector, Vector]:
         data = self.mbs.systemData
