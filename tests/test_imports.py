@@ -135,7 +135,7 @@ def loaded(code: str) -> set[str]:
     """Top-level packages that a fresh interpreter holds after running code."""
     code += "\nimport sys\nprint(' '.join(sorted({name.split('.')[0] for name in sys.modules})))"
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=600
     )
     return set(done.stdout.splitlines()[-1].split())
 
