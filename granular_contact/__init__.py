@@ -2,7 +2,7 @@
 
 Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line; a scenario
 with other values is `scenario.replace({"medium.eta_d": 5})`. For an Exudyn model of your own: `GranularBed` with a
-medium, for example `preset("play_sand")` or a law with numbers of your own.
+medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
 """
 
 from __future__ import annotations
@@ -10,23 +10,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from granular_contact.config import load
-    from granular_contact.media.albert import Albert
-    from granular_contact.media.allen import Allen
-    from granular_contact.media.bingham import Bingham
-    from granular_contact.media.drft import Drft
-    from granular_contact.media.floor import Floor
-    from granular_contact.media.hill import Hill
-    from granular_contact.media.katsuragi_durian import KatsuragiDurian
-    from granular_contact.media.layer import Layer
-    from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-    from granular_contact.media.linear_depth import LinearDepth
-    from granular_contact.media.poncelet import Poncelet
-    from granular_contact.media.rft import Coefficients as RftCoefficients
-    from granular_contact.media.rft import Rft
-    from granular_contact.media.rft3d import Rft3d
-    from granular_contact.media.static_friction import Elastoplastic, Smooth
-    from granular_contact.media.tsimring_volfson import TsimringVolfson
+    from granular_contact.config.add_law import add_law
+    from granular_contact.config.load import load
+    from granular_contact.laws.albert import Albert
+    from granular_contact.laws.allen import Allen
+    from granular_contact.laws.bingham import Bingham
+    from granular_contact.laws.drft import Drft
+    from granular_contact.laws.floor import Floor
+    from granular_contact.laws.hill import Hill
+    from granular_contact.laws.katsuragi_durian import KatsuragiDurian
+    from granular_contact.laws.law import Law
+    from granular_contact.laws.layer import Layer
+    from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+    from granular_contact.laws.linear_depth import LinearDepth
+    from granular_contact.laws.poncelet import Poncelet
+    from granular_contact.laws.rft import Rft, RftCoefficients
+    from granular_contact.laws.rft3d import Rft3d
+    from granular_contact.laws.static_friction import Elastoplastic, Smooth
+    from granular_contact.laws.tsimring_volfson import TsimringVolfson
     from granular_contact.multibody.bed import GranularBed
     from granular_contact.run import run as simulate
     from granular_contact.scene.build import build
@@ -34,27 +35,29 @@ if TYPE_CHECKING:
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
 _HOMES = {
-    "Albert": ("granular_contact.media.albert", "Albert"),
-    "Allen": ("granular_contact.media.allen", "Allen"),
-    "Bingham": ("granular_contact.media.bingham", "Bingham"),
-    "Drft": ("granular_contact.media.drft", "Drft"),
-    "Elastoplastic": ("granular_contact.media.static_friction", "Elastoplastic"),
-    "Floor": ("granular_contact.media.floor", "Floor"),
+    "Albert": ("granular_contact.laws.albert", "Albert"),
+    "Allen": ("granular_contact.laws.allen", "Allen"),
+    "Bingham": ("granular_contact.laws.bingham", "Bingham"),
+    "Drft": ("granular_contact.laws.drft", "Drft"),
+    "Elastoplastic": ("granular_contact.laws.static_friction", "Elastoplastic"),
+    "Floor": ("granular_contact.laws.floor", "Floor"),
     "GranularBed": ("granular_contact.multibody.bed", "GranularBed"),
-    "Hill": ("granular_contact.media.hill", "Hill"),
-    "KatsuragiDurian": ("granular_contact.media.katsuragi_durian", "KatsuragiDurian"),
-    "Layer": ("granular_contact.media.layer", "Layer"),
-    "LeeMarghitu": ("granular_contact.media.lee_marghitu", "LeeMarghitu"),
-    "LinearDepth": ("granular_contact.media.linear_depth", "LinearDepth"),
-    "Poncelet": ("granular_contact.media.poncelet", "Poncelet"),
-    "Rft": ("granular_contact.media.rft", "Rft"),
-    "Rft3d": ("granular_contact.media.rft3d", "Rft3d"),
-    "RftCoefficients": ("granular_contact.media.rft", "Coefficients"),
-    "Smooth": ("granular_contact.media.static_friction", "Smooth"),
-    "TsimringVolfson": ("granular_contact.media.tsimring_volfson", "TsimringVolfson"),
-    "VerticalResistance": ("granular_contact.media.lee_marghitu", "VerticalResistance"),
+    "Hill": ("granular_contact.laws.hill", "Hill"),
+    "KatsuragiDurian": ("granular_contact.laws.katsuragi_durian", "KatsuragiDurian"),
+    "Law": ("granular_contact.laws.law", "Law"),
+    "Layer": ("granular_contact.laws.layer", "Layer"),
+    "LeeMarghitu": ("granular_contact.laws.lee_marghitu", "LeeMarghitu"),
+    "LinearDepth": ("granular_contact.laws.linear_depth", "LinearDepth"),
+    "Poncelet": ("granular_contact.laws.poncelet", "Poncelet"),
+    "Rft": ("granular_contact.laws.rft", "Rft"),
+    "Rft3d": ("granular_contact.laws.rft3d", "Rft3d"),
+    "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
+    "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
+    "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
+    "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
+    "add_law": ("granular_contact.config.add_law", "add_law"),
     "build": ("granular_contact.scene.build", "build"),
-    "load": ("granular_contact.config", "load"),
+    "load": ("granular_contact.config.load", "load"),
     "preset": ("granular_contact.scene.media", "preset"),
     "simulate": ("granular_contact.run", "run"),
 }
@@ -69,6 +72,7 @@ __all__ = [
     "GranularBed",
     "Hill",
     "KatsuragiDurian",
+    "Law",
     "Layer",
     "LeeMarghitu",
     "LinearDepth",
@@ -79,6 +83,7 @@ __all__ = [
     "Smooth",
     "TsimringVolfson",
     "VerticalResistance",
+    "add_law",
     "build",
     "load",
     "preset",

@@ -12,8 +12,8 @@ from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked, differences
 from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
-from granular_contact.media.kinds import WORDS, term_names
-from granular_contact.media.laws import LAWS
+from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.law import term_names
 from granular_contact.results import (
     REST_MEASURE,
     STOP_MEASURE,
@@ -162,7 +162,7 @@ class _Solved:
 
 def _compiled(scene: Scene) -> str:
     """What there is to compile for a scene, in words."""
-    laws = ", ".join(tag for tag, law in LAWS.items() if any(isinstance(medium, law) for medium in scene.media))
+    laws = ", ".join(dict.fromkeys(medium.law for medium in scene.media))
     kinds = {shape.kind for body in scene.rigid for shape in body.shapes if shape.in_sand}
     kinds |= {link.kind for link in scene.links}
     shapes = " and ".join(words.partition(" (")[0] for kind, words in WORDS.items() if kind in kinds)

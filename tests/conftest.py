@@ -15,9 +15,9 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 # numba looks only at the file of the function that it loads from its cache, not at the files of those which were
-# inlined into it: after a change in lee_marghitu.py it would still run the old law out of lines.py. So the cache is
-# named after the contents of all kernels; subprocesses inherit it.
-_kernels = sorted((ROOT / "granular_contact" / "kernels").rglob("*.py"))
+# inlined into it: after a change in plates.py it would still run the old one out of lines.py. So the cache is named
+# after the contents of all kernels and laws; subprocesses inherit it.
+_kernels = sorted(path for name in ("kernels", "laws") for path in (ROOT / "granular_contact" / name).rglob("*.py"))
 _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _kernels)).hexdigest()[:16]
 _folder = Path(tempfile.gettempdir()) / f"granular-contact-{getpass.getuser()}-{_digest}"
 os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))

@@ -10,7 +10,7 @@ import pytest
 from support_runs import scenario_of, scene_of, simulate
 
 from granular_contact.errors import ConfigError, SceneError
-from granular_contact.media.validity import Validity
+from granular_contact.laws.validity import Validity
 from granular_contact.results.limits import Reach, warnings
 
 HILL = "{from: hill_cylinders, density_kg_m3: 2500}"

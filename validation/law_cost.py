@@ -21,8 +21,8 @@ import numpy as np
 from granular_contact import preset
 from granular_contact.kernels import batches, kinematics
 from granular_contact.kernels.law import RUN
-from granular_contact.media.kinds import Medium
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.law import Law
+from granular_contact.laws.static_friction import Elastoplastic
 from validation.laws import every_medium
 from validation.tables import machine, markdown
 
@@ -30,7 +30,7 @@ STRIPS, CALLS, ROUNDS = 16, 400, 60
 MOST = 1.5
 
 
-def calls(medium: Medium) -> tuple[Callable[[], None], Callable[[], None]]:
+def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     """A force call, and a tangent call, on a rigid body in a medium."""
     run = np.zeros(1, RUN)
     run["width"], run["mass"] = 0.00635, 0.07

@@ -22,18 +22,18 @@ from numpy.typing import NDArray
 
 from granular_contact import preset
 from granular_contact.config import load_medium
-from granular_contact.kernels import rft3d as rft3d_kernel
-from granular_contact.media.albert import Albert
-from granular_contact.media.allen import Allen
-from granular_contact.media.bingham import Bingham
-from granular_contact.media.drft import Drft
-from granular_contact.media.kinds import Medium
-from granular_contact.media.linear_depth import LinearDepth
-from granular_contact.media.poncelet import Poncelet
-from granular_contact.media.rft import Coefficients, Rft
-from granular_contact.media.static_friction import Elastoplastic
-from granular_contact.media.tsimring_volfson import TsimringVolfson
-from granular_contact.probe import STEEL, Probe, force, plate
+from granular_contact.laws import rft3d as rft3d_law
+from granular_contact.laws.albert import Albert
+from granular_contact.laws.allen import Allen
+from granular_contact.laws.bingham import Bingham
+from granular_contact.laws.drft import Drft
+from granular_contact.laws.law import Law
+from granular_contact.laws.linear_depth import LinearDepth
+from granular_contact.laws.poncelet import Poncelet
+from granular_contact.laws.probe import STEEL, Probe, force, plate
+from granular_contact.laws.rft import Rft
+from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.laws.tsimring_volfson import TsimringVolfson
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -51,7 +51,7 @@ DYNAMIC = f"drft, {DRAGGING:g} m/s"
 EXACT = 1e-9  # closed forms in double precision, with room for a thousand operations
 
 
-def every_medium() -> list[Medium]:
+def every_medium() -> list[Law]:
     """One medium of each law but lee_marghitu; coefficients of scalar laws are ours, for the sizes of forces here."""
     loose = preset("poppy_seeds_loose")
     assert isinstance(loose, Rft)
@@ -70,7 +70,7 @@ def every_medium() -> list[Medium]:
     ]
 
 
-def beads() -> Medium:
+def beads() -> Law:
     return preset("glass_beads_katsuragi_durian", stiffness_N_m=STIFFNESS)
 
 
@@ -90,7 +90,7 @@ def printed_values() -> tuple[str, list[Claim]]:
         worst = max(worst, abs(got - want))
     for beta, gamma, r, z in ((0, 45, -0.199, 0.761), (45, 45, -0.342, 0.583), (90, 0, -0.192, 0.075)):
         b, g = np.radians([beta, gamma])
-        got = rft3d_kernel.alpha(math.sin(b), -math.cos(b), math.cos(g), -math.sin(g))
+        got = rft3d_law.alpha(math.sin(b), -math.cos(b), math.cos(g), -math.sin(g))
         for part, printed, mine in (("r", r, got[0]), ("z", z, got[1])):
             rows.append(["rft3d", f"alpha_{part}({beta}, {gamma} deg)", f"{printed:.3f}", f"{mine:.6f}"])
             worst = max(worst, abs(mine - printed))
@@ -109,7 +109,7 @@ def resultants(states: int) -> tuple[str, list[Claim]]:
     rng = np.random.default_rng(1)
     sand = load_medium("play_sand")
     rows, claims = [], []
-    media: dict[str, Medium] = {
+    media: dict[str, Law] = {
         "lee_marghitu": preset("play_sand"),
         "albert": Albert(2500.0, 8.0),
         "hill": preset("hill_cylinders", density_kg_m3=2500.0),
@@ -197,7 +197,7 @@ def signs(step: float) -> tuple[str, list[Claim]]:
 
 def _raw_power(beta: float, u: Vector) -> float:
     b = math.radians(beta)
-    return float(np.array(rft3d_kernel.alpha(math.sin(b), -math.cos(b), *u)) @ u)
+    return float(np.array(rft3d_law.alpha(math.sin(b), -math.cos(b), *u)) @ u)
 
 
 # ---- balls in the engine ----
@@ -219,7 +219,7 @@ class Drop:
         return float(self.time[i] - b / (2 * a)), float(c - b * b / (4 * a))
 
 
-def drop(medium: Medium, speed: float, step: float, end: float) -> Drop:
+def drop(medium: Law, speed: float, step: float, end: float) -> Drop:
     """Let a steel ball of 25.4 mm strike the surface at a speed (m/s), in the engine."""
     import exudyn as exu
     from exudyn import itemInterface as items
@@ -358,10 +358,9 @@ def plates() -> tuple[str, list[Claim]]:
     generic = load_medium("rft_generic")
     level, down = plate(1.0, 0.0, 1.0), np.array([0.0, -1.0])
     zeta = float(force(sand, level, down).sum(axis=0)[1]) / 1e6
-    coefficients = Coefficients(**generic.alpha_N_cm3.model_dump())
-    media: dict[str, Medium] = {
-        "rft": Rft(coefficients, zeta),
-        DYNAMIC: Drft(coefficients, 1617.0, LAMBDA, zeta),
+    media: dict[str, Law] = {
+        "rft": Rft(generic.coefficients, zeta),
+        DYNAMIC: Drft(generic.coefficients, 1617.0, LAMBDA, zeta),
         "rft3d": sand,
     }
     down = DRAGGING * down

@@ -11,7 +11,7 @@ from granular_contact.bed.contact_lines import ContactLine
 from granular_contact.kernels import batches as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
 

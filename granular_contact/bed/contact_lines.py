@@ -14,7 +14,7 @@ from granular_contact.errors import SceneError, scene_error
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.kernels import kinematics, spatial
 from granular_contact.kernels.law import RUN
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
 

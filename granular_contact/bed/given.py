@@ -9,28 +9,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.geometry.surface import surface as corners
-from granular_contact.media.checks import check
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import Medium
-from granular_contact.media.layer import Layer
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
 
 
-def layers_of(medium: Medium | Layer | Sequence[Medium | Layer], form: str) -> tuple[Layer, ...]:
+def layers_of(medium: Law | Layer | Sequence[Law | Layer], form: str) -> tuple[Layer, ...]:
     """Layers of one medium, or of several; the resultant form is for whole beds."""
     if form not in ("distributed", "resultant"):
         raise ValueError(f"form: got {form!r}, allowed are 'distributed' and 'resultant'")
     given = tuple(medium) if isinstance(medium, Sequence) and not isinstance(medium, str) else (medium,)
-    _expect("medium", given, (Medium, Layer), "a medium, such as preset('play_sand'), a Layer, or several of these")
+    _expect("medium", given, (Law, Layer), "a medium, such as preset('play_sand'), a Layer, or several of these")
     if not given:
         raise ValueError("medium: got none, allowed is at least one")
     layers = tuple(one if isinstance(one, Layer) else Layer(one) for one in given)
     if form == "resultant" and not all(layer.whole for layer in layers):
         raise ValueError("form: got 'resultant', but there are layers: allowed is 'distributed'")
-    for layer in layers:
-        check(layer)
     return layers
 
 
@@ -48,7 +45,6 @@ def records_of(
         raise ValueError(f"gravity: got {gravity}, allowed is a finite number, its magnitude (m/s2)")
     static = Elastoplastic() if static is None else static
     _expect("static", [static], (Elastoplastic, Smooth), "Elastoplastic() or Smooth()")
-    check(static)
     return [layer.medium.record(static, gravity) for layer in layers]
 
 

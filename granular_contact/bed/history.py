@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import COARSER, DEPTH, FIRST, LEFT, LOWEST, RIGHT, SPEED, TIME
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
 

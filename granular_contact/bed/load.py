@@ -14,11 +14,12 @@ from granular_contact.bed.contact_lines import ContactLine
 from granular_contact.bed.given import floor_of, layers_of, profile_of, records_of
 from granular_contact.bed.history import HistoryTable, LoadHistory
 from granular_contact.errors import scene_error
-from granular_contact.media.floor import TERM as FLOOR_TERM
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import WORDS, Medium, term_names, what_it_takes
-from granular_contact.media.layer import Layer
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.floor import TERM as FLOOR_TERM
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.law import Law, term_names, what_it_takes
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
 
@@ -38,7 +39,7 @@ class GranularLoad:
 
     def __init__(
         self,
-        medium: Medium | Layer | Sequence[Medium | Layer],
+        medium: Law | Layer | Sequence[Law | Layer],
         surface: ArrayLike,
         *,
         slope: float = 0.0,

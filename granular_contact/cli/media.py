@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from granular_contact.cli.common import FAULTY_INPUT, FINE, add_output, complain, folder_problem
 
 if TYPE_CHECKING:
-    from granular_contact.config import schema
+    from granular_contact.laws.law import Law
 
 HELP = "list the media, or show one with its equation, source, range and forces"
 ABOUT = ("law", "name", "source", "standing", "provenance", "range")
@@ -45,21 +45,20 @@ def _list() -> None:
     from rich.table import Table
 
     from granular_contact.config import load_medium, medium_names
-    from granular_contact.media.laws import LAWS
 
     table = Table(box=None, pad_edge=False)
     for head in ("name", "law", "takes", "range", "standing", "source"):
         table.add_column(head, overflow="fold", no_wrap=head in ("name", "law"))
     for name in medium_names():
         spec = load_medium(name)
-        takes = ", ".join(sorted(LAWS[spec.law].takes))
+        takes = ", ".join(sorted(spec.takes))
         table.add_row(name, spec.law, takes, _range(spec), spec.standing or "-", spec.source or "-")
     console = Console()
     Console(width=max(120, console.width)).print(table)
 
 
-def _range(spec: schema.AnyLaw) -> str:
-    stated = spec.range.model_dump()
+def _range(spec: Law) -> str:
+    stated = spec.validity.model_dump(by_alias=True)
     parts = [
         f"{key.split('_')[0]} {stated[key][0]:g} to {stated[key][1]:g} {unit}"
         for key, unit in QUANTITIES
@@ -68,26 +67,22 @@ def _range(spec: schema.AnyLaw) -> str:
     return ", ".join(parts) or "not stated"
 
 
-def _show(spec: schema.AnyLaw) -> None:
+def _show(spec: Law) -> None:
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    from granular_contact.media.kinds import WORDS
-    from granular_contact.media.laws import LAWS
-    from granular_contact.scene.media import missing
+    from granular_contact.laws.kinds import WORDS
 
-    law = LAWS[spec.law]
     table = Table(box=None, pad_edge=False, show_header=False)
     table.add_column(style="bold")
     table.add_column(overflow="fold")
     table.add_row("law", spec.law)
-    table.add_row("equation", Text(law.equation))
-    table.add_row("takes", ", ".join(words for kind, words in WORDS.items() if kind in law.takes))
-    lacking = missing(spec)
+    table.add_row("equation", Text(spec.equation))
+    table.add_row("takes", ", ".join(words for kind, words in WORDS.items() if kind in spec.takes))
     for key, value in spec.model_dump(mode="json", by_alias=True).items():
         if key not in ABOUT:
-            table.add_row(key, "not stated by the source: give it in the run" if key in lacking else _value(value))
+            table.add_row(key, "not stated by the source: give it in the run" if key in spec.lacking else _value(value))
     table.add_row("range", _range(spec))
     for key in ("standing", "provenance", "source"):
         table.add_row(key, getattr(spec, key) or "not stated")
@@ -101,20 +96,17 @@ def _value(value: Any) -> str:
     return "-" if value is None else f"{value:g}"
 
 
-def _draw(spec: schema.AnyLaw, folder: Path, quiet: bool) -> int:
-    from granular_contact.scene.media import medium, missing
-
-    if missing(spec):
+def _draw(spec: Law, folder: Path, quiet: bool) -> int:
+    if spec.lacking:
         if not quiet:
             print("no figure: the forces need what the source does not state")
         return FINE
-    from granular_contact.probe import panels
+    from granular_contact.laws.probe import panels
     from granular_contact.report import LAW, whole_folder
     from granular_contact.report.figures.laws import draw_law
 
-    acting = medium(spec)
     with whole_folder(folder, "media") as making:
-        draw_law(f"{acting.name}: {acting.equation}", panels(acting), making / LAW)
+        draw_law(f"{spec.name}: {spec.equation}", panels(spec), making / LAW)
     if not quiet:
         print(f"saved in {folder}")
     return FINE

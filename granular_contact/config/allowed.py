@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from granular_contact.config.schema.base import MANY, ONE
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Path
+from granular_contact.values.strict import MANY, ONE
 
 Schema = dict[str, Any]
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import yaml
 
-from granular_contact.config.scalars import resolve
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Path, Position, Scalar
 from granular_contact.errors import Fault
+from granular_contact.values.scalars import resolve
 
 MAX_DEPTH = 64
 MAX_ALIASED_NODES = 10_000

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import copy
-from collections.abc import Sequence
+import inspect
+import textwrap
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import pairwise
 from typing import Any
 
 from granular_contact.config import allowed
@@ -11,6 +16,7 @@ from granular_contact.config.references import FROM
 from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.signals import SIGNALS
+from granular_contact.values.strict import Strict
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -55,12 +61,37 @@ def _shorten_signals(node: Any) -> None:
         node["anyOf"] = [{"type": "number"}, {"type": "string"}, whole]
 
 
+def _describe(schema: dict[str, Any]) -> None:
+    """Put the texts under the fields of all classes into the schema; reading sources takes long, so it is done here."""
+    classes: dict[str, type[Strict]] = {}
+    more = [Strict]
+    while more:
+        more += (one := more.pop()).__subclasses__()
+        classes[one.__name__] = one
+    for name, part in {Scenario.__name__: schema, **schema["$defs"]}.items():
+        for owner in reversed(classes[name].__mro__):
+            for field, text in _texts(owner) if issubclass(owner, Strict) else ():
+                part["properties"][classes[name].model_fields[field].alias or field]["description"] = text
+
+
+def _texts(owner: type) -> Iterator[tuple[str, str]]:
+    """Fields of a class with the texts under them; none of a class without a source."""
+    with suppress(OSError):
+        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
+        assert isinstance(tree, ast.ClassDef)
+        for pair in pairwise(tree.body):
+            match pair:
+                case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
+                    yield name, inspect.cleandoc(text)
+
+
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a config file, in which model and medium may be names, paths, or mappings with `from`.
 
     The method may be a word.
     """
     schema = copy.deepcopy(allowed.root())
+    _describe(schema)
     for key, noun in (("model", "model"), ("medium", "medium preset")):
         whole = schema["properties"][key]
         name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}

@@ -7,10 +7,10 @@ from difflib import get_close_matches
 from typing import Any
 
 from granular_contact.config import allowed
-from granular_contact.config.schema.base import FAULTS
 from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position
 from granular_contact.config.tree import Mapping as MappingNode
 from granular_contact.errors import Fault
+from granular_contact.values.strict import FAULTS
 
 _LONGEST_VALUE = 60
 

@@ -10,11 +10,11 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from granular_contact.config.messages import got, kind_of
-from granular_contact.config.schema.medium import LAWS
 from granular_contact.config.standing import restated
 from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
+from granular_contact.laws.catalogue import LAWS
 
 FROM, LAW = "from", "law"
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
@@ -36,7 +36,7 @@ def _model_folders(folder: Path) -> list[Path]:
 
 
 MODELS = Library("model", "model", _model_folders)
-MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "media" / "presets"])
+MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "laws" / "presets"])
 
 
 class Resolver:

@@ -10,8 +10,8 @@ from typing import Any
 from granular_contact.config import tree
 from granular_contact.config.messages import got
 from granular_contact.config.overrides import Override, split
-from granular_contact.config.scalars import resolve
 from granular_contact.errors import Fault
+from granular_contact.values.scalars import resolve
 
 MOST_CASES = 100_000
 MOST_SAID = 6  # values of a case, where it is named

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from granular_contact.config.scalars import ScalarValue
 from granular_contact.errors import Fault
+from granular_contact.values.scalars import ScalarValue
 
 Path = tuple[str | int, ...]
 

@@ -1,10 +1,10 @@
 """What a law of resistance provides, and how kernels find it: by the type of the law's record.
 
-A law is a record type with its coefficients and compiled functions that stand in for the stubs below where a medium
-record `m` of that type comes in. Laws for strips provide strip_force and drag_anchor (and cap_force, if they know it)
-and are joined to a run by `strips.line_law`; laws for balls provide ball_force and drag_anchor, and are joined by
-`balls.ball_law`. A law has up to TERMS terms, told apart in results. Tangents are differences of these forces, see
-`lines.tangent`.
+A law is a record type with its coefficients and functions that stand in for the stubs below where a medium record `m`
+of that type comes in; `joining` makes both of the class of a law. Laws for strips provide strip_force and drag_anchor
+(and cap_force, if they know it) and are joined to a run by `strips.line_law`; laws for balls provide ball_force and
+drag_anchor, and are joined by `balls.ball_law`. A law has up to TERMS terms, told apart in results. Tangents are
+differences of these forces, see `lines.tangent`.
 
 The choice is made when a caller is compiled, from types alone, so one set of kernels serves every law and every kind of
 body, at no cost per call and with numba's cache on disk.
@@ -104,7 +104,7 @@ def _keep_apart(dtype: np.dtype, name: str) -> None:
 
 
 def provide(stub, argument: str, dtype: np.dtype):
-    """Decorate a compiled function to be what `stub` means where its `argument` has the record type `dtype`.
+    """Decorate a function, plain or compiled, to be what `stub` means where its `argument` has the record type `dtype`.
 
     Raises
     ------
@@ -114,12 +114,13 @@ def provide(stub, argument: str, dtype: np.dtype):
     wanted = from_dtype(dtype)
 
     def decorate(implementation):
-        _keep_apart(dtype, f"{implementation.py_func.__module__}.{implementation.py_func.__name__}")
+        function = getattr(implementation, "py_func", implementation)
+        _keep_apart(dtype, f"{function.__module__}.{function.__name__}")
         names = tuple(inspect.signature(stub).parameters)
 
         def choose(*arguments):
             given = arguments[names.index(argument)]
-            return implementation.py_func if getattr(given, "dtype", given) == wanted else None
+            return function if getattr(given, "dtype", given) == wanted else None
 
         choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
         overload(stub)(choose)

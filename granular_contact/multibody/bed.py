@@ -25,10 +25,10 @@ from granular_contact.bed.contact_lines import ball, outline, planar, polyline
 from granular_contact.bed.history import LoadHistory
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError, scene_error
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import Medium
-from granular_contact.media.layer import Layer
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.coupling import Coupling
 
 Vector = NDArray[np.float64]
@@ -41,7 +41,7 @@ class GranularBed:
     ----------
     mbs : exudyn.MainSystem
         System whose bodies move in its x-y plane, y up.
-    medium : Medium, Layer, or sequence of these
+    medium : Law, Layer, or sequence of these
         For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
     surface : float or (k, 2) array
         Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
@@ -76,7 +76,7 @@ class GranularBed:
     def __init__(
         self,
         mbs: Any,
-        medium: Medium | Layer | Sequence[Medium | Layer],
+        medium: Law | Layer | Sequence[Law | Layer],
         surface: ArrayLike,
         *,
         slope: float = 0.0,

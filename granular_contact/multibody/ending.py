@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.results import Status, out_of_time
 

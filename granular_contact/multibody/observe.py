@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from granular_contact.media.kinds import term_names
+from granular_contact.laws.law import term_names
 from granular_contact.multibody import mechanism
 from granular_contact.multibody.joint_history import JointForces
 from granular_contact.multibody.medium_work import medium_works

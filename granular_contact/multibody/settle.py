@@ -26,7 +26,7 @@ import exudyn as exu
 import numpy as np
 
 from granular_contact.errors import OutOfTimeError, SolveError
-from granular_contact.media.static_friction import Smooth
+from granular_contact.laws.static_friction import Smooth
 from granular_contact.multibody.balance import Balance
 from granular_contact.multibody.mass_and_gravity import MANY, mass_matrix
 from granular_contact.multibody.recorder import Recorder

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from granular_contact.media.kinds import term_names
+from granular_contact.laws.law import term_names
 from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
 from granular_contact.results import Column, Outline, series

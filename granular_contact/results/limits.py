@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.kinds import Kind
 from granular_contact.scene.bed import NOTHING, Bed
 
 

@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from granular_contact.config import schema
 from granular_contact.errors import Fault
 from granular_contact.geometry.surface import greatest_depth, height_at, slope_at, surface
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import Medium
-from granular_contact.media.laws import WITH_RESULTANT
-from granular_contact.media.layer import Layer
-from granular_contact.scene.media import medium, missing
+from granular_contact.laws.catalogue import LAWS
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
 
 Vector = NDArray[np.float64]
 
@@ -36,7 +35,7 @@ class Bed:
     container: tuple[float, float] | None = None
 
     @property
-    def media(self) -> tuple[Medium, ...]:
+    def media(self) -> tuple[Law, ...]:
         """The media of all layers."""
         return tuple(layer.medium for layer in self.layers)
 
@@ -126,14 +125,14 @@ def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator
     """What has no single force at the middle of the immersed part."""
     if not all(layer.whole for layer in layers):
         yield Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed")
-    others = dict.fromkeys(one.law for one, *_ in places(scenario) if one.law not in WITH_RESULTANT)
+    others = dict.fromkeys(one.law for one, *_ in places(scenario) if not one.resultant)
     if others:
-        have = ", ".join(WITH_RESULTANT)
+        have = ", ".join(tag for tag, law in LAWS.items() if law.resultant)
         why = f"got resultant, but {', '.join(others)} has none; laws with one are {have}, else distributed is allowed"
         yield Fault("", None, "load.form", why)
 
 
-def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, float]]:
+def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
     """The media of a scenario with the keys that they stand under, and the depths (m) that they lie between."""
     layers = () if scenario.bed is None else scenario.bed.layers
     bottoms = [*(layer.top_m for layer in layers), math.inf]
@@ -146,20 +145,19 @@ def places(scenario: schema.Scenario) -> list[tuple[schema.AnyLaw, str, float, f
 
 def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
     for one, key, top, bottom in places(scenario):
-        base = one.name or one.law
         lacking = [
             Fault(
                 "",
                 None,
                 f"{key}.{name}",
-                f"got null: the source of {base} does not state it; give the number of your case, as "
-                f"{{from: {base}, {name}: ...}}",
+                f"got null: the source of {one.name} does not state it; give the number of your case, as "
+                f"{{from: {one.name}, {name}: ...}}",
             )
-            for name in missing(one)
+            for name in one.lacking
         ]
         faults += lacking
         if not lacking:
-            yield Layer(medium(one), top, bottom)
+            yield Layer(one, top, bottom)
 
 
 def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]) -> Vector:

@@ -11,7 +11,6 @@ import numpy as np
 from granular_contact.config import schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError
-from granular_contact.media.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives
@@ -302,10 +301,5 @@ def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | Minimal 
 
 
 def _load(load: schema.Load) -> Load:
-    friction = load.friction
-    static = (
-        Elastoplastic(friction.yield_displacement_m, friction.damping_time_s)
-        if isinstance(friction, schema.Elastoplastic)
-        else Smooth(friction.reference_speed_m_s)
-    )
-    return Load(load.form == "resultant", load.end_cap, load.strips_per_element, load.strips_per_rigid_part, static)
+    strips = load.strips_per_element, load.strips_per_rigid_part
+    return Load(load.form == "resultant", load.end_cap, *strips, load.friction)

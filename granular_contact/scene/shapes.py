@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.media.kinds import Kind
+from granular_contact.laws.kinds import Kind
 from granular_contact.scene.types import Shape, Vector, rotation, turned
 
 CHORDS = 48  # of a full circle, at the least

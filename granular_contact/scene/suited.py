@@ -8,8 +8,9 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault
-from granular_contact.media.kinds import WORDS, Kind, Medium, what_it_takes
-from granular_contact.media.laws import laws_for
+from granular_contact.laws.catalogue import laws_for
+from granular_contact.laws.kinds import WORDS, Kind
+from granular_contact.laws.law import Law, what_it_takes
 from granular_contact.scene.bed import Bed, places
 from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import Scene
@@ -29,7 +30,7 @@ def unsuited(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
         yield from _unsuited_at(top, here, _getting_to(scene, scene.bed, top))
 
 
-def _unsuited_at(top: float, media: dict[str, Medium], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
+def _unsuited_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
     """Mismatches from a depth (m) on, of the media there, by their keys, with the parts that can get there."""
     taken = {kind for medium in media.values() for kind in medium.takes}
     given = "; ".join(dict.fromkeys(map(what_it_takes, media.values())))

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config.schema import Scenario
-from granular_contact.media.kinds import Kind, Medium
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.kinds import Kind
+from granular_contact.laws.law import Law
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
 
@@ -280,7 +281,7 @@ class Scene:
         return None if self.bed is None else float(self.bed.height(np.zeros(1))[0])
 
     @property
-    def media(self) -> tuple[Medium, ...]:
+    def media(self) -> tuple[Law, ...]:
         """All media of the bed, from the top; none in vacuum."""
         return () if self.bed is None else self.bed.media
 

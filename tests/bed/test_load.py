@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import granular_contact.bed
-from granular_contact import probe
+from granular_contact import preset
 from granular_contact.bed.contact_lines import Body, ball, outline, polyline
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError
-from granular_contact.media.floor import Floor
-from granular_contact.media.static_friction import Elastoplastic
-from granular_contact.scene.media import preset
+from granular_contact.laws import probe
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.static_friction import Elastoplastic
 
 SAND, SIZE, SPEED, STEP = preset("poppy_seeds_loose"), 0.1, 0.1, 1e-4
 HALF = 0.5 * SIZE

@@ -3,7 +3,7 @@
 import pytest
 from support_config import GOOD, changed
 
-from granular_contact.config.schema.surface_laws import GENERIC
+from granular_contact.laws.rft import GENERIC
 
 # old text, new text, line, key, words that the message must hold
 SCHEMA_FAULTS = [

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 SHIPPED = [
     *ROOT.glob("configs/*.yaml"),
     *ROOT.glob("models/*.yaml"),
-    ROOT / "granular_contact/media/presets/play_sand.yaml",
+    ROOT / "granular_contact/laws/presets/play_sand.yaml",
 ]
 TEXTS = [GOOD, *(path.read_text() for path in sorted(SHIPPED))]
 

@@ -10,6 +10,7 @@ from granular_contact.config.schema.mechanism import BODIES
 from granular_contact.config.schema.scenario import FRICTIONS
 from granular_contact.config.schema.shapes import SHAPES
 from granular_contact.config.schema.signals import SIGNALS
+from granular_contact.laws.catalogue import LAWS
 
 
 def test_json_schema_takes_names_and_mappings():
@@ -28,7 +29,7 @@ def test_every_class_is_closed_and_frozen():
         schema.Output,
         schema.Flexible,
     ]
-    for choices in (BODIES, JOINTS, CLOSURES, DRIVES, SIGNALS, SHAPES, FRICTIONS, schema.LAWS):
+    for choices in (BODIES, JOINTS, CLOSURES, DRIVES, SIGNALS, SHAPES, FRICTIONS, LAWS):
         classes += choices.values()
     for one in classes:
         assert (one.model_config["extra"], one.model_config["frozen"], one.model_config["strict"]) == (
@@ -47,7 +48,7 @@ def test_tags_name_their_class():
         ("type", SIGNALS),
         ("type", SHAPES),
         ("type", FRICTIONS),
-        ("law", schema.LAWS),
+        ("law", LAWS),
     ):
         for tag, choice in choices.items():
             assert choice.model_json_schema()["properties"][key]["const"] == tag

@@ -7,9 +7,9 @@ import pytest
 from support_config import GOOD, changed
 
 from granular_contact.config import load
-from granular_contact.config.scalars import resolve
 from granular_contact.config.yaml_source import MAX_BYTES
 from granular_contact.errors import ConfigError
+from granular_contact.values.scalars import resolve
 
 BOMB = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
     f"{b}: &{b} [{', '.join([f'*{a}'] * 10)}]\n" for a, b in zip("abcdef", "bcdefg", strict=True)

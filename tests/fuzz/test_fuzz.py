@@ -9,7 +9,7 @@ from random import Random
 import pytest
 import yaml
 
-from granular_contact.config.schema import LAWS
+from granular_contact.laws.catalogue import LAWS
 from validation import fuzz
 from validation.fuzzing import cases, judgement, media
 from validation.fuzzing.judgement import judge

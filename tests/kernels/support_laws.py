@@ -9,19 +9,19 @@ from numba import njit
 from numpy.typing import NDArray
 
 from granular_contact.kernels import law
-from granular_contact.media.albert import Albert
-from granular_contact.media.allen import Allen
-from granular_contact.media.bingham import Bingham
-from granular_contact.media.drft import Drft
-from granular_contact.media.hill import Hill
-from granular_contact.media.katsuragi_durian import KatsuragiDurian
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.media.linear_depth import LinearDepth
-from granular_contact.media.poncelet import Poncelet
-from granular_contact.media.rft import Coefficients, Rft
-from granular_contact.media.rft3d import Rft3d
-from granular_contact.media.static_friction import Elastoplastic
-from granular_contact.media.tsimring_volfson import TsimringVolfson
+from granular_contact.laws.albert import Albert
+from granular_contact.laws.allen import Allen
+from granular_contact.laws.bingham import Bingham
+from granular_contact.laws.drft import Drft
+from granular_contact.laws.hill import Hill
+from granular_contact.laws.katsuragi_durian import KatsuragiDurian
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.linear_depth import LinearDepth
+from granular_contact.laws.poncelet import Poncelet
+from granular_contact.laws.rft import Rft, RftCoefficients
+from granular_contact.laws.rft3d import Rft3d
+from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.laws.tsimring_volfson import TsimringVolfson
 
 Array = NDArray[np.float64]
 
@@ -30,9 +30,9 @@ MASS, DIAMETER = 0.0667, 0.0254  # of the balls here
 # On a bristle that is not stretched s = v / (1e-12 m/s): exactly the sign of anything faster, and its closed forms.
 TRUE_SIGN = Elastoplastic(1e-12, 1.0)
 
-GENERIC = Coefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088)
-LOOSE = Coefficients(0.051, 0.047, 0.053, 0.083, 0.020, -0.026, 0.057, 0.000, 0.025)
-CLOSE = Coefficients(0.094, 0.092, 0.092, 0.151, 0.035, -0.039, 0.086, 0.018, 0.046)
+GENERIC = RftCoefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088)
+LOOSE = RftCoefficients(0.051, 0.047, 0.053, 0.083, 0.020, -0.026, 0.057, 0.000, 0.025)
+CLOSE = RftCoefficients(0.094, 0.092, 0.092, 0.151, 0.035, -0.039, 0.086, 0.018, 0.046)
 SAND = Rft3d(1617.0, 1.07, 0.1806)
 # So rough that the friction of the surface never limits: S / xi_n is then alpha, but for what would drive.
 ROUGH = Rft3d(1617.0, 1.07, 1e9)
@@ -136,7 +136,7 @@ def element(beta: float, gamma: float, depth: float = 1.0, speed: float = 1.0, s
     return Strip(P, np.array([v, v]), 1.0, side)
 
 
-def published_rft(c: Coefficients, beta: float, gamma: float) -> tuple[float, float]:
+def published_rft(c: RftCoefficients, beta: float, gamma: float) -> tuple[float, float]:
     """alpha_x, alpha_z (N/cm3) as printed; angles in degrees."""
     b, g = np.radians([beta, gamma])
     alpha_z = c.A00 + c.A10 * np.cos(2 * b) + c.B11 * np.sin(2 * b + g) + c.B01 * np.sin(g)

@@ -1,6 +1,6 @@
 """The laws of a surface element once more, with the true sign and a sharp leading edge, by a midpoint rule.
 
-Nothing here comes from the kernels but the stress of rft3d, whose published states have a test of their own.
+Nothing here comes from the laws but the stress of rft3d, whose published states have a test of their own.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from support_laws import TRUE_SIGN, Array, G, published_rft
 
-from granular_contact.kernels import rft3d
+from granular_contact.laws import rft3d
 
 
 def stress(medium: Any, t: Array, u: Array) -> Array:
     """Stress per depth (n, 2) N/m3 on elements along t that move in the directions u, unit vectors (n, 2)."""
     if medium.name == "rft3d":
-        record = medium.record(TRUE_SIGN, G)[0]
-        return np.array([rft3d.stress(*a, *b, record) for a, b in zip(t, u, strict=True)])
+        record = medium.record(TRUE_SIGN, G).view(np.recarray)[0]
+        return np.array([rft3d.Rft3d.stress(*a, *b, record) for a, b in zip(t, u, strict=True)])
     # The printed series holds for motion to the right, and for tangents to the right: the rest by symmetry.
     way = np.where(u[:, 0] < 0.0, -1.0, 1.0)
     beta = np.arctan2(t[:, 1] * np.where(way * t[:, 0] < 0.0, -1.0, 1.0), np.abs(t[:, 0]))

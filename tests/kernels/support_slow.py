@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from granular_contact.kernels import lines, strips
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Array = NDArray[np.float64]
 

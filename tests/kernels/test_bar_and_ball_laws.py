@@ -23,9 +23,9 @@ from support_laws import (
     strip_force,
 )
 
-from granular_contact.media.albert import Albert
-from granular_contact.media.hill import Hill
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.albert import Albert
+from granular_contact.laws.hill import Hill
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 
 PIERCING = np.array([[0.0, 0.03], [0.05, -0.12]])
 

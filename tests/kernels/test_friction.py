@@ -11,8 +11,8 @@ from support_slow import Link, kernel, medium
 
 from granular_contact.kernels import friction, lines, planar_friction
 from granular_contact.kernels.friction import drag_component
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 U_Y = 1e-5
 PLASTIC = medium(static=Elastoplastic(U_Y, 0.0))[0]

@@ -13,7 +13,8 @@ from support_laws import (
     G,
 )
 
-from granular_contact.kernels import albert, law
+from granular_contact.kernels import law
+from granular_contact.laws.albert import Albert
 
 
 def test_no_record_begins_with_another() -> None:
@@ -28,7 +29,7 @@ def return_nothing(px, py, ax, ay, m):  # noqa: ARG001
     return ax, ay
 
 
-ALBERT = albert.RECORD.descr
+ALBERT = Albert.blank().dtype.descr
 
 
 @pytest.mark.parametrize("fields", [[*ALBERT, ("more", "f8")], ALBERT[:-1], ALBERT[:1]])
@@ -38,7 +39,7 @@ def test_a_record_that_begins_like_another_is_refused(fields: list[tuple[str, st
         law.provide(law.drag_anchor, "m", np.dtype(fields))(return_nothing)
     words = str(caught.value)
     assert "test_law_records.return_nothing" in words
-    assert "granular_contact.kernels.albert." in words or "granular_contact.kernels." in words
+    assert "granular_contact.laws.albert." in words or "granular_contact.kernels." in words
     assert "begin alike" in words
     assert before == law._KNOWN
 

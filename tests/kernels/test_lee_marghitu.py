@@ -21,8 +21,8 @@ from support_slow import (
     stations_of,
 )
 
-from granular_contact.media.lee_marghitu import LeeMarghitu, VerticalResistance
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.static_friction import Elastoplastic
 
 STATES = 1000
 SLOPES = (None, 0.0, np.pi, np.pi / 2, -np.pi / 2)

@@ -9,8 +9,8 @@ import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label
 
 from granular_contact.kernels import kinematics, law, lines, spatial
-from granular_contact.media.floor import Floor
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 STATES = 12
 LEVEL = np.zeros((1, 2))

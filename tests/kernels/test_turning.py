@@ -14,9 +14,9 @@ from support_slow import fitted_order
 from granular_contact.kernels import law, lines
 from granular_contact.kernels.friction import SWITCH
 from granular_contact.kernels.probe import probe
-from granular_contact.media.drft import Drft
-from granular_contact.media.rft import Rft
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.drft import Drft
+from granular_contact.laws.rft import Rft
+from granular_contact.laws.static_friction import Elastoplastic
 
 LEVEL = np.zeros((1, 2))
 RADIUS, WIDTH, POINTS = 0.05, 0.03, 20000

@@ -20,10 +20,9 @@ from pydantic import TypeAdapter
 from granular_contact.config import schema
 from granular_contact.kernels import law, lines
 from granular_contact.kernels.probe import probe
-from granular_contact.media.floor import Floor
-from granular_contact.media.kinds import Medium
-from granular_contact.media.static_friction import Elastoplastic, Smooth
-from granular_contact.scene.media import medium as made
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from validation.fuzzing.media import FAMILIES, LAWS
 
 Array = NDArray[np.float64]
@@ -40,7 +39,7 @@ KINDS = tuple((family, kind) for family, kinds in TAKES.items() for kind in kind
 class State:
     """P (n, 2) m, V (n, 2) m/s, anchors (n, 2) m; run and record as in `law`; static None for a floor."""
 
-    medium: Medium | None
+    medium: Law | None
     static: Elastoplastic | Smooth | None
     P: Array
     V: Array
@@ -74,10 +73,10 @@ class State:
         return replace(self, anchors=self.P.copy())
 
 
-def medium(rng: Random, family: str) -> Medium:
+def medium(rng: Random, family: str) -> Law:
     """A law of a family, checked by the schema as one that was read."""
     name = rng.choice(FAMILIES[family])
-    return made(CHECKED.validate_python({"law": name} | LAWS[name](rng)))
+    return CHECKED.validate_python({"law": name} | LAWS[name](rng))
 
 
 def _static(rng: Random, yields: tuple[float, float]) -> Elastoplastic | Smooth:

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import Array, State, floors, states, static_bound
 
-from granular_contact.media.static_friction import Elastoplastic
+from granular_contact.laws.static_friction import Elastoplastic
 
 FAST = settings(max_examples=150, deadline=None)
 RANDOM = st.randoms(use_true_random=False)

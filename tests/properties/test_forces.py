@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import COMMON, LEVEL, Array, State, floors, states
 
-from granular_contact.media.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 FAST = settings(max_examples=200, deadline=None)
 RANDOM = st.randoms(use_true_random=False)

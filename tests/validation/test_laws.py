@@ -21,7 +21,7 @@ def test_claims(outcome: Outcome) -> None:
 
 
 def test_a_false_value_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = study.rft3d_kernel.alpha
-    monkeypatch.setattr(study.rft3d_kernel, "alpha", lambda *state: [1.01 * part for part in honest(*state)])
+    honest = study.rft3d_law.alpha
+    monkeypatch.setattr(study.rft3d_law, "alpha", lambda *state: [1.01 * part for part in honest(*state)])
     _, (claim,) = study.printed_values()
     assert not claim.held

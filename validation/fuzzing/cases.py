@@ -15,7 +15,7 @@ from validation.fuzzing.scenarios import scenario
 ROOT = Path(__file__).parents[2]
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
 MODELS = sorted((ROOT / "models").glob("*.yaml"))
-PRESETS = sorted((ROOT / "granular_contact" / "media" / "presets").glob("*.yaml"))
+PRESETS = sorted((ROOT / "granular_contact" / "laws" / "presets").glob("*.yaml"))
 _KINDS = ("drawn", "rescaled", "damaged", "config", "model", "preset")
 _WEIGHTS = (40, 15, 15, 12, 10, 8)
 RUN = "run.yaml"

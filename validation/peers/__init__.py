@@ -3,7 +3,7 @@
 Angles q are measured downwards from the horizontal, so a link of angle q points along (cos q, -sin q) and plunging is a
 growing q. The pivot is the origin, the tip touches the surface at t = 0, y is up. SI units.
 
-The law is the engine's own (`granular_contact.kernels.lee_marghitu`), called strip by strip: every tool meets the same
+The law is the engine's own (`granular_contact.laws.lee_marghitu`), called strip by strip: every tool meets the same
 force, integrated exactly up to the surface. Peers differ in how they model the link and in how they step.
 """
 
@@ -17,10 +17,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from granular_contact.kernels.bar_statics import component_return
-from granular_contact.kernels.friction import ELASTOPLASTIC
 from granular_contact.kernels.immersion import immersed_interval
-from granular_contact.kernels.law import RUN
-from granular_contact.kernels.lee_marghitu import RECORD, strip_force
+from granular_contact.kernels.law import RUN, strip_force
+from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+from granular_contact.laws.static_friction import Elastoplastic
 
 GRAVITY = 9.81  # m/s^2
 DENSITY = 7700.0  # kg/m^3
@@ -51,10 +51,7 @@ ROOT_INERTIA = (  # RB1 and RB2 about the pivot, kg m^2
 BAR = np.zeros(1, RUN)
 BAR["width"] = DIAMETER
 BAR = BAR[0]
-SAND = np.array(
-    [(GRAVITY, 2500.0, 6.5, 8.0, 22.0, 1.1, 22.0, 1.1, ELASTOPLASTIC, 1e-5, 1e-3, 1.0)],
-    dtype=RECORD,
-)[0]
+SAND = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1)).record(Elastoplastic(1e-5, 1e-3), GRAVITY)[0]
 
 
 class Path(NamedTuple):

@@ -1,19 +1,10 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
 `mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them,
-`initial`, `drives` and `signals` what moves them, `medium` the laws, `bed` where the media lie, `method` the choice of
+`initial`, `drives` and `signals` what moves them, `medium` a law, `bed` where the media lie, `method` the choice of
 solver, `scenario` the run around them.
 """
 
-from granular_contact.config.schema.ball_laws import (
-    Allen,
-    Bingham,
-    KatsuragiDurian,
-    LinearDepth,
-    Poncelet,
-    TsimringVolfson,
-)
-from granular_contact.config.schema.bar_laws import Albert, Hill, LeeMarghitu, VerticalStatic
 from granular_contact.config.schema.bed import Bed, BedLayer, FloorContact
 from granular_contact.config.schema.chain import Chain
 from granular_contact.config.schema.drives import (
@@ -42,17 +33,14 @@ from granular_contact.config.schema.mechanism import (
     Link,
     Rigid,
 )
-from granular_contact.config.schema.medium import LAWS, AnyLaw, Media, Medium
+from granular_contact.config.schema.medium import Media, Medium
 from granular_contact.config.schema.method import Method, Reduced
 from granular_contact.config.schema.model import Model
-from granular_contact.config.schema.provenance import Range
 from granular_contact.config.schema.scenario import (
-    Elastoplastic,
     Friction,
     Load,
     Output,
     Scenario,
-    Smooth,
     Solver,
 )
 from granular_contact.config.schema.shapes import (
@@ -77,19 +65,13 @@ from granular_contact.config.schema.signals import (
     Sine,
     Table,
 )
-from granular_contact.config.schema.surface_laws import Drft, Rft, Rft3d, RftCoefficients
 
 __all__ = [
-    "LAWS",
-    "Albert",
-    "Allen",
     "AnyDrive",
-    "AnyLaw",
     "AnySignal",
     "ArcShape",
     "Bed",
     "BedLayer",
-    "Bingham",
     "Body",
     "Buehler",
     "Chain",
@@ -98,25 +80,19 @@ __all__ = [
     "Csv",
     "CylinderShape",
     "DiscShape",
-    "Drft",
     "Drive",
-    "Elastoplastic",
     "Flexible",
     "FloorContact",
     "FootShape",
     "Force",
     "Free",
     "Friction",
-    "Hill",
     "Hinge",
     "HingeClosure",
     "HingeControl",
     "Initial",
     "Joint",
     "JointStart",
-    "KatsuragiDurian",
-    "LeeMarghitu",
-    "LinearDepth",
     "Link",
     "Load",
     "Media",
@@ -128,13 +104,8 @@ __all__ = [
     "PlateShape",
     "PolygonShape",
     "PolylineShape",
-    "Poncelet",
     "Ramp",
-    "Range",
     "Reduced",
-    "Rft",
-    "Rft3d",
-    "RftCoefficients",
     "Rigid",
     "Scenario",
     "Shape",
@@ -144,12 +115,9 @@ __all__ = [
     "Slider",
     "SliderClosure",
     "SliderControl",
-    "Smooth",
     "Solver",
     "SphereShape",
     "Table",
     "Torque",
-    "TsimringVolfson",
-    "VerticalStatic",
     "Weld",
 ]

@@ -8,8 +8,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field, model_validator
 
-from granular_contact.config.schema.base import Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
 from granular_contact.config.schema.medium import Medium
+from granular_contact.values.strict import Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
 
 STEEPEST = 60  # deg: depth is vertical, and says little of how far the surface is on steeper ground
 

@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from granular_contact.config.schema.base import NotNegative, Point, Positive, Strict, Text
 from granular_contact.config.schema.joints import Hinge, HingeFriction, HingeSpring, HingeStops
 from granular_contact.config.schema.mechanism import Flexible, Link
+from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Text
 
 MOST_LINKS = 4096
 

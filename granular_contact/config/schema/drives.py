@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, refusal
 from granular_contact.config.schema.signals import Buehler, Signal
+from granular_contact.values.strict import NotNegative, Positive, Strict, Tagged, refusal
 
 
 def _exactly_one(drive: Strict, names: tuple[str, ...]) -> None:

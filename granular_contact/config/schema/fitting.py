@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from difflib import get_close_matches
 
-from granular_contact.config.schema.base import LocalFault
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
 from granular_contact.config.schema.initial import KEYS, Initial
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
 from granular_contact.config.schema.structure import GROUND
+from granular_contact.values.strict import LocalFault
 
 
 def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import LocalFault, Strict, refusal
+from granular_contact.values.strict import LocalFault, Strict, refusal
 
 
 class JointStart(Strict):

@@ -12,8 +12,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, model_validator
 
-from granular_contact.config.schema.base import NotNegative, Point, Positive, Strict, Tagged, refusal
 from granular_contact.config.schema.older import Renewed
+from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Tagged, refusal
 
 
 def _points_somewhere(axis: tuple[float, float]) -> tuple[float, float]:

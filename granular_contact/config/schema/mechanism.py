@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import (
+from granular_contact.config.schema.shapes import Shape, section_faults
+from granular_contact.values.strict import (
     Listed,
     LocalFault,
     NotNegative,
@@ -16,7 +17,6 @@ from granular_contact.config.schema.base import (
     Tagged,
     refusal,
 )
-from granular_contact.config.schema.shapes import Shape, section_faults
 
 
 class Rigid(Strict):

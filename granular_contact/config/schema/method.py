@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_serializer, model_validator
 
-from granular_contact.config.schema.base import Strict, refusal
+from granular_contact.values.strict import Strict, refusal
 
 ENGINE, MINIMAL, REDUCED = "engine", "minimal", "reduced"
 WORDS: dict[Any, dict[str, Any]] = {ENGINE: {}, MINIMAL: {MINIMAL: {}}, REDUCED: {REDUCED: {}}}

@@ -6,11 +6,11 @@ from functools import cached_property
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import LocalFault, Strict, Text, refusal
 from granular_contact.config.schema.chain import Chain, expand, names
 from granular_contact.config.schema.joints import Closure, Joint
 from granular_contact.config.schema.mechanism import Body
 from granular_contact.config.schema.structure import structure_faults
+from granular_contact.values.strict import LocalFault, Strict, Text, refusal
 
 
 class Model(Strict):

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from granular_contact.config.schema.base import Strict, refusal
+from granular_contact.values.strict import Strict, refusal
 
 # By the type of a joint or shape: old key -> new key.
 SUCCESSORS = {

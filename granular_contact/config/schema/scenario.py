@@ -7,31 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import NotNegative, Positive, Strict, Tagged, Text, refusal
 from granular_contact.config.schema.bed import Bed
 from granular_contact.config.schema.drives import Drive
 from granular_contact.config.schema.fitting import drive_faults, initial_faults
 from granular_contact.config.schema.initial import Initial
-from granular_contact.config.schema.medium import AnyLaw, Media
+from granular_contact.config.schema.medium import Media
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import Signal
-
-
-class Elastoplastic(Strict):
-    """Static resistance that holds still: each point is tied to an anchor, which yields."""
-
-    type: Literal["elastoplastic"]
-    yield_displacement_m: Positive = 1e-5
-    damping_time_s: NotNegative = 1e-3
-
-
-class Smooth(Strict):
-    """Static resistance that follows the velocity, and creeps under a constant load."""
-
-    type: Literal["smooth"]
-    reference_speed_m_s: Positive = 1e-3
-
+from granular_contact.laws.law import Law
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.values.strict import Positive, Strict, Tagged, Text, refusal
 
 FRICTIONS: dict[str, type[Strict]] = {"elastoplastic": Elastoplastic, "smooth": Smooth}
 Friction = Annotated[Elastoplastic | Smooth, Tagged("type", FRICTIONS)]
@@ -46,7 +32,7 @@ class Load(Strict):
     """Count the area of the free end in the drag."""
     strips_per_element: Annotated[int, Field(ge=1, le=64)] = 4
     strips_per_rigid_part: Annotated[int, Field(ge=1, le=1024)] = 16
-    friction: Friction = Elastoplastic(type="elastoplastic")
+    friction: Friction = Elastoplastic()
 
 
 class Solver(Strict):
@@ -129,7 +115,7 @@ class Scenario(Strict):
         return replaced(self, values)
 
     @property
-    def media(self) -> tuple[AnyLaw, ...]:
+    def media(self) -> tuple[Law, ...]:
         """The media on top of the bed; none in vacuum."""
         if self.medium is None:
             return ()

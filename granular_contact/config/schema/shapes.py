@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.base import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
 from granular_contact.config.schema.older import Renewed
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
+from granular_contact.values.strict import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
 
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from granular_contact.config.schema.base import Listed, NotNegative, Positive, Strict, Tagged, Text, refusal
+from granular_contact.values.strict import Listed, NotNegative, Positive, Strict, Tagged, Text, refusal
 
 
 class Constant(Strict):

@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from difflib import get_close_matches
 
-from granular_contact.config.schema.base import LocalFault
+from granular_contact.values.strict import LocalFault
 
 GROUND = "ground"
 _ALLOWED = "a letter or _, then letters, digits, _ and -, are allowed"

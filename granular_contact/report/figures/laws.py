@@ -14,7 +14,7 @@ LINES = ("-", "--", ":")
 
 
 def draw_law(title: str, panels: Sequence[Any], file: Path) -> None:
-    """Draw panels (of `granular_contact.probe`) side by side into a PNG."""
+    """Draw panels (of `granular_contact.laws.probe`) side by side into a PNG."""
     with style():
         figure = Figure(figsize=(DOUBLE / 25.4, 62.0 / 25.4), layout="constrained")
         figure.suptitle(title, fontsize=8)

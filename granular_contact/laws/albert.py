@@ -1,0 +1,42 @@
+"""Horizontal resistance of a vertical cylinder (Albert et al. 1999), spread along a thin bar.
+
+    F = eta_h g rho_g H^2 d        against the horizontal motion of a cylinder immersed to the depth H
+
+The density 2 eta_h g rho_g d z |t_y| per unit of arc length [ours] integrates to it over a straight bar at any slope
+that pierces the surface. There is no vertical force and no drag.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact import kernels
+from granular_contact.laws.law import Law
+from granular_contact.values.strict import NotNegative, Positive
+
+
+class Albert(Law):
+    """Horizontal resistance eta_h g rho H^2 d; nothing else."""
+
+    law: Literal["albert"]
+    density: Positive = Field(alias="density_kg_m3")
+    eta_h: NotNegative
+
+    equation = "F_h = -eta_h g rho z^2 d sgn(v_x)"
+    terms = ("horizontal_static",)
+    takes = frozenset({"round"})
+    by_component = True
+    resultant = True
+    constants = ("eta_h_g_rho",)  # N/m^3
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`."""
+        return {"eta_h_g_rho": self.eta_h * gravity * self.density}
+
+    @staticmethod
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+        """Add the horizontal term; arguments as in `kernels.law.strip_force`."""
+        k = m.eta_h_g_rho * run.width
+        kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[0])

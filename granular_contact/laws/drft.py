@@ -1,0 +1,82 @@
+"""Dynamic resistive force theory (Agarwal et al. 2021): the stress of `rft`, and the inertia of the grains pushed away.
+
+    traction = z S(t, u) - lam rho v_n |v_n| n
+
+with the true velocity v and its part v_n normal to the element; on a one-sided outline only where n . v > 0. The free
+surface may be lowered by delta_h. With w = t x v = v_n and n = (-t_y, t_x), the inertial term of a straight strip is a
+cubic in xi on either side of the zero of w, which two Gauss points integrate exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact import kernels
+from granular_contact.laws.law import Law
+from granular_contact.laws.rft import CONSTANTS, GENERIC, Rft, RftCoefficients
+from granular_contact.values.strict import NotNegative, Positive
+
+INERTIAL = 1  # term
+
+
+class Drft(Law):
+    """The stress of rft, and the inertia -lambda rho v_n^2 n of the grains pushed away."""
+
+    law: Literal["drft"]
+    coefficients: RftCoefficients = Field(GENERIC, alias="alpha_N_cm3")
+    """Left out: the generic set, for which zeta is the medium's."""
+    density: Positive = Field(alias="density_kg_m3")
+    lam: NotNegative = Field(alias="lambda")
+    """`lambda` in YAML."""
+    zeta: Positive = 1.0
+    """Factor of the coefficients."""
+    surface_drop: NotNegative = Field(0.0, alias="surface_drop_m")
+    """delta_h, by which the free surface is lowered."""
+
+    equation = "stress = zeta alpha(beta, gamma) z - lambda rho v_n |v_n| n"
+    terms = ("static", "inertial")
+    takes = frozenset({"round", "flat", "outline"})
+    constants = ("lam_rho", "delta_h", *CONSTANTS)
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`."""
+        static = self.coefficients.numbers(self.zeta, gravity)
+        return static | {"lam_rho": self.lam * self.density, "delta_h": self.surface_drop}
+
+    stress = staticmethod(Rft.stress)
+
+    @staticmethod
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+        """Add the static and the inertial term; arguments as in `kernels.law.strip_force`."""
+        z0, z1 = z0 - m.delta_h, z1 - m.delta_h
+        low, high = kernels.immersion.immersed_interval(z0, z1)
+        a, b = max(a, low), min(b, high)
+        length = math.hypot(cx, cy)
+        if a >= b or length == 0.0:
+            return
+        kernels.plates.static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f)
+        inertial_force(a, b, cx / length, cy / length, v0x, v0y, v1x, v1y, m.lam_rho * run.width * length, run, f)
+
+
+def inertial_force(a, b, tx, ty, v0x, v0y, v1x, v1y, k, run, f):
+    """Add the inertial term to f[INERTIAL]; t unit tangent of the chord, k = lam rho b |c| (kg/m)."""
+    t0x, t0y = kernels.plates.tangent_at(tx, ty, run.turn, 0.0)
+    t1x, t1y = kernels.plates.tangent_at(tx, ty, run.turn, 1.0)
+    c = kernels.immersion.sign_change(a, b, t0x * v0y - t0y * v0x, t1x * v1y - t1y * v1x)
+    for start, end in ((a, c), (c, b)):
+        if start == end:
+            continue
+        for gauss in (kernels.immersion.GAUSS_LOW, kernels.immersion.GAUSS_HIGH):
+            xi = start + (end - start) * gauss
+            sx, sy = kernels.plates.tangent_at(tx, ty, run.turn, xi)
+            w = sx * ((1.0 - xi) * v0y + xi * v1y) - sy * ((1.0 - xi) * v0x + xi * v1x)
+            if run.side * w < 0.0:
+                continue
+            density = 0.5 * (end - start) * k * w * abs(w)
+            f[INERTIAL, 0, 0] += (1.0 - xi) * density * sy
+            f[INERTIAL, 0, 1] -= (1.0 - xi) * density * sx
+            f[INERTIAL, 1, 0] += xi * density * sy
+            f[INERTIAL, 1, 1] -= xi * density * sx

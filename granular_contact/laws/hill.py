@@ -1,0 +1,59 @@
+"""Vertical resistance of an immersed body (Hill, Yeung and Koehler 2005), spread along a thin bar.
+
+    F = eta (z/l)^lam g rho_g V    against the vertical motion of a volume V whose tip is at the depth z
+
+The density (lam + 1) eta (z/l)^lam g rho_g A per unit of arc length, A the section, [ours] integrates to it over a
+straight bar at any slope that pierces the surface. l is the diameter unless given; (eta, lam) have one value for
+plunging and one for withdrawing. There is no horizontal force and no drag.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact import kernels
+from granular_contact.laws.law import Law
+from granular_contact.laws.lee_marghitu import VerticalResistance
+from granular_contact.values.strict import Positive
+
+
+class Hill(Law):
+    """Vertical resistance eta (z/l)^lambda g rho V; nothing else."""
+
+    law: Literal["hill"]
+    density: Positive | None = Field(alias="density_kg_m3")
+    """null: not stated by the source; a run needs it."""
+    plunging: VerticalResistance
+    withdrawing: VerticalResistance
+    length_scale: Positive | None = Field(None, alias="length_scale_m")
+    """l; null: the diameter."""
+
+    equation = "F_v = -eta (z/l)^lambda g rho V sgn(v_y)"
+    terms = ("vertical_static",)
+    takes = frozenset({"round"})
+    by_component = True
+    resultant = True
+    constants = ("g_rho", "l", "eta_plunge", "lam_plunge", "eta_withdraw", "lam_withdraw")  # N/m^3, m (0: the diameter)
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`."""
+        assert self.density is not None  # or it lacks, see `Law.record`
+        return {
+            "g_rho": gravity * self.density,
+            "l": self.length_scale or 0.0,
+            **self.plunging.numbers("plunge"),
+            **self.withdrawing.numbers("withdraw"),
+        }
+
+    @staticmethod
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+        """Add the vertical term; arguments as in `kernels.law.strip_force`."""
+        eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
+        k = m.g_rho * 0.25 * math.pi * run.width * run.width
+        scale = m.l if m.l > 0.0 else run.width
+        kernels.bar_statics.vertical_force(
+            a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f[0]
+        )  # fmt: skip

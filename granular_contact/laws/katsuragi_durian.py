@@ -1,0 +1,53 @@
+"""Medium of Katsuragi and Durian (2007): k z + m v^2 / d1 on a ball of mass m.
+
+The mass is that of the ball itself; the run has it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative, Positive, refusal
+
+LENGTHS = ("drag_length", "drag_length_per_diameter")
+
+
+class KatsuragiDurian(ScalarLaw):
+    """k z + m v^2 / d1 with the mass m of the ball itself."""
+
+    law: Literal["katsuragi_durian"]
+    stiffness: NotNegative | None = Field(alias="stiffness_N_m")
+    """k; null: not stated by the source, a run needs it."""
+    drag_length: Positive | None = Field(None, alias="drag_length_m")
+    """d1; give this or drag_length_diameters."""
+    drag_length_per_diameter: Positive | None = Field(None, alias="drag_length_diameters")
+    """d1 over the diameter of the ball."""
+
+    def __init__(self, stiffness: float | None, *lengths: float | None, **named: Any) -> None:
+        """As `Coefficients`; in Python 0 is none of the two lengths, too."""
+        named = {name: value or None if name in LENGTHS else value for name, value in named.items()}
+        super().__init__(stiffness, *(value or None for value in lengths[:2]), *lengths[2:], **named)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # as in `Coefficients`
+
+    equation = "F = k z + m v^2 / d1"
+    terms = ("static", "inertial")
+
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {
+            "k": self.stiffness or 0.0,
+            "d1": self.drag_length or 0.0,
+            "d1_per_diameter": self.drag_length_per_diameter or 0.0,
+        }
+
+    @model_validator(mode="after")
+    def _one_length(self) -> KatsuragiDurian:
+        given = (self.drag_length is not None) + (self.drag_length_per_diameter is not None)
+        if given != 1:
+            got = "both" if given else "neither"
+            raise refusal([((), f"got {got} of drag_length_m and drag_length_diameters; exactly one is allowed")])
+        return self

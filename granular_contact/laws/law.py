@@ -1,0 +1,128 @@
+"""What a law of resistance is: one class in one file, and one line in `catalogue`.
+
+The class of a law says
+
+- `law`, its tag in YAML, and its coefficients: fields with bounds, whose text below is their description for editors. A
+  coefficient is named without its unit in Python, and its key in YAML, the alias, ends with the unit. One that may be
+  null and has no default is left open by some sources, and a run needs it.
+- `equation`, `terms` and `takes`, `by_component` and `resultant`, see `Law`;
+- `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which gives their values;
+- its forces, as static methods named and called as the stubs in `kernels.law` and `kernels.plates`: for lines and
+  outlines `stress`, or `strip_force` and, if it knows one, `cap_force`; for balls `ball_force`. `m` has the constants.
+
+Forces are plain functions that numba compiles when they are first needed: they may call plain functions of their file,
+and kernels as `kernels.bar_statics.horizontal_force`. Nothing of numba is imported here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, field_serializer
+
+from granular_contact.laws.coefficients import Coefficients
+from granular_contact.laws.kinds import WORDS, Kind
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.validity import NOT_STATED, Validity
+from granular_contact.values.strict import OrNull, Text
+
+if TYPE_CHECKING:  # a config is read without numpy
+    import numpy as np
+    from numpy.typing import NDArray
+
+ABOUT = ("name", "validity", "source", "standing", "provenance")
+
+
+class Law(Coefficients):
+    """A law with its coefficients: a medium.
+
+    name: for messages and columns; validity: where the coefficients were measured. Of the class, equation: the
+    published resultant or stress; terms: names of the law's terms, three at most; takes: kinds of shape it is for;
+    by_component: whether its static force opposes each component of the velocity by itself, and not the motion as a
+    whole; resultant: whether its source gives a single force at the middle of the immersed part, as
+    `load: {form: resultant}` applies it.
+    """
+
+    name: Annotated[Text, OrNull(), Field(default=None)]
+    source: Text | None = None
+    """Where the coefficients come from."""
+    standing: Text | None = None
+    """What they rest on, as `two or more independent sources`."""
+    provenance: Literal["published", "fitted", "own"] | None = None
+    validity: Validity = Field(NOT_STATED, alias="range")
+    law: str
+
+    equation: ClassVar[str]
+    terms: ClassVar[tuple[str, ...]]
+    takes: ClassVar[frozenset[Kind]]
+    by_component: ClassVar[bool] = False
+    resultant: ClassVar[bool] = False
+    constants: ClassVar[tuple[str, ...]]
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """Values of `constants`, those left out being 0; gravity >= 0 in m/s2."""
+        raise NotImplementedError
+
+    def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
+        """Coefficients as the (1,) record that the kernels read; gravity in m/s2, its sense does not matter.
+
+        Raises
+        ------
+        ValueError
+            A coefficient that the source leaves open was not given.
+        """
+        if self.lacking:
+            got = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
+            raise ValueError(f"{got}: got None, allowed is the number of your case: its source does not state it")
+        record = self.blank()
+        for name, value in self.numbers(abs(gravity)).items():
+            record[name] = value
+        static.fill(record)
+        return record
+
+    @classmethod
+    def blank(cls) -> NDArray[np.void]:
+        """Record (1,) of the law with all numbers 0; the law is joined to the kernels, which loads the compiler."""
+        from granular_contact.kernels.joining import PARTS, blank
+
+        return blank(next(one for one in cls.__mro__ if PARTS & vars(one).keys()))
+
+    @property
+    def lacking(self) -> list[str]:
+        """Keys without which the medium can't act: those that its source leaves open."""
+        fields = type(self).model_fields.items()
+        return [field.alias or name for name, field in fields if field.is_required() and getattr(self, name) is None]
+
+    @classmethod
+    def tag(cls) -> str:
+        """Value of the key `law` in YAML."""
+        return str(cls._tags()["law"])
+
+    @classmethod
+    def positions(cls) -> list[str]:
+        """As in `Coefficients`: the law's own numbers first."""
+        return [*(name for name in cls.model_fields if name not in (*ABOUT, "law")), *ABOUT]
+
+    def model_post_init(self, context: Any, /) -> None:
+        """Name a medium without a name after its law."""
+        if self.name is None:
+            self.__dict__["name"] = self.law
+
+    @field_serializer("name")
+    def _own_name(self, name: str) -> str | None:
+        return None if name == self.law else name
+
+
+def what_it_takes(medium: Law) -> str:
+    """Sentence on the shapes that a medium acts on."""
+    return f"{medium.name} takes {', '.join(words for kind, words in WORDS.items() if kind in medium.takes)}"
+
+
+def term_names(media: Collection[Law]) -> tuple[str, ...]:
+    """Names of the terms of media that act together: those of one alone, else each after its medium."""
+    if len(media) == 1:
+        return tuple(next(iter(media)).terms)
+    names = [medium.name for medium in media]
+    labels = [name if names.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(names)]
+    return tuple(f"{label}_{term}" for label, medium in zip(labels, media, strict=True) for term in medium.terms)

@@ -1,0 +1,25 @@
+"""Linear static medium: a force k z on a ball."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
+
+
+class LinearDepth(ScalarLaw):
+    """k z."""
+
+    law: Literal["linear_depth"]
+    stiffness: NotNegative = Field(alias="stiffness_N_m")
+    """k."""
+
+    equation = "F = k z"
+    terms = ("static",)
+
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"k": self.stiffness}

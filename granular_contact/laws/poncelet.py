@@ -1,0 +1,27 @@
+"""Poncelet medium: a constant force and one quadratic in speed, F0 + c v^2, on a ball."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
+
+
+class Poncelet(ScalarLaw):
+    """F0 + c v^2."""
+
+    law: Literal["poncelet"]
+    constant_force: NotNegative = Field(alias="constant_force_N")
+    """F0."""
+    drag: NotNegative = Field(alias="drag_kg_m")
+    """c."""
+
+    equation = "F = F0 + c v^2"
+    terms = ("constant", "drag")
+
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"F0": self.constant_force, "c": self.drag}

@@ -1,0 +1,105 @@
+"""Resistive force theory in the plane (Li, Zhang and Goldman 2013), for plates, outlines and round bars.
+
+An element lies at the angle beta to the horizontal and moves at the angle gamma below it; both are folded to
+[-pi/2, pi/2], with beta > 0 where the leading face looks down. Stress per depth, against the motion and upward:
+
+    alpha_z = A00 + A10 cos 2b + B11 sin(2b + g) + B01 sin g + B-11 sin(-2b + g)
+    alpha_x = C11 cos(2b + g) + C01 cos g + C-11 cos(-2b + g) + D10 sin 2b
+
+With the tangent t = (cos b, sin b) and the direction of motion u = (cos g, -sin g) all folds drop out, also that of
+motion to the left: with c2 = t_x^2 - t_y^2 and s2 = 2 t_x t_y
+
+    S_x = -[C01 + (C11 + C-11) c2] u_x - (C11 - C-11) s2 u_y - D10 s2
+    S_y = A00 + A10 c2 + (B11 - B-11) s2 u_x - [B01 + (B11 + B-11) c2] u_y
+
+which is even in t, and affine in u. The record holds the sums and differences, in N/m^3.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from granular_contact.laws.coefficients import Coefficients
+from granular_contact.laws.law import Law
+from granular_contact.values.strict import Positive, refusal
+
+# The coefficients were measured on Earth. Stresses that come from friction grow in proportion to gravity [ours].
+MEASURED_AT = 9.81
+CONSTANTS = ("A00", "A10", "B01", "B_sum", "B_difference", "C01", "C_sum", "C_difference", "D10")
+
+
+class RftCoefficients(Coefficients):
+    """Fourier coefficients of alpha_z (A, B) and alpha_x (C, D); B_11 and C_11 are those with the index -1,1."""
+
+    A00: float
+    A10: float
+    B11: float
+    B01: float
+    B_11: float
+    C11: float
+    C01: float
+    C_11: float
+    D10: float
+
+    @model_validator(mode="after")
+    def _resist(self) -> RftCoefficients:
+        """A medium can't push an element along: looked at every 5 degrees of it and 10 of its motion."""
+        driven = ((self._power(b, g), b, g) for b in range(-90, 90, 5) for g in range(-180, 180, 10))
+        power, beta, gamma = max(driven)
+        if power > 1e-9 * max(map(abs, (self.A00, self.B01, self.C01))):
+            where = f"an element at beta {beta} deg that moves at gamma {gamma} deg"
+            raise refusal([((), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion")])
+        return self
+
+    def _power(self, beta: float, gamma: float) -> float:
+        """Stress along the motion, per depth (N/cm3), at angles in degrees."""
+        b, g = math.radians(beta), math.radians(gamma)
+        c2, s2, ux, uy = math.cos(2 * b), math.sin(2 * b), math.cos(g), -math.sin(g)
+        sx = -(self.C01 + (self.C11 + self.C_11) * c2) * ux - (self.C11 - self.C_11) * s2 * uy - self.D10 * s2
+        sy = self.A00 + self.A10 * c2 + (self.B11 - self.B_11) * s2 * ux - (self.B01 + (self.B11 + self.B_11) * c2) * uy
+        return sx * ux + sy * uy
+
+    def numbers(self, zeta: float, gravity: float) -> dict[str, float]:
+        """Zeta times the coefficients as CONSTANTS (N/m3)."""
+        scale = 1e6 * zeta * gravity / MEASURED_AT
+        return {name: scale * getattr(self, name) for name in ("A00", "A10", "B01", "C01", "D10")} | {
+            "B_sum": scale * (self.B11 + self.B_11),
+            "B_difference": scale * (self.B11 - self.B_11),
+            "C_sum": scale * (self.C11 + self.C_11),
+            "C_difference": scale * (self.C11 - self.C_11),
+        }
+
+
+# The generic set of Li, Zhang and Goldman (2013), which a medium scales by its zeta.
+GENERIC = RftCoefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088)
+
+
+class Rft(Law):
+    """Resistive force theory in the plane: stress zeta alpha(beta, gamma) z."""
+
+    law: Literal["rft"]
+    coefficients: RftCoefficients = Field(GENERIC, alias="alpha_N_cm3")
+    """Left out: the generic set, for which zeta is the medium's."""
+    zeta: Positive = 1.0
+    """Factor of the coefficients."""
+
+    equation = "stress = zeta alpha(beta, gamma) z"
+    terms = ("static",)
+    takes = frozenset({"round", "flat", "outline"})
+    constants = CONSTANTS
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`."""
+        return self.coefficients.numbers(self.zeta, gravity)
+
+    @staticmethod
+    def stress(tx, ty, ux, uy, m):
+        """S (N/m^3) of the law; as `kernels.plates.stress`."""
+        c2, s2 = tx * tx - ty * ty, 2.0 * tx * ty
+        return (
+            -(m.C01 + m.C_sum * c2) * ux - m.C_difference * s2 * uy - m.D10 * s2,
+            m.A00 + m.A10 * c2 + m.B_difference * s2 * ux - (m.B01 + m.B_sum * c2) * uy,
+        )

@@ -1,0 +1,59 @@
+"""What the scalar laws of a ball share: a force against its motion, of its speed v and the depth z of its lowest point.
+
+    F = -s (F0 + k z^p) u - (b + c |v|) v
+
+with the direction u and the share s of `planar_friction`. Bingham has F0 and b; Poncelet F0 and c; Allen et al. all
+three; the linear static law k with p = 1; Tsimring and Volfson c, k and p; Katsuragi and Durian k, p = 1 and
+c = m / d1, with the mass m of the ball in the run and d1 given (m) or as a multiple of the diameter.
+
+What does not grow with depth by itself grows from nothing to its full value over the first SHALLOW diameters [ours], so
+that the force is continuous at the touch.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact import kernels
+from granular_contact.laws.law import Law
+
+STATIC, VISCOUS = 0, 1  # terms; where the quadratic one goes is the record's `quadratic`
+SHALLOW = 1e-3
+
+
+class ScalarLaw(Law):
+    """A law that gives some of the constants; the last of its terms takes what is quadratic in speed."""
+
+    takes = frozenset({"ball"})
+    # N, N/m^p, -, N s/m, kg/m, m (0: none), - (0: none), index of a term
+    constants = ("F0", "k", "p", "b", "c", "d1", "d1_per_diameter", "quadratic")
+
+    def own(self) -> dict[str, float]:
+        """Constants that the law has."""
+        raise NotImplementedError
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`; no coefficient depends on gravity."""
+        return {"p": 1.0, "quadratic": len(self.terms) - 1.0, **self.own()}
+
+    @staticmethod
+    def ball_force(z, vx, vy, ex, ey, run, m, f):
+        """Add the force of a ball to f[term, xy]; arguments as in `kernels.law.ball_force`."""
+        there = min(1.0, z / (SHALLOW * run.width))  # of the terms without depth
+        qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
+        ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
+        static = share * (there * m.F0 + (m.k * z if m.p == 1.0 else m.k * z**m.p))
+        f[STATIC, 0] -= static * ux
+        f[STATIC, 1] -= static * uy
+        viscous, quadratic = there * m.b, there * coefficient(run, m) * math.hypot(vx, vy)
+        f[VISCOUS, 0] -= viscous * vx
+        f[VISCOUS, 1] -= viscous * vy
+        last = int(m.quadratic)
+        f[last, 0] -= quadratic * vx
+        f[last, 1] -= quadratic * vy
+
+
+def coefficient(run, m):
+    """Coefficient c (kg/m) of the quadratic term."""
+    d1 = m.d1 + m.d1_per_diameter * run.width
+    return m.c + (run.mass / d1 if d1 > 0.0 else 0.0)

@@ -1,0 +1,34 @@
+"""Medium of Tsimring and Volfson (2005): drag quadratic in speed and friction that grows with depth, on a ball.
+
+    F = k z^p + c v^2
+
+Only the form is known to us, and not the power of the depth: p is the user's.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.values.strict import NotNegative
+
+
+class TsimringVolfson(ScalarLaw):
+    """k z^p + c v^2."""
+
+    law: Literal["tsimring_volfson"]
+    drag: NotNegative = Field(alias="drag_kg_m")
+    """c."""
+    friction: NotNegative = Field(alias="friction_N")
+    """k z_1^p at the depth z_1 = 1 m."""
+    exponent: float = Field(gt=0, le=5)
+    """p."""
+
+    equation = "F = k z^p + c v^2"
+    terms = ("friction", "drag")
+
+    def own(self) -> dict[str, float]:
+        """As `ScalarLaw.own`."""
+        return {"k": self.friction, "p": self.exponent, "c": self.drag}

@@ -1,0 +1,97 @@
+"""What every schema class shares: strictness, the kinds of values, unions by tag, and faults of several keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, get_args
+
+import yaml
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler
+from pydantic import Strict as StrictnessOf
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from granular_contact.values.scalars import resolve
+
+FAULTS = "faults"
+_RESOLVER: Any = yaml.resolver.Resolver()
+Path = tuple[str | int, ...]
+LocalFault = tuple[Path, str]
+
+
+class Strict(BaseModel):
+    """Frozen, without unknown keys, finite numbers only, and no value ever converted but whole numbers to floats.
+
+    The text under a field is its description in the JSON Schema for editors, see `config.export`.
+    """
+
+    model_config = ConfigDict(
+        strict=True,
+        frozen=True,
+        extra="forbid",
+        allow_inf_nan=False,
+    )
+
+
+def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:
+    """The error a validator raises for `faults`, each a path below the validated value and a sentence."""
+    text = "; ".join(f"{'.'.join(map(str, path))}: {message}" if path else message for path, message in faults)
+    return PydanticCustomError(FAULTS, "{text}", {"text": text, FAULTS: list(faults)})
+
+
+def _survives_a_file(text: str) -> str:
+    """Refuse a text such as `1e3`, which PyYAML writes without quotes and this package would read as a number."""
+    written_plain = _RESOLVER.resolve(yaml.ScalarNode, text, (True, False)) == "tag:yaml.org,2002:str"
+    if written_plain and not isinstance(resolve(text), str):
+        raise refusal([((), f"got the text {text!r}, which reads as a number without its quotes; add a letter")])
+    return text
+
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Text = Annotated[str, AfterValidator(_survives_a_file)]
+# A YAML list is a list; frozen values are tuples.
+Point = Annotated[tuple[float, float], StrictnessOf(False)]
+Listed = StrictnessOf(False)
+
+
+class OrNull:
+    """Marks a field that may be null in a file; its class puts another value in its place, so it is never None."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of the value or null."""
+        return core_schema.nullable_schema(handler(source))
+
+
+class Tagged:
+    """Marks a union whose member is named by the value of one key.
+
+    pydantic's own `discriminator` refuses a union of one member, which is what a map of laws starts as.
+    """
+
+    def __init__(self, key: str, choices: Mapping[str, type[BaseModel]]) -> None:
+        self.key, self.choices = key, choices
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of the union, whatever `source` says for the type checker."""
+        del source
+        choices = {tag: handler.generate_schema(choice) for tag, choice in self.choices.items()}
+        return core_schema.tagged_union_schema(choices, discriminator=self.key)
+
+
+ONE, MANY = "one", "many"
+
+
+class OneOrMore:
+    """Marks a field that holds one value of a kind, or a list of them."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of the two forms; the source is a tuple of the kind."""
+        (one, *_) = get_args(source)
+        single = handler.generate_schema(one)
+        return core_schema.tagged_union_schema(
+            {
+                ONE: single,
+                MANY: core_schema.tuple_variable_schema(single, min_length=1, strict=False),
+            },
+            discriminator=lambda value: MANY if isinstance(value, list | tuple) else ONE,
+        )

@@ -1,0 +1,34 @@
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact import Law, kernels
+
+
+class Power(Law):
+    """Force k (z / 1 m)^n on a sphere, against its motion."""
+
+    law: Literal["power"]
+    stiffness: float = Field(alias="stiffness_N", ge=0)
+    """k."""
+    exponent: float = Field(gt=0, le=5)
+    """n."""
+
+    equation = "F = k (z / 1 m)^n"
+    terms = ("static",)
+    takes = frozenset({"ball"})
+    constants = ("k", "n")
+
+    def numbers(self, gravity):
+        return {"k": self.stiffness, "n": self.exponent}
+
+    @staticmethod
+    def ball_force(z, vx, vy, ex, ey, run, m, f):
+        qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
+        ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
+        f[0, 0] -= share * size(z, m) * ux
+        f[0, 1] -= share * size(z, m) * uy
+
+
+def size(z, m):
+    return m.k * z**m.n

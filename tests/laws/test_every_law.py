@@ -1,0 +1,128 @@
+"""What holds for every law of the list, whatever it is: physics, units, words and schema.
+
+Numbers are made from the keys of its coefficients, so a law that is added to the list is held to all of this at once.
+Tangents, frames and sums of work of every law: tests/kernels and tests/properties, whose media are those of the list,
+which is asserted here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from support_every_law import NONE, UNITS, WITHOUT_UNIT, bodies, motions, sample, total, unit
+
+from granular_contact.config import json_schema
+from granular_contact.kernels.law import TERMS
+from granular_contact.laws.catalogue import LAWS, laws_for
+from granular_contact.laws.coefficients import Coefficients
+from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.law import ABOUT, Law
+from granular_contact.laws.probe import force
+from validation.fuzzing import media
+
+EVERY = pytest.mark.parametrize("law", LAWS.values(), ids=list(LAWS))
+MIRROR = np.array([-1.0, 1.0])
+DEPTH = 0.04
+
+
+def coefficients(law: type[Coefficients]) -> dict[str, type[Coefficients]]:
+    """Keys of all numbers of a law, those of its parts too, with their class."""
+    found: dict[str, type[Coefficients]] = {}
+    for name, field in law.model_fields.items():
+        if name in (*ABOUT, "law"):
+            continue
+        if isinstance(field.annotation, type) and issubclass(field.annotation, Coefficients):
+            found |= coefficients(field.annotation)
+        else:
+            found[field.alias or name] = law
+    return found
+
+
+def test_random_media_draw_every_law() -> None:
+    assert set(media.LAWS) == set(LAWS) == {law for family in media.FAMILIES.values() for law in family}
+
+
+@EVERY
+def test_it_dissipates(law: type[Law]) -> None:
+    medium = sample(law)
+    for body in bodies(medium, DEPTH):
+        powers = np.array([total(medium, body, v) @ v for v in motions()])
+        assert (powers <= 0.0).all()
+        assert powers.min() < -1e-6  # and does something
+
+
+@EVERY
+def test_its_mirror_image_is_its_mirror_image(law: type[Law]) -> None:
+    medium = sample(law)
+    for body in bodies(medium, DEPTH):
+        image = replace(body, points=body.points * MIRROR)
+        for v in motions():
+            want = total(medium, body, v) * MIRROR
+            # Closed forms and sums of a few hundred products: round-off.
+            np.testing.assert_allclose(total(medium, image, v * MIRROR), want, rtol=1e-10, atol=1e-12 * abs(want).max())
+
+
+@EVERY
+def test_it_begins_at_nothing_where_a_body_gets_in(law: type[Law]) -> None:
+    medium, v = sample(law), np.array([0.3, -0.5])
+    for above, at, deep in zip(bodies(medium, -1e-9), bodies(medium, 1e-9), bodies(medium, DEPTH), strict=True):
+        assert not total(medium, above, v).any()
+        # What grows slowest grows in proportion to a depth of 1e-3 diameters, of which this is 4e-5.
+        assert np.linalg.norm(total(medium, at, v)) < 1e-4 * np.linalg.norm(total(medium, deep, v))
+
+
+@EVERY
+def test_its_forces_scale_as_the_units_of_its_keys_say(law: type[Law]) -> None:
+    # The same bed and body in units of mass and length that are smaller by these factors, and in a unit of time in
+    # which gravity has the same number, as its value is a constant of some laws.
+    mass, length = 3.0, 1.7
+    time = math.sqrt(length)
+    one, other = sample(law), sample(law, (mass, length, time))
+    if law.tag() == "tsimring_volfson":  # its k is given at the depth of 1 m, so that its unit is N/m^p
+        other = replace(other, friction=other.friction / length**one.exponent)
+    here = bodies(one, DEPTH)
+    there = bodies(other, DEPTH * length, length, mass)
+    for body, image in zip(here, there, strict=True):
+        for v in motions():
+            want = total(one, body, v) * mass * length / time**2
+            np.testing.assert_allclose(
+                total(other, image, v * length / time), want, rtol=1e-9, atol=1e-9 * abs(want).max()
+            )
+
+
+@EVERY
+def test_its_terms_are_those_it_names(law: type[Law]) -> None:
+    medium = sample(law)
+    assert 1 <= len(law.terms) == len(set(law.terms)) <= TERMS
+    for body in bodies(medium, DEPTH):
+        forces = np.array([force(medium, body, v) for v in motions()])
+        assert (np.abs(forces).max(axis=(0, 2)) > 0.0).all()  # each of them does something
+
+
+@EVERY
+def test_it_says_what_it_is(law: type[Law]) -> None:
+    assert law.__doc__
+    assert "=" in law.equation
+    assert law.takes
+    assert law.takes <= set(WORDS)
+    assert all(law.tag() in laws_for(kind) for kind in law.takes)
+    schema = json_schema()
+    assert schema["$defs"][law.__name__]["properties"]["law"]["const"] == law.tag()
+    assert "law" in schema["$defs"][law.__name__]["required"]
+    for key in coefficients(law):
+        assert (unit(key)[0] != NONE) == any(key.endswith(end) for end in UNITS)
+
+
+@EVERY
+def test_its_numbers_are_numbers_within_bounds(law: type[Law]) -> None:
+    plain = sample(law).model_dump(by_alias=True)
+    law.model_validate(plain)
+    for key, owner in coefficients(law).items():
+        if owner is law:
+            for wrong in (math.nan, math.inf, "1", True, -WITHOUT_UNIT):
+                with pytest.raises(ValidationError, match=key):
+                    law.model_validate(plain | {key: wrong})

@@ -1,0 +1,104 @@
+"""A law from outside: one class and one registration, and it runs from YAML as the laws of the package do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+from support_power import Power
+from support_runs import ROOT
+
+from granular_contact import build, load, simulate
+from granular_contact.config import allowed
+from granular_contact.config.add_law import add_law
+from granular_contact.config.schema import Bed, BedLayer, Scenario
+from granular_contact.errors import ConfigError
+from granular_contact.laws.catalogue import LAWS
+from granular_contact.laws.law import Law
+from granular_contact.laws.probe import ball, force
+from granular_contact.laws.tsimring_volfson import TsimringVolfson
+
+
+@pytest.fixture
+def added() -> Iterator[None]:
+    add_law(Power)
+    yield
+    del LAWS["power"]
+    for part in (BedLayer, Bed, Scenario):
+        part.model_rebuild(force=True)
+    allowed.root.cache_clear()
+
+
+BALL = """
+model:
+  name: ball
+  bodies:
+    ball: {type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.02, center_m: [0, 0]}]}
+  joints:
+    free: {type: free, parent: ground, child: ball}
+medium: MEDIUM
+surface_height_m: -0.01
+initial: {joints: {free: {x_m: 0, y_m: 0, angle_deg: 0, vx_m_s: 0.3, vy_m_s: -0.5}}}
+solver: {end_time_s: 0.02, step_s: 2.0e-4}
+"""
+
+
+def test_it_is_the_law_that_readme_shows() -> None:
+    shown = (ROOT / "README.md").read_text(encoding="utf-8")
+    own = (ROOT / "tests" / "laws" / "support_power.py").read_text(encoding="utf-8")
+    assert f"```python\n{own}```" in shown
+
+
+def test_python_needs_the_class_alone() -> None:
+    own, same = Power(400.0, 1.6), TsimringVolfson(0.0, 400.0, 1.6)
+    for v in np.array([[0.2, -0.3], [0.0, 0.4]]):
+        np.testing.assert_allclose(force(own, ball(0.01, 0.02), v), force(same, ball(0.01, 0.02), v)[:1], rtol=1e-12)
+    with pytest.raises(ValueError, match=r"Power.exponent: got 0, allowed is a number above 0"):
+        Power(1.0, 0)
+
+
+@pytest.mark.usefixtures("added")
+def test_it_runs_from_yaml(tmp_path: Path) -> None:
+    tables = []
+    for law in ("power, stiffness_N: 400", "tsimring_volfson, drag_kg_m: 0, friction_N: 400"):
+        config = tmp_path / "config.yaml"
+        config.write_text(BALL.replace("MEDIUM", f"{{law: {law}, exponent: 1.6}}"), encoding="utf-8")
+        results = simulate(build(load(config).scenario))
+        tables.append(np.column_stack([results[name] for name in ("time_s", "depth_m")]))
+    own, same = tables
+    assert len(own) > 50
+    np.testing.assert_allclose(own, same, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.usefixtures("added")
+def test_its_keys_are_checked(tmp_path: Path) -> None:
+    config = tmp_path / "own.yaml"
+    config.write_text(BALL.replace("MEDIUM", "{law: power, stiffness_N: -1, exponents: 1.6}"), encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    assert {str(fault) for fault in caught.value.faults} >= {
+        f"{config}:8: medium.stiffness_N: got the number -1; allowed is a finite number of at least 0",
+        f"{config}:8: medium.exponents: unknown key; did you mean exponent?",
+    }
+
+
+@pytest.mark.usefixtures("added")
+def test_a_tag_is_taken_once() -> None:
+    add_law(Power)
+
+    class Other(Power):
+        """Another."""
+
+    with pytest.raises(ValueError, match="got the tag 'power' for Other, which another law has"):
+        add_law(Other)
+
+    class Bare(Law):
+        """Says nothing."""
+
+        law: Literal["bare"]
+
+    with pytest.raises(TypeError, match="Bare has no equation, terms, takes, constants"):
+        add_law(Bare)
