@@ -277,7 +277,8 @@ def test_only_laws_that_have_a_resultant_take_its_form() -> None:
         ((key, message),) = faults_of("pendulum_rigid", f"medium={medium}", "load.form=resultant")
         assert key == "load.form"
         assert "laws with one are lee_marghitu, albert, hill" in message
-    assert scene_of("pendulum_rigid", f"medium=[play_sand, {ALBERT}, {HILL}]", "load.form=resultant").load.resultant
+    scene = scene_of("pendulum_rigid", f"medium=[play_sand, {ALBERT}, {HILL}]", "load.form=resultant")
+    assert scene.load.form == "resultant"
 
 
 FLOOR = "bed={depth_m: 0.05, floor: {stiffness_N_m2: 1e6, damping_s_m: 1}}"

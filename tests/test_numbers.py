@@ -12,7 +12,7 @@ from support_runs import CONFIGS
 
 from granular_contact import run as run_module
 from granular_contact.config import load_scenario
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import FINISHED, REST_MEASURE
 from granular_contact.results.interpolation import Track, above_zero, at_times, greatest, positive_part, rates
@@ -131,8 +131,8 @@ def test_instants_left_out_change_no_number(name: str, monkeypatch: pytest.Monke
     monkeypatch.setattr(run_module, "_trajectory", lambda *_: (system, thinned(whole, kept)))
     got = numbers(run_module.run(scene, scenario).summary)
     assert got.keys() == exact.keys()
-    observer, gap = Observer(system, whole), 4.0 * scene.solver.step
-    speed, lasted = float(observer.speeds.max()), float(whole.time[-1])
+    motion, gap = Kinematics(system, whole), 4.0 * scene.solver.step_s
+    speed, lasted = float(motion.speeds.max()), float(whole.time[-1])
     energy = 10.0 * max(abs(value) for key, value in exact.items() if key.endswith("_J")) * gap / lasted
     for key, value in exact.items():
         share = 0.5 if scene.links and key in VIBRATES else 0.05
@@ -175,9 +175,9 @@ def test_chosen_steps_give_the_numbers_of_fixed_steps(name: str) -> None:
         scene = build(scenario)
         system, trajectory = solved(scene)
         assert trajectory.status.code in FINISHED
-        runs.append((run_module.run(scene, scenario), Observer(system, trajectory)))
-    (fixed, observer), (chosen, _) = runs
-    way, speed = 4.0 * ACCURACY * observer.way, float(observer.speeds.max())
+        runs.append((run_module.run(scene, scenario), Kinematics(system, trajectory)))
+    (fixed, motion), (chosen, _) = runs
+    way, speed = 4.0 * ACCURACY * motion.way, float(motion.speeds.max())
     exact, got = numbers(fixed.summary), numbers(chosen.summary)
     assert got.keys() == exact.keys()
     energy = 4.0 * ACCURACY * max(abs(value) for key, value in exact.items() if key.endswith("_J"))

@@ -24,8 +24,8 @@ from granular_contact.report.figures import series
 from granular_contact.report.figures.outlines import edge
 from granular_contact.report.figures.panels import thin
 from granular_contact.report.figures.style import style
+from granular_contact.report.units import unit_for
 from granular_contact.results import Column, Outline, Results, Snapshot
-from granular_contact.results.units import unit_for
 
 CASES: dict[str, dict[str, Any]] = {
     "rigid": {},

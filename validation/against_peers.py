@@ -23,7 +23,7 @@ sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
 from granular_contact.multibody.build import build
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.solve import solve
 from granular_contact.scene import build as build_scene
 from validation import peer_chains
@@ -67,7 +67,7 @@ def ours(elements: int, strips: int, steps: int, tolerance: float) -> TipPath:
     )
     system = build(scene)
     trajectory = solve(system)
-    tip, _ = Observer(system, trajectory).position(*scene.tip)
+    tip, _ = Kinematics(system, trajectory).position(*scene.tip)
     return TipPath(trajectory.time, tip, trajectory.cost.solve_s)
 
 

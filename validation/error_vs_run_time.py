@@ -29,9 +29,8 @@ sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
 from granular_contact.multibody.build import build as build_system
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.observe import observe
 from granular_contact.multibody.solve import settings, solve
-from granular_contact.multibody.stop import stop_after
 from granular_contact.results.stopping import find_touch
 from granular_contact.run import run
 from granular_contact.scene import build
@@ -134,11 +133,11 @@ def simulate(setting: Setting, *more: str) -> Path40:
     trajectory = solve(system, simulation=simulation)
     if trajectory.status.code == "failed":
         raise Failed(trajectory.status.message)
-    observer = Observer(system, trajectory)
-    columns, table = observer.columns()
+    seen = observe(system, trajectory)
+    columns, table = seen.columns()
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    touch = find_touch(trajectory.time, observer.all_depths())
-    found = None if touch is None else stop_after(observer, touch)
+    touch = find_touch(trajectory.time, seen.depths)
+    found = None if touch is None else seen.stop(touch)
     if touch is None or found is None:
         raise Failed("it does not stop within 40 ms")
     return _path(series, found.time - touch.time, float(np.degrees(found.angle)), trajectory.cost.solve_s)

@@ -24,11 +24,11 @@ class FloatPoint:
     """One quadrature point of a cable element; weight is its share of the arc length (m)."""
 
     def __init__(self, system: System, element: int, place: list[float], weight: float, diameter: float) -> None:
-        (medium,), load = system.scene.media, system.scene.load
+        (medium,) = system.scene.media
         assert system.scene.surface is not None
         self.element, self.place, self.weight, self.d = element, place, weight, diameter
         self.medium, self.surface, self.g = medium, system.scene.surface, system.scene.gravity
-        self.u_y, self.tau = load.static.yield_displacement, load.static.damping_time  # type: ignore[union-attr]
+        self.u_y, self.tau = system.scene.static.yield_displacement, system.scene.static.damping_time  # type: ignore[union-attr]
         self.anchor = [0.0, 0.0]
 
     def force(self, mbs: Any, t: float, load: Any) -> list[float]:  # noqa: ARG002

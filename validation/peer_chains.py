@@ -19,7 +19,7 @@ import numpy as np
 from granular_contact.minimal.solve import solve as solve_tree
 from granular_contact.minimal.tree import tree
 from granular_contact.multibody.build import build
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.solve import solve
 from validation.chains import LENGTH, chain, strips
 from validation.peers import Path, mujoco_chain
@@ -50,7 +50,7 @@ def minimal(links: int, setting: tuple[float, float], start: tuple[float, float]
     scene = chain(links, *start, method={"minimal": {"rtol": rtol}}, end_time_s=END, step_s=longest)
     made = tree(scene)
     trajectory = solve_tree(made)
-    tip, _ = Observer(made.system, trajectory).position(*scene.tip)
+    tip, _ = Kinematics(made.system, trajectory).position(*scene.tip)
     return Path(trajectory.time, tip, trajectory.cost.solve_s)
 
 
@@ -60,7 +60,7 @@ def engine(links: int, setting: tuple[int, float], start: tuple[float, float]) -
     scene = chain(links, *start, end_time_s=END, step_s=END / steps, tolerance=tolerance)
     system = build(scene)
     trajectory = solve(system)
-    tip, _ = Observer(system, trajectory).position(*scene.tip)
+    tip, _ = Kinematics(system, trajectory).position(*scene.tip)
     return Path(trajectory.time, tip, trajectory.cost.solve_s)
 
 

@@ -23,7 +23,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.multibody.build import build
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.observe import observe
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.solve import solve
 from granular_contact.multibody.system import RigidHandle, System
@@ -74,7 +74,7 @@ def once(scene: Scene, empty: bool) -> Cost:
     ready = time.process_time()
     trajectory = solve(system)
     solved = time.process_time()
-    Observer(system, trajectory).columns()
+    observe(system, trajectory).columns()
     done = time.process_time()
     cost = trajectory.cost
     return Cost(solved - ready, done - began, cost.steps, cost.newton_iterations, cost.jacobians)

@@ -16,8 +16,8 @@ def load_of(scene: Scene) -> GranularLoad:
         bed.profile,
         slope=bed.slope,
         gravity=scene.gravity,
-        static=options.static,
-        form="resultant" if options.resultant else "distributed",
+        static=scene.static,
+        form=options.form,
         end_cap=options.end_cap,
         floor=bed.floor,
     )

@@ -21,6 +21,10 @@ MOST_WORKERS = 256
 ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
+class Refusal(Exception):
+    """Why a command is not begun, in a sentence for people; the command line ends as of faulty input."""
+
+
 def complain(text: str) -> None:
     """Say what is wrong."""
     print(text, file=sys.stderr)
@@ -80,6 +84,33 @@ def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
 
     with Console(stderr=True).status("") as status:
         yield lambda name: status.update(f"running {name}")
+
+
+def number(value: float | None, factor: float, form: str) -> str:
+    """A number times a factor in a format; a dash for None."""
+    return "-" if value is None else format(factor * value, form)
+
+
+def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table whose first column has names and the others numbers."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False)
+    table.add_column(first)
+    for head in heads:
+        table.add_column(head, justify="right")
+    for row in rows:
+        table.add_row(*row)
+    Console(width=max(100, Console().width)).print(table)
+
+
+def output_folder(out: str | None, name: str, kind: str = "run") -> Path:
+    """The folder that was asked for, or results/NAME; raises Refusal if it can't take results of a kind."""
+    folder = Path(out) if out else Path("results", name)
+    if (problem := folder_problem(folder, kind)) is not None:
+        raise Refusal(problem)
+    return folder
 
 
 def folder_problem(folder: Path, kind: str = "run") -> str | None:

@@ -9,17 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
-    FAULTY_INPUT,
     add_output,
     add_set,
     complain,
-    folder_problem,
+    number,
+    output_folder,
+    print_table,
     telling,
     worst,
 )
 
 if TYPE_CHECKING:
-    from granular_contact.studies.compare import Comparison, Row
+    from granular_contact.studies.compare import Row
 
 HELP = "run a config by several models and say which is enough"
 
@@ -56,11 +57,7 @@ def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact.studies.compare import compare, write
 
-    folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.config).stem}_compare")
-    problem = folder_problem(folder, "compare")
-    if problem:
-        complain(problem)
-        return FAULTY_INPUT
+    folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_compare", "compare")
     with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
         comparison = compare(
             chosen.config,
@@ -73,37 +70,23 @@ def act(chosen: argparse.Namespace) -> int:
         )
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        _show(comparison)
+        print_table("model", HEADS, ([row.model.name, *_cells(row)] for row in comparison.rows))
+        print(comparison.verdict)
         print(f"saved in {folder}")
     return worst(row.results.status.code for row in comparison.rows)
 
 
-def _show(comparison: Comparison) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False)
-    table.add_column("model")
-    for head in ("stop ms", "angle deg", "peak um", "stop %", "travel %", "peak %", "rms mdeg", "rms um", "run ms"):
-        table.add_column(head, justify="right")
-    for row in comparison.rows:
-        table.add_row(row.model.name, *_cells(row))
-    Console(width=max(100, Console().width)).print(table)
-    print(comparison.verdict)
+HEADS = ("stop ms", "angle deg", "peak um", "stop %", "travel %", "peak %", "rms mdeg", "rms um", "run ms")
 
 
 def _cells(row: Row) -> Iterator[str]:
     summary = row.results.summary
-    yield _number(summary["stopping_time_s"], 1e3, ".3f")
-    yield _number(summary["angle_at_stop_deg"], 1.0, ".4f")
-    yield _number(summary["max_deflection_m"], 1e6, ".1f")
-    yield _number(row.stopping_time, 1e2, "+.3f")
-    yield _number(row.travel, 1e2, "+.3f")
-    yield _number(row.deflection, 1e2, "+.2f")
-    yield _number(row.angle_rms, 1e3, ".2f")
-    yield _number(row.deflection_rms, 1e6, ".2f")
-    yield _number(row.seconds, 1e3, ".2f")
-
-
-def _number(value: float | None, factor: float, form: str) -> str:
-    return "-" if value is None else format(factor * value, form)
+    yield number(summary["stopping_time_s"], 1e3, ".3f")
+    yield number(summary["angle_at_stop_deg"], 1.0, ".4f")
+    yield number(summary["max_deflection_m"], 1e6, ".1f")
+    yield number(row.stopping_time, 1e2, "+.3f")
+    yield number(row.travel, 1e2, "+.3f")
+    yield number(row.deflection, 1e2, "+.2f")
+    yield number(row.angle_rms, 1e3, ".2f")
+    yield number(row.deflection_rms, 1e6, ".2f")
+    yield number(row.seconds, 1e3, ".2f")

@@ -8,17 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
-    FAULTY_INPUT,
     add_output,
     add_set,
     complain,
-    folder_problem,
+    number,
+    output_folder,
+    print_table,
     telling,
     worst,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator
 
     from granular_contact.studies.compare_media import Row
 
@@ -43,47 +44,29 @@ def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact.studies.compare_media import compare_media, write
 
-    folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.config).stem}_media")
-    problem = folder_problem(folder, "compare-media")
-    if problem:
-        complain(problem)
-        return FAULTY_INPUT
+    folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_media", "compare-media")
     with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
         compiling = None if chosen.quiet else complain
         rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        _show(rows)
+        print_table("medium", HEADS, ([row.name, *_cells(row)] for row in rows))
+        for row in rows:
+            for warning in row.results.warnings:
+                print(f"{row.name}: {warning}")
         print(f"saved in {folder}")
     return worst(row.results.status.code for row in rows)
 
 
-def _show(rows: Sequence[Row]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False)
-    table.add_column("medium")
-    for head in ("ended", "stop ms", "angle deg", "depth mm", "peak force N", "taken J", "imbalance"):
-        table.add_column(head, justify="right")
-    for row in rows:
-        summary = row.results.summary
-        table.add_row(
-            row.name,
-            summary["status"],
-            _number(summary["stopping_time_s"], 1e3, ".3f"),
-            _number(summary["angle_at_stop_deg"], 1.0, ".3f"),
-            _number(summary["max_depth_m"], 1e3, ".2f"),
-            _number(row.peak_force, 1.0, ".2f"),
-            _number(-summary["energy"]["granular_work_J"], 1.0, ".4f"),
-            _number(summary["energy"]["imbalance_relative"], 1.0, ".1e"),
-        )
-    console = Console()
-    Console(width=max(100, console.width)).print(table)
-    for row in rows:
-        for warning in row.results.warnings:
-            print(f"{row.name}: {warning}")
+HEADS = ("ended", "stop ms", "angle deg", "depth mm", "peak force N", "taken J", "imbalance")
 
 
-def _number(value: float | None, factor: float, form: str) -> str:
-    return "-" if value is None else format(factor * value, form)
+def _cells(row: Row) -> Iterator[str]:
+    summary = row.results.summary
+    yield summary["status"]
+    yield number(summary["stopping_time_s"], 1e3, ".3f")
+    yield number(summary["angle_at_stop_deg"], 1.0, ".3f")
+    yield number(summary["max_depth_m"], 1e3, ".2f")
+    yield number(row.peak_force, 1.0, ".2f")
+    yield number(-summary["energy"]["granular_work_J"], 1.0, ".4f")
+    yield number(summary["energy"]["imbalance_relative"], 1.0, ".1e")

@@ -17,7 +17,7 @@ from granular_contact.cli.common import (
     add_output,
     add_set,
     complain,
-    folder_problem,
+    output_folder,
     reason,
     worker_count,
 )
@@ -57,12 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    folder = Path(chosen.out) if chosen.out else Path("results", f"{Path(chosen.files[0]).stem}_fit")
     asked = wanted(chosen)
-    problem_of_folder = folder_problem(folder, "fit")
-    if problem_of_folder:
-        complain(problem_of_folder)
-        return FAULTY_INPUT
+    folder = output_folder(chosen.out, f"{Path(chosen.files[0]).stem}_fit", "fit")
 
     from granular_contact.studies.fit import fit, prepare, write
     from granular_contact.studies.sweep.pool import cores

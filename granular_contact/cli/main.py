@@ -25,7 +25,7 @@ from granular_contact.cli import (
     sweep,
     validate,
 )
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, complain
+from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
 from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
 
 COMMANDS = (run, sweep, compare, compare_media, fit, report, media, check, examples, validate, schema)
@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = _parser().parse_args(arguments)
     try:
         code: int = chosen.command(chosen)
-    except (ConfigError, SceneError) as error:
+    except (ConfigError, SceneError, Refusal) as error:
         complain(str(error))
         return FAULTY_INPUT
     except OutOfTimeError as error:

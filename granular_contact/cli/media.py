@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.cli.common import FAULTY_INPUT, FINE, add_output, complain, folder_problem
+from granular_contact.cli.common import FINE, add_output, output_folder
 
 if TYPE_CHECKING:
     from granular_contact.laws.law import Law
@@ -30,11 +30,7 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.config import load_medium
 
     spec = load_medium(chosen.name)
-    folder = Path(chosen.out) if chosen.out else Path("results", f"media_{Path(chosen.name).stem}")
-    problem = folder_problem(folder, "media")
-    if problem:
-        complain(problem)
-        return FAULTY_INPUT
+    folder = output_folder(chosen.out, f"media_{Path(chosen.name).stem}", "media")
     if not chosen.quiet:
         _show(spec)
     return _draw(spec, folder, chosen.quiet)

@@ -15,10 +15,11 @@ from granular_contact.cli.common import (
     ENDS,
     FAULTY_INPUT,
     FINE,
+    Refusal,
     add_output,
     add_set,
     complain,
-    folder_problem,
+    output_folder,
     read,
 )
 from granular_contact.errors import ConfigError, Fault
@@ -64,11 +65,9 @@ def _method(chosen: argparse.Namespace) -> Iterator[str]:
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     scenario, scene = read(chosen.config, [*_method(chosen), *chosen.set])
-    folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.config).stem)
-    problem = _film_problem(chosen.film) or _view_problem(chosen.view, scene) or folder_problem(folder)
-    if problem:
-        complain(problem)
-        return FAULTY_INPUT
+    if problem := _film_problem(chosen.film) or _view_problem(chosen.view, scene):
+        raise Refusal(problem)
+    folder = output_folder(chosen.out, Path(chosen.config).stem)
 
     from granular_contact import report
     from granular_contact.run import run

@@ -19,7 +19,7 @@ from granular_contact.cli.common import (
     INTERRUPTED,
     add_output,
     complain,
-    folder_problem,
+    output_folder,
     reason,
     worker_count,
 )
@@ -63,11 +63,7 @@ def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact.studies.sweep import CrewError, FolderRefused
 
-    folder = Path(chosen.out) if chosen.out else Path("results", Path(chosen.file).stem)
-    problem = folder_problem(folder, "sweep")
-    if problem:
-        complain(problem)
-        return FAULTY_INPUT
+    folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
     try:
         with _crew(chosen, folder) as crew:
             return _with_crew(chosen, folder, crew)

@@ -12,7 +12,8 @@ from granular_contact.kernels import tree_march as kernels
 from granular_contact.minimal.tree import Tree
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.system import Trajectory
-from granular_contact.results import Cost, Progress, Status, out_of_time
+from granular_contact.results import Cost, Progress, Status
+from granular_contact.results.ending import ended
 from granular_contact.scene.types import Minimal, Scene, Vector
 
 SHARE = 1024  # steps between two looks at the progress bar
@@ -29,11 +30,11 @@ class March:
         reach, speed = _size(scene)
         self.y = tree.start.copy()
         self.control = np.zeros(1, kernels.CONTROL)
-        self.control["end"], self.control["longest"] = solver.end_time, solver.step
-        self.control["rest_speed"] = solver.rest_speed
-        self.control["rest_time"] = np.inf if solver.rest_time is None else solver.rest_time
+        self.control["end"], self.control["longest"] = solver.end_time_s, solver.step_s
+        self.control["rest_speed"] = solver.rest_speed_m_s
+        self.control["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s
         self.control["allowed"] = [[method.rtol * reach, method.rtol * speed]]
-        self.clock = np.array([0.0, FIRST_STEP * solver.step, 0.0, 0.0, kernels.OLD])
+        self.clock = np.array([0.0, FIRST_STEP * solver.step_s, 0.0, 0.0, kernels.OLD])
         self.counts = np.zeros(3, dtype=np.int64)
         self.direction = np.zeros_like(self.y)
         self.blank = (HistoryTable() if tree.load is None else tree.load.table).blank
@@ -76,15 +77,15 @@ def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
     assert isinstance(scene.method, Minimal)
     march = March(tree, scene.method)
     code, began = kernels.PAUSE, time.perf_counter()
-    wall = scene.solver.max_wall
+    wall = scene.solver.max_wall_s
     try:
         while code == kernels.PAUSE and (wall is None or time.perf_counter() - began < wall):
             code = march.go_on()
             if progress is not None:
-                progress(march.time, scene.solver.end_time)
+                progress(march.time, scene.solver.end_time_s)
         status = _status(scene, scene.method, code, march.time)
     except KeyboardInterrupt:
-        status = Status("interrupted", f"interrupted at {march.time:.6g} s; the results up to there were kept")
+        status = ended("interrupted", march.time, scene.solver)
     seconds = time.perf_counter() - began
     steps, _, evaluations = (int(count) for count in march.counts)
     count = 3 * len(tree.forest.bodies)
@@ -108,16 +109,11 @@ def _history(load: GranularLoad, rows: Vector, work: Vector) -> LoadHistory:
 
 
 def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
-    solver = scene.solver
     if code == kernels.FAILED:
         return Status(
             "failed",
             f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; raise it",
         )
     if code == kernels.PAUSE:
-        return out_of_time(t, solver.end_time, solver.max_wall)
-    if code == kernels.REST:
-        return Status(
-            "rest", f"at rest: slower than {solver.rest_speed:g} m/s in every coordinate for {solver.rest_time:g} s"
-        )
-    return Status("end_time", f"end time {solver.end_time:g} s reached")
+        return ended("time_limit", t, scene.solver)
+    return ended("rest" if code == kernels.REST else "end_time", t, scene.solver)

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
-from granular_contact.multibody.observe import Observer
 from granular_contact.multibody.recorder import levers
-from granular_contact.multibody.strip_error import strip_doubts
-from granular_contact.results.accuracy import Doubt, remedy
+from granular_contact.multibody.strip_error import strip_warnings
+from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the way
@@ -29,16 +29,16 @@ TREMBLE = 1e-3  # of a link's length
 EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
 
 
-def doubts(observer: Observer) -> Iterator[Doubt]:
+def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
     """Sentences on steps, beams and vibration."""
-    if len(observer.trajectory.time) < 4:
+    if len(motion.trajectory.time) < 4:
         return
-    yield from _steps(observer)
-    yield from _entry(observer)
-    yield from strip_doubts(observer)
-    for name in observer.system.links:
-        yield from _beam(observer, name)
-        yield from _vibration(observer, name)
+    yield from _steps(motion)
+    yield from _entry(motion)
+    yield from strip_warnings(motion)
+    for name in motion.system.links:
+        yield from _beam(motion, name)
+        yield from _vibration(motion, name)
 
 
 def step_error(time: Vector, speeds: Vector) -> float:
@@ -74,45 +74,45 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     return most / math.sqrt(3.0)
 
 
-def _steps(observer: Observer) -> Iterator[Doubt]:
-    lever = levers(observer.system)
-    time, v, fastest = observer.trajectory.time, observer.trajectory.v, observer.speeds
-    if observer.trajectory.load is not None:
+def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    lever = levers(motion.system)
+    time, v, fastest = motion.trajectory.time, motion.trajectory.v, motion.speeds
+    if motion.trajectory.load is not None:
         # Only what meets the medium, or a short impact would drown in a long flight.
-        met = observer.trajectory.load.depth > 0.0
+        met = motion.trajectory.load.depth > 0.0
         since = max(0, int(np.argmax(met)) - 1)
         time, v, fastest = time[since:], v[since:], fastest[since:]
     if len(time) < 4:
         return
-    unknown = _unknown_energy(observer)
+    unknown = _unknown_energy(motion)
     if unknown > UNKNOWN:
         said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
-        yield Doubt(f"{said}, and the result is not usable; {remedy(observer.scene)}", math.inf)
+        yield AccuracyWarning(f"{said}, and the result is not usable; {remedy(motion.scene)}", math.inf)
         return
-    way = max(float(np.sum(np.diff(time) * fastest[1:])), observer.scene.least_way)
+    way = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_way)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / way
-    if observer.scene.solver.accuracy is None:  # or every jump was judged as it came
-        error = max(error + jump_error(time, v, observer.trajectory.mass, fastest) / way, 0.5 * unknown)
+    if motion.scene.solver.accuracy is None:  # or every jump was judged as it came
+        error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / way, 0.5 * unknown)
     if error > STEP_ERROR:
         said = f"the steps are too long: they put the motion off by about {error:.1%} of its way, {error * way:.2g} m"
-        yield Doubt(f"{said}; {remedy(observer.scene)}", error)
+        yield AccuracyWarning(f"{said}; {remedy(motion.scene)}", error)
 
 
-def _unknown_energy(observer: Observer) -> float:
+def _unknown_energy(motion: Kinematics) -> float:
     """What the steps leave open of the medium's work, over the greatest energy there was; velocities go with its root.
 
     It sees forces that change within a step in any direction, also across the motion, where they turn the heading.
     """
-    trajectory = observer.trajectory
+    trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
     work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
-    scale = max(float(kinetic.max()), work, observer.scene.force_scale * observer.scene.least_way)
-    return uncertain_work(observer) / scale if scale > 0.0 else 0.0
+    scale = max(float(kinetic.max()), work, motion.scene.force_scale * motion.scene.least_way)
+    return uncertain_work(motion) / scale if scale > 0.0 else 0.0
 
 
-def _entry(observer: Observer) -> Iterator[Doubt]:
+def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
     """Whether the first touch was passed over in a few steps."""
-    load = observer.trajectory.load
+    load = motion.trajectory.load
     if load is None:
         return
     below = np.flatnonzero(load.depth > 0.0)
@@ -122,27 +122,27 @@ def _entry(observer: Observer) -> Iterator[Doubt]:
     deepest = int(first + np.argmax(load.depth[first:]))
     if deepest - first + 1 < FEW and load.depth[first] > 0.0 and first > 0:
         said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
-        yield Doubt(f"{said}; {remedy(observer.scene)}")
+        yield AccuracyWarning(f"{said}; {remedy(motion.scene)}")
 
 
-def _beam(observer: Observer, name: str) -> Iterator[Doubt]:
+def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
     """Whether a link bends within single elements: what cubics miss shows as jumps of curvature from one to the next.
 
     At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
     l^2; in 35 beams of 1 to 16 elements, EI from 1e-6 to 1 times the source's, it was a sixteenth to one.
     """
-    t, link = observer.trajectory, observer.system.links[name].link
-    nodes = np.array(observer.nodes(name))
+    t, link = motion.trajectory, motion.system.links[name].link
+    nodes = np.array(motion.nodes(name))
     elements, length = len(nodes) - 1, link.length / (len(nodes) - 1)
     first, last = curvatures(t.q[:, nodes], length)
     jump = np.abs(first[:, 1:] - last[:, :-1]).sum(axis=1)
     if link.free:
         jump = np.maximum(jump, np.abs(last[:, -1]))
-    way = max(observer.way, observer.scene.least_way)
+    way = max(motion.way, motion.scene.least_way)
     size = float(jump.max()) * length**2
     if size > ROUGH_BEAM * way:
         more = min(elements * int(np.ceil(np.sqrt(size / way / ROUGH_BEAM) + 1.0)), 1024)
-        yield Doubt(
+        yield AccuracyWarning(
             f"{name} bends too much within its elements: take model.bodies.{name}.flexible.elements: {more} "
             f"(now {elements})"
         )
@@ -160,12 +160,12 @@ def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
     return found[0], found[1]
 
 
-def _vibration(observer: Observer, name: str) -> Iterator[Doubt]:
-    bend = observer.bend(name).values
+def _vibration(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
+    bend = motion.bend(name).values
     first, second = np.diff(bend), np.diff(bend, 2)
     size = float(np.sqrt(np.mean(first**2)))
-    if size < TREMBLE * observer.system.links[name].link.length:
+    if size < TREMBLE * motion.system.links[name].link.length:
         return
     rough = float(np.sqrt(np.mean(second**2))) / (2.0 * size)
     if rough > ROUGH:
-        yield Doubt(f"{name} vibrates faster than the steps can show; {remedy(observer.scene)}")
+        yield AccuracyWarning(f"{name} vibrates faster than the steps can show; {remedy(motion.scene)}")

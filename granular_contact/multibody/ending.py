@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.results import Status, out_of_time
+from granular_contact.results import Status
+from granular_contact.results.ending import ended
 
 STIFF, SLOW = 1e-7, 0.1  # m, s: bristles a hundred times stiffer or slower than the default ones are what fails
 
@@ -13,14 +14,8 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
     """Status of a solve; problem: what the engine said, if anything; step (s): the last one tried."""
     solver, t = recorder.solver, float(recorder.states[recorder.rows - 1, 0])
     match recorder.reason:
-        case "interrupted":
-            return Status("interrupted", f"interrupted at {t:.6g} s; the results up to there were kept")
-        case "rest":
-            return Status(
-                "rest", f"at rest: slower than {solver.rest_speed:g} m/s in every coordinate for {solver.rest_time:g} s"
-            )
-        case "time_limit":
-            return out_of_time(t, solver.end_time, solver.max_wall)
+        case "interrupted" | "rest" | "time_limit" as code:
+            return ended(code, t, solver)
         case "away":
             return Status("failed", f"the motion ran away at {t:.6g} s; {_remedy(recorder)}")
         case "crowd":
@@ -31,12 +26,12 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
     if not success:
         reason = problem or "Newton's method did not converge"
         return Status("failed", f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; {_remedy(recorder)}")
-    return Status("end_time", f"end time {solver.end_time:g} s reached")
+    return ended("end_time", t, solver)
 
 
 def _remedy(recorder: Recorder) -> str:
     solver, scene = recorder.solver, recorder.system.scene
-    static = scene.load.static
+    static = scene.static
     if scene.media and isinstance(static, Elastoplastic):
         if static.yield_displacement < STIFF:
             return f"take a larger load.friction.yield_displacement_m (now {static.yield_displacement:g})"
@@ -44,4 +39,4 @@ def _remedy(recorder: Recorder) -> str:
             return f"take a smaller load.friction.damping_time_s (now {static.damping_time:g})"
     links = " or, for a very soft or very stiff link, more elements" if recorder.system.links else ""
     what = "solver.step_s" if solver.accuracy is None else "solver.accuracy"
-    return f"take a smaller {what} (now {solver.step if solver.accuracy is None else solver.accuracy:g}){links}"
+    return f"take a smaller {what} (now {solver.step_s if solver.accuracy is None else solver.accuracy:g}){links}"

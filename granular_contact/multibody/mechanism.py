@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from granular_contact.multibody.joint_history import JointForces, drive_history, joint_forces, joint_history
-from granular_contact.multibody.medium_work import medium_works
+from granular_contact.multibody import joint_history
+from granular_contact.multibody.joint_history import JointForces
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.results import series
 from granular_contact.results.energy import work
-from granular_contact.results.interpolation import above_zero, at_times, positive_part
-from granular_contact.scene.types import Connection, Drive, Vector
-
-if TYPE_CHECKING:
-    from granular_contact.multibody.observe import Observer
+from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
+from granular_contact.scene.types import Connection, Scene, Vector
 
 LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
+Driven = dict[str, tuple[Vector, Vector]]  # torque or force (n,) of drives, and power (n,) W, by joint
 
 
 def label(body: str) -> str:
@@ -25,78 +24,77 @@ def label(body: str) -> str:
     return f"{first}_body" if first == "tip" else first
 
 
-def joint_columns(observer: Observer) -> series.Series:
+def _joint(scene: Scene, name: str) -> Connection:
+    return next(joint for joint in scene.connections if joint.name == name)
+
+
+# ---- columns ----
+
+
+def joint_columns(motion: Kinematics) -> series.Series:
     """Coordinate and rate of every hinge and slider."""
     columns: series.Series = {}
-    for joint in observer.scene.connections:
+    for joint in motion.scene.connections:
         if joint.has_coordinate:
             made = series.joint if joint.kind == "hinge" else series.slider
-            columns |= made(joint.name, joint.child, joint.parent, *observer.coordinate(joint))
+            columns |= made(joint.name, joint.child, joint.parent, *motion.coordinate(joint))
     return columns
 
 
-def _drive_work(observer: Observer, drive: Drive) -> Vector:
-    force, _ = observer.drive_forces[drive.joint]
-    return work(observer.trajectory.time, force, observer.coordinate(_joint(observer, drive.joint))[1])
-
-
-def _joint(observer: Observer, name: str) -> Connection:
-    return next(joint for joint in observer.scene.connections if joint.name == name)
-
-
-def drive_force(observer: Observer, drive: Drive) -> tuple[Vector, Vector]:
-    """Torque or force (n,) of a drive, and its power (n,) W."""
-    s, rate = observer.coordinate(_joint(observer, drive.joint))
-    if drive.kind == "motion":
-        force = observer.trajectory.reactions[drive.joint]
-    else:
-        force = drive_history(drive, observer.trajectory.time, s, rate)
-    return force, force * rate
-
-
-def drive_columns(observer: Observer) -> series.Series:
+def drive_columns(scene: Scene, driven: Driven) -> series.Series:
     """Torque or force, and power of every drive."""
     columns: series.Series = {}
-    for name, (force, power) in observer.drive_forces.items():
-        columns |= series.drive(name, _joint(observer, name).kind == "hinge", force, power)
+    for name, (force, power) in driven.items():
+        columns |= series.drive(name, _joint(scene, name).kind == "hinge", force, power)
     return columns
 
 
-def body_columns(observer: Observer) -> series.Series:
-    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it."""
+def body_columns(motion: Kinematics, forces: Mapping[str, Vector]) -> series.Series:
+    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it.
+
+    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m).
+    """
     columns: series.Series = {}
-    if not observer.scene.body_columns:
-        return columns
-    forces = _body_forces(observer)
-    for body in observer.scene.bodies:
-        center, velocity = observer.center(body.name)
-        angle, rate = observer.angle(body.name, np.zeros(2))
+    for body in motion.scene.bodies if motion.scene.body_columns else ():
+        center, velocity = motion.center(body.name)
+        angle, rate = motion.angle(body.name, np.zeros(2))
         columns |= series.body(label(body.name), center, -angle, velocity, -rate)
         if body.name in forces:
             columns |= series.body_force(label(body.name), forces[body.name], center)
     return columns
 
 
-def _body_forces(observer: Observer) -> dict[str, Vector]:
-    """Resultant x, y (N) and moment about the origin (N m) of the medium on every body that can reach it, (n, 3)."""
-    load = observer.trajectory.load
-    return {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
+# ---- what acts in joints ----
 
 
-def all_joint_forces(observer: Observer) -> dict[str, JointForces]:
+def drive_forces(motion: Kinematics) -> Driven:
+    """Torque or force (n,) of every drive, and its power (n,) W."""
+    found = {}
+    for drive in motion.scene.drives:
+        s, rate = motion.coordinate(_joint(motion.scene, drive.joint))
+        if drive.kind == "motion":
+            force = motion.trajectory.reactions[drive.joint]
+        else:
+            force = joint_history.drive_history(drive, motion.trajectory.time, s, rate)
+        found[drive.joint] = force, force * rate
+    return found
+
+
+def joint_forces(motion: Kinematics) -> dict[str, JointForces]:
     """What acts in every joint, by its name, but for drives; only of joints in which something does."""
-    held = {name: load.first_anchor for name, load in observer.system.loads.items()}
+    held = {name: load.first_anchor for name, load in motion.system.loads.items()}
     return {
-        joint.name: joint_forces(joint.law, held.get(joint.name, 0.0), *observer.coordinate(joint))
-        for joint in observer.scene.connections
+        joint.name: joint_history.joint_forces(joint.law, held.get(joint.name, 0.0), *motion.coordinate(joint))
+        for joint in motion.scene.connections
         if not joint.law.is_idle
     }
 
 
-def joint_energies(observer: Observer) -> dict[str, Vector]:
+def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
     """What joints store, and the work done in them; only of what the mechanism has."""
-    joints, t = [joint for joint in observer.scene.connections if not joint.law.is_idle], observer.trajectory
-    done = [joint_history(observer.joint_forces[j.name], t.time, observer.coordinate(j)[1]) for j in joints]
+    joints, forces = [joint for joint in motion.scene.connections if not joint.law.is_idle], joint_forces(motion)
+    time = motion.trajectory.time
+    done = [joint_history.joint_history(forces[j.name], time, motion.coordinate(j)[1]) for j in joints]
     laws = [joint.law for joint in joints]
     energies = {}
     if any(law.stiffness > 0.0 or law.has_stops for law in laws):
@@ -105,52 +103,36 @@ def joint_energies(observer: Observer) -> dict[str, Vector]:
         energies["joint_damping_work_J"] = np.sum([one.damping for one in done], axis=0)
     if any(law.friction > 0.0 for law in laws):
         energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
-    load, bed = t.load, observer.scene.bed
-    if load is not None and bed is not None and bed.floor is not None:
-        energies["floor_work_J"] = medium_works(observer)[1]
-    if observer.drive_forces:
-        energies["drive_work_J"] = np.sum([_drive_work(observer, drive) for drive in observer.scene.drives], axis=0)
+    if driven:
+        rates = {name: motion.coordinate(_joint(motion.scene, name))[1] for name in driven}
+        works = [work(time, force, rates[name]) for name, (force, _) in driven.items()]
+        energies["drive_work_J"] = np.sum(works, axis=0)
     return energies
 
 
 # ---- key numbers ----
 
 
-def key_numbers(observer: Observer) -> dict[str, Any]:
-    """Contacts of every body whose motion is reported; of what is driven and can travel, how far and at what cost."""
-    from granular_contact.multibody.stop import penetration_time
-
-    numbers: dict[str, Any] = {}
-    if (sinking := penetration_time(observer)) is not None:
-        numbers["penetration_time_s"] = sinking
-    load = observer.trajectory.load
-    if observer.scene.body_columns and load is not None:
-        numbers["contacts"] = {label(name): _contacts(observer, name) for name in load.body_names}
-    if observer.scene.drives and any(_travels(joint) for joint in observer.scene.connections):
-        numbers |= _travel(observer)
-    return numbers
+def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Track]]) -> dict[str, list[list[float]]]:
+    """Intervals [on, off] (s) over which bodies are in the medium; the last may last until the end of the run."""
+    return {label(body): [[float(a), float(b)] for a, b in above_zero(time, depths.get(body, []))] for body in bodies}
 
 
-def _contacts(observer: Observer, body: str) -> list[list[float]]:
-    """Intervals [on, off] (s) over which a body is in the medium; the last may last until the end of the run."""
-    return [[float(a), float(b)] for a, b in above_zero(observer.trajectory.time, observer.depths.get(body, []))]
-
-
-def _travels(joint: Connection) -> bool:
+def travels(joint: Connection) -> bool:
     """Whether a joint lets all that hangs on it move along the surface."""
     along = joint.axis is not None and abs(joint.axis[0]) > LEAST_ALONG
     return joint.parent is None and (joint.kind == "free" or along)
 
 
-def _travel(observer: Observer) -> dict[str, float | None]:
+def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
     """Way of the common centre of mass, its mean speed, and the cost.
 
     The mean of the second half of the time is given too, as a gait sets in. cost_of_transport: work that
     the drives put in (what they take back is not counted) over weight times way.
     """
-    time, scene = observer.trajectory.time, observer.scene
-    x, speed = (along[:, 0] for along in observer.common_center)
-    put_in = sum(positive_part(time, power) for _, power in observer.drive_forces.values())
+    time, scene = motion.trajectory.time, motion.scene
+    x, speed = (along[:, 0] for along in motion.common_center)
+    put_in = sum(positive_part(time, power) for _, power in driven.values())
     lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
     way, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
     weight = scene.mass * abs(scene.gravity)

@@ -10,10 +10,10 @@ from granular_contact.bed.work import Motion, beyond
 from granular_contact.scene.types import Vector
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.observe import Observer
+    from granular_contact.multibody.kinematics import Kinematics
 
 
-def medium_works(observer: Observer) -> tuple[Vector, Vector]:
+def medium_works(observer: Kinematics) -> tuple[Vector, Vector]:
     """Work (n,) J of all media, and of the floor, since the start.
 
     A step in which the floor was touched has its difference with the floor, which is far stiffer.
@@ -29,7 +29,7 @@ def medium_works(observer: Observer) -> tuple[Vector, Vector]:
     return load.work + more - at_floor, load.floor_work + at_floor
 
 
-def uncertain_work(observer: Observer) -> float:
+def uncertain_work(observer: Kinematics) -> float:
     """By how much (J) the work on bodies differs at most between the two rules, both of second order.
 
     It is what the steps leave open of the energy that the medium took: next to nothing where forces and velocities
@@ -38,19 +38,19 @@ def uncertain_work(observer: Observer) -> float:
     return float(np.abs(_more(observer)).max(initial=0.0)) if observer.scene.media else 0.0
 
 
-def _more(observer: Observer) -> Vector:
+def _more(observer: Kinematics) -> Vector:
     load = observer.trajectory.load
     return np.zeros(1) if load is None else beyond(load, {name: _motion(observer, name) for name in load.body_names})
 
 
-def _motion(observer: Observer, name: str) -> Motion:
+def _motion(observer: Kinematics, name: str) -> Motion:
     center, velocity = observer.center(name)
     if name in observer.system.rigid:
         return center, velocity, observer.angle(name, np.zeros(2))[1]
     return center, velocity, _spin(observer, name, center)
 
 
-def _spin(observer: Observer, name: str, center: Vector) -> Vector:
+def _spin(observer: Kinematics, name: str, center: Vector) -> Vector:
     """Mean rate (n,) rad/s of a flexible link: its angular momentum over its inertia about its centre of mass."""
     places = np.array(observer.nodes(name)).ravel()
     q, v = observer.trajectory.q[:, places], observer.trajectory.v[:, places]

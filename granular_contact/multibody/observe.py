@@ -1,314 +1,171 @@
-"""Trajectory -> time series: what a run is asked for, computed from the coordinates of all accepted steps at once."""
+"""Trajectory -> Observation, for the coordinates of the engine."""
 
 from __future__ import annotations
 
-from functools import cached_property
-from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from granular_contact.laws.law import term_names
 from granular_contact.multibody import mechanism
-from granular_contact.multibody.joint_history import JointForces
+from granular_contact.multibody.accuracy import accuracy_warnings
+from granular_contact.multibody.beam_energy import damping_power, elastic_energy, strain
+from granular_contact.multibody.depths import all_depths, depths_by_body
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import medium_works
-from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.system import System, Trajectory
-from granular_contact.results import Column, Outline, series
-from granular_contact.results.energy import accumulate, damping_power, elastic_energy, strain
-from granular_contact.results.interpolation import Track, rates
+from granular_contact.results import energy
+from granular_contact.results.accuracy import AccuracyWarning
+from granular_contact.results.interpolation import Track
 from granular_contact.results.limits import Reach
-from granular_contact.scene.types import Connection, Vector
-
-STATIONS = 16  # to which a side is divided where the surface is not level
-
-
-def _between(corners: Vector) -> Vector:
-    """Points of a line with corners (k, 2), the corners among them; of a single point itself."""
-    if len(corners) < 2:
-        return corners
-    share = np.arange(STATIONS)[:, None] / STATIONS
-    sides = [a + share * (b - a) for a, b in pairwise(corners)]
-    return np.concatenate([*sides, corners[-1:]])
+from granular_contact.results.observation import Observation, pictures
+from granular_contact.results.series import Series
+from granular_contact.results.stopping import Stop, Touch, find_rest, find_stop, find_touch, find_turn
+from granular_contact.scene.types import Connection
 
 
-class Observer:
-    """Reads positions, angles and energies out of a trajectory; (n,) and (n, 2) arrays over its instants."""
-
-    def __init__(self, system: System, trajectory: Trajectory) -> None:
-        self.system = system
-        self.scene = system.scene
-        self.trajectory = trajectory
-        data = system.mbs.systemData
-        self._rigid = {name: data.GetNodeLTGODE2(h.node) for name, h in system.rigid.items()}
-        self._links = {name: [data.GetNodeLTGODE2(n) for n in h.nodes] for name, h in system.links.items()}
-
-    def columns(self) -> tuple[tuple[Column, ...], Vector]:
-        """All columns, with the table (instants, columns)."""
-        everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
-        everything |= mechanism.joint_columns(self) | mechanism.drive_columns(self) | mechanism.body_columns(self)
-        with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
-            return series.tabulate(everything | self._shape() | self._load() | self._energies())
-
-    # ---- motion ----
-
-    def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
-        """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""
-        q, v = self.trajectory.q, self.trajectory.v
-        if name in self._links:
-            node = self._links[name][-1 if point[0] > 0.5 * self.system.links[name].link.length else 0]
-            return q[:, node[:2]], v[:, node[:2]]
-        x, y, phi = self._rigid[name]
-        c, s = np.cos(q[:, phi]), np.sin(q[:, phi])
-        arm = np.column_stack([c * point[0] - s * point[1], s * point[0] + c * point[1]])
-        swing = v[:, [phi]] * np.column_stack([-arm[:, 1], arm[:, 0]])
-        return q[:, [x, y]] + arm, v[:, [x, y]] + swing
-
-    def angle(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
-        """Angle (rad) and rate (rad/s) of a body at a joint's point, counter-clockwise; zeros for the ground."""
-        if name is None:
-            return np.zeros_like(self.trajectory.time), np.zeros_like(self.trajectory.time)
-        q, v = self.trajectory.q, self.trajectory.v
-        if name in self._rigid:
-            phi = self._rigid[name][2]
-            return q[:, phi], v[:, phi]
-        node = self._links[name][-1 if point[0] > 0.5 * self.system.links[name].link.length else 0]
-        tx, ty = q[:, node[2]], q[:, node[3]]
-        start = self.scene.body(name).motion.angle
-        turned = np.unwrap(np.arctan2(ty, tx))
-        turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # the turn that the slope can't tell
-        return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
-
-    def coordinate(self, joint: Connection) -> tuple[Vector, Vector]:
-        """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
-        parent, parent_rate = self.angle(joint.parent, joint.parent_point)
-        if joint.kind == "hinge":
-            child, child_rate = self.angle(joint.child, joint.child_point)
-            return parent - child + joint.offset, parent_rate - child_rate
-        assert joint.axis is not None
-        c, s = np.cos(parent), np.sin(parent)
-        axis = np.column_stack([c * joint.axis[0] - s * joint.axis[1], s * joint.axis[0] + c * joint.axis[1]])
-        on_child, child_speed = self.position(joint.child, joint.child_point)
-        on_parent, parent_speed = on_child * 0.0 + joint.parent_point, 0.0 * on_child
-        if joint.parent is not None:
-            on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
-        way, speed = on_child - on_parent, child_speed - parent_speed
-        # The axis turns with the parent; as the way lies along it, that turning has no part in the speed along it.
-        return np.sum(axis * way, axis=1), np.sum(axis * speed, axis=1)
-
-    def center(self, name: str) -> tuple[Vector, Vector]:
-        """Centre of mass (n, 2) m of a body, and its velocity."""
-        t = self.trajectory
-        if name in self._rigid:
-            return self.position(name, np.zeros(2))
-        nodes = np.array(self._links[name])
-        centers = []
-        for axis in (0, 1):
-            along = np.zeros(t.q.shape[1])
-            along[nodes[:, axis]] = 1.0
-            # Row of the mass matrix that gives the link's momentum: its nodes are its own.
-            shares = t.mass @ along / (along @ t.mass @ along)
-            centers.append((t.q @ shares, t.v @ shares))
-        (x, vx), (y, vy) = centers
-        return np.column_stack([x, y]), np.column_stack([vx, vy])
-
-    @cached_property
-    def common_center(self) -> tuple[Vector, Vector]:
-        """Centre of mass (n, 2) m of all bodies together, and its velocity."""
-        bodies = self.scene.bodies
-        shares = [body.mass / self.scene.mass for body in bodies]
-        centers = [self.center(body.name) for body in bodies]
-        place: Vector = np.sum([share * one for share, (one, _) in zip(shares, centers, strict=True)], axis=0)
-        velocity: Vector = np.sum([share * one for share, (_, one) in zip(shares, centers, strict=True)], axis=0)
-        return place, velocity
-
-    @cached_property
-    def drive_forces(self) -> dict[str, tuple[Vector, Vector]]:
-        """Torque or force of every drive (n,), and its power (n,) W, by joint."""
-        return {drive.joint: mechanism.drive_force(self, drive) for drive in self.scene.drives}
-
-    @cached_property
-    def joint_forces(self) -> dict[str, JointForces]:
-        """What every spring, damper, stop and friction did, by joint."""
-        return mechanism.all_joint_forces(self)
-
-    @cached_property
-    def speeds(self) -> Vector:
-        """Greatest speed (n,) m/s of any point."""
-        return np.asarray(np.abs(self.trajectory.v * levers(self.system)).max(axis=1))
-
-    @property
-    def way(self) -> float:
-        """Way (m) of whatever is fastest."""
-        return float(accumulate(self.trajectory.time, self.speeds)[-1])
-
-    def mean_rate(self) -> tuple[Vector, Vector]:
-        """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
-
-        Free vibration of a hinged mechanism has no angular momentum about its hinge, so this is the rate of the motion
-        as a whole, without the trembling of any one part.
-        """
-        turn = self._turning()
-        momenta = turn @ self.trajectory.mass
-        momentum, inertia = np.sum(momenta * self.trajectory.v, axis=1), np.sum(momenta * turn, axis=1)
-        return -momentum / inertia, inertia
-
-    def weight_moment(self) -> Vector:
-        """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
-        moment: Vector = -self.scene.gravity * (self._turning() @ (self.trajectory.mass @ self._up()))
-        return moment
-
-    def _up(self) -> Vector:
-        """Rates (m,) of all coordinates while everything moves upward at 1 m/s."""
-        up = np.zeros(self.trajectory.q.shape[1])
-        up[[node[1] for node in self._rigid.values()]] = 1.0
-        up[[node[1] for nodes in self._links.values() for node in nodes]] = 1.0
-        return up
-
-    def _turning(self) -> Vector:
-        """Rates (n, m) of all coordinates while everything turns about the pivot at 1 rad/s, counter-clockwise."""
-        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
-        q = self.trajectory.q
-        turn = np.zeros_like(q)
-        for x, y, phi in self._rigid.values():
-            turn[:, x], turn[:, y], turn[:, phi] = pivot[1] - q[:, y], q[:, x] - pivot[0], 1.0
-        for nodes in self._links.values():
-            for x, y, dx, dy in nodes:
-                turn[:, x], turn[:, y] = pivot[1] - q[:, y], q[:, x] - pivot[0]
-                turn[:, dx], turn[:, dy] = -q[:, dy], q[:, dx]
-        return turn
-
-    def _shape(self) -> series.Series:
-        tip, _ = self.position(*self.scene.tip)
-        bend = self.deflection()
-        deflection = None if bend is None else bend.values
-        depth = None if self.scene.surface is None else self.depth()
-        rate = None if self.scene.pivot is None else self.mean_rate()[0]
-        return series.shape(rate, tip, deflection, depth)
-
-    def nodes(self, name: str) -> list[Vector]:
-        """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""
-        return self._links[name]
-
-    def deflection(self) -> Track | None:
-        """Deflection (m) of the last flexible link, see `bend`; None without one."""
-        return self.bend(list(self._links)[-1]) if self._links else None
-
-    def bend(self, name: str) -> Track:
-        """Deflection (m) of a flexible link's tip from the tangent at its root, clockwise positive."""
-        nodes = self._links[name]
-        q, v = self.trajectory.q, self.trajectory.v
-        (ax, ay), (bx, by) = q[:, nodes[0][2:]].T, v[:, nodes[0][2:]].T
-        (cx, cy), (dx, dy) = (of[:, nodes[-1][:2]].T - of[:, nodes[0][:2]].T for of in (q, v))
-        size = np.hypot(ax, ay)
-        across = (cx * ay - cy * ax) / size
-        rate = (dx * ay + cx * by - dy * ax - cy * bx) / size - across * (ax * bx + ay * by) / size**2
-        return Track(across, rate)
-
-    @cached_property
-    def depths(self) -> dict[str, list[Track]]:
-        """Depth (m) of every corner and node that the medium may meet, by body; negative above the surface.
-
-        A surface that is not level meets a body between its corners too: there every side has more points.
-        """
-        found: dict[str, list[Track]] = {}
-        if self.scene.bed is None:
-            return found
-        for name, handle in self.system.rigid.items():
-            for shape in (shape for shape in handle.body.shapes if shape.in_sand):
-                points = shape.points if self.scene.bed.level else _between(shape.points)
-                made = [self._depth(*self.position(name, point), shape.drop) for point in points]
-                found[name] = found.get(name, []) + made
-        q, v = self.trajectory.q, self.trajectory.v
-        for name, nodes in self._links.items():
-            found[name] = [self._depth(q[:, node[:2]], v[:, node[:2]]) for node in nodes]
-        return found
-
-    def _depth(self, place: Vector, velocity: Vector, drop: float = 0.0) -> Track:
-        """Depth of a point from its positions and velocities (n, 2), of which something reaches `drop` (m) lower."""
-        bed = self.scene.bed
-        assert bed is not None
-        x, y = place.T
-        slope = 0.0 if bed.level else bed.slope_at(x)
-        return Track(bed.height(x) - y + drop, slope * velocity[:, 0] - velocity[:, 1])
-
-    def all_depths(self) -> list[Track]:
-        """Depths of all points, and of the bed's own stations where these are deeper, as on a link that is bent."""
-        points = [track for tracks in self.depths.values() for track in tracks]
-        load, time = self.trajectory.load, self.trajectory.time
-        if load is None or not len(load.depth):
-            return points
-        known = np.max([track.values for track in points], axis=0) if points else np.full(len(time), -np.inf)
-        deeper = load.depth > known + 1e-9
-        if not deeper.any():
-            return points
-        # Cubics of theirs only where they are the deepest at both ends of a step: elsewhere others are.
-        flat = ~(deeper & np.roll(deeper, 1) & np.roll(deeper, -1))
-        slopes = rates(time, load.depth)
-        slopes[flat] = 0.0
-        return [*points, Track(np.where(deeper, load.depth, known), slopes)]
-
-    def depth(self) -> Vector | None:
-        """Depth (n,) m of the deepest point, negative above the surface; None if nothing may get in."""
-        depths = [track.values for track in self.all_depths()]
-        return np.max(depths, axis=0) if depths else None
-
-    def reach(self) -> Reach | None:
-        """Extremes of what was immersed; None where nothing could meet the medium."""
-        load = self.trajectory.load
-        if load is None:
-            return None
-        return Reach(
-            speed=float(load.speed.max()),
-            depth=float(load.depth.max()),
-            lowest=float(load.lowest.min()),
-            left=float(load.left.min()),
-            right=float(load.right.max()),
-            sizes=tuple(sorted({(kind, width) for _, kind, width in load.immersed})),
+def observe(system: System, trajectory: Trajectory) -> Observation:
+    """What results hold of a run."""
+    motion, scene, load = Kinematics(system, trajectory), system.scene, trajectory.load
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+        depths, driven = depths_by_body(motion), mechanism.drive_forces(motion)
+        found = all_depths(motion, depths)
+        forces = {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
+        terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+        columns = mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven)
+        return Observation(
+            scene=scene,
+            status=trajectory.status,
+            cost=trajectory.cost,
+            time=trajectory.time,
+            motion=columns | mechanism.body_columns(motion, forces),
+            mean_rate=None if scene.pivot is None else motion.mean_rate()[0],
+            tip=motion.position(*scene.tip)[0],
+            deflection=motion.bend(list(system.links)[-1]) if system.links else None,
+            depths=found,
+            terms=terms,
+            term_forces=np.zeros((len(trajectory.time), len(terms), 3)) if load is None else load.terms,
+            moments_about=motion.common_center[0] if scene.pivot is None else scene.pivot.parent_point,
+            body_forces=forces,
+            energies=_energies(motion, driven),
+            reach=_reach(motion),
+            stop=lambda touch: _stop(motion, touch),
+            outlines=motion.outlines,
+            pictures=lambda at: pictures(lambda sampled: Kinematics(system, sampled).outlines, trajectory, at),
+            more=_key_numbers(motion, driven, depths, found),
+            accuracy=_accuracy(motion),
         )
 
-    # ---- forces and energies ----
 
-    @property
-    def terms(self) -> tuple[str, ...]:
-        """Names of the terms of the granular force; none in vacuum."""
-        if not self.scene.media:
-            return ()
-        load = self.trajectory.load
-        return term_names(self.scene.media) if load is None else load.term_names
+def _reach(motion: Kinematics) -> Reach | None:
+    """Extremes of what was immersed; None where nothing could meet the medium."""
+    load = motion.trajectory.load
+    if load is None:
+        return None
+    return Reach(
+        speed=float(load.speed.max()),
+        depth=float(load.depth.max()),
+        lowest=float(load.lowest.min()),
+        left=float(load.left.min()),
+        right=float(load.right.max()),
+        sizes=tuple(sorted({(kind, width) for _, kind, width in load.immersed})),
+    )
 
-    def _load(self) -> series.Series:
-        if not self.scene.media:
-            return {}
-        load = self.trajectory.load
-        terms = np.zeros((len(self.trajectory.time), len(self.terms), 3)) if load is None else load.terms
-        if self.scene.pivot is None:
-            return series.forces(self.terms, terms, None, self.common_center[0])
-        return series.forces(self.terms, terms, self.scene.pivot.parent_point)
 
-    def _energies(self) -> series.Series:
-        t = self.trajectory
-        kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
-        gravity = self.scene.gravity * (t.q @ (t.mass @ self._up()))
-        elastic, damping = np.zeros_like(kinetic), np.zeros_like(kinetic)
-        for name, nodes in self._links.items():
-            link = self.system.links[name].link
-            s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
-            elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
-            damping -= accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
-        work = np.zeros_like(kinetic) if t.load is None else medium_works(self)[0]
-        shown = elastic if self._links else None
-        return series.energies(kinetic, gravity - gravity[0], shown, work, damping, mechanism.joint_energies(self))
+def _energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
+    """Columns of what was stored, and of the work done so far."""
+    t, scene, links = motion.trajectory, motion.scene, motion.system.links
+    kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
+    gravity = scene.gravity * (t.q @ (t.mass @ motion.upward))
+    elastic, damping, work = (np.zeros_like(kinetic) for _ in range(3))
+    for name, handle in links.items():
+        link, nodes = handle.link, np.array(motion.nodes(name))
+        s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
+        elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
+        damping -= energy.accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
+    joints = mechanism.joint_energies(motion, driven)
+    if t.load is not None:
+        work, at_floor = medium_works(motion)
+        if scene.bed is not None and scene.bed.floor is not None:
+            joints["floor_work_J"] = at_floor
+    return energy.columns(kinetic, gravity - gravity[0], elastic if links else None, work, damping, joints)
 
-    # ---- pictures ----
 
-    def outlines(self, instant: int) -> tuple[Outline, ...]:
-        """The mechanism as drawn at an instant (index)."""
-        outlines = []
-        for name, handle in self.system.rigid.items():
-            for shape in handle.body.shapes:
-                points = np.array([self.position(name, p)[0][instant] for p in shape.points])
-                outlines.append(Outline(shape.part, points, shape.thickness))
-        for name, nodes in self._links.items():
-            line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
-            outlines.append(Outline(name, line, self.system.links[name].link.thickness))
-        return tuple(outlines)
+# ---- stopping ----
+
+
+def _stop(motion: Kinematics, touch: Touch) -> Stop | None:
+    """When the mechanism stopped after the touch; None where it did not, or is driven."""
+    scene, time = motion.scene, motion.trajectory.time
+    if _never_stops(motion):
+        return None
+    if scene.pendulum is not None:
+        return _stop_about(motion, scene.pendulum, slice(touch.index, None))
+    instant = find_rest(time, motion.speeds, touch.index, scene.solver.rest_speed_m_s, scene.solver.rest_time_s)
+    if instant is None:
+        return None
+    angle = None
+    if len(scene.bodies) == 1:
+        angle = float(np.interp(instant, time, -motion.angle(*scene.tip)[0]))
+    return Stop(instant, angle, None)
+
+
+def _never_stops(motion: Kinematics) -> bool:
+    """Whether a stop means nothing: of what is driven, and of what did not move."""
+    return bool(motion.scene.drives) or motion.way <= motion.scene.least_way
+
+
+def _stop_about(motion: Kinematics, pivot: Connection, after: slice) -> Stop | None:
+    """First zero of the mean rate in some instants, with the pivot's angle there."""
+    rate, inertia = motion.mean_rate()
+    moment, load = motion.weight_moment(), motion.trajectory.load
+    if load is not None:
+        fx, fy, about_origin = load.terms.sum(axis=1).T
+        x, y = pivot.parent_point
+        moment = moment + about_origin - (x * fy - y * fx)
+    angle, angle_rate = motion.angle(pivot.child, pivot.child_point)
+    histories = motion.trajectory.time, rate, -moment / inertia, -angle, -angle_rate
+    return find_stop(*(values[after] for values in histories))
+
+
+def _penetration_time(motion: Kinematics, depths: list[Track]) -> float | None:
+    """Time (s) from touch to the first zero of the vertical velocity of the lower end of what falls freely."""
+    scene, time = motion.scene, motion.trajectory.time
+    if _never_stops(motion) or scene.floating is None:
+        return None
+    touch = find_touch(time, depths)
+    if touch is None:
+        return None
+    angle, rate = motion.angle(*scene.tip)
+    histories = time, motion.position(*scene.tip)[1][:, 1], -angle, -rate
+    turn = find_turn(*(values[touch.index :] for values in histories))
+    return None if turn is None else turn - touch.time
+
+
+# ---- key numbers and warnings ----
+
+
+def _key_numbers(
+    motion: Kinematics, driven: mechanism.Driven, by_body: dict[str, list[Track]], depths: list[Track]
+) -> dict[str, Any]:
+    """Contacts of bodies whose motion is reported; of what is driven and can travel, how far and at what cost."""
+    numbers: dict[str, Any] = {}
+    scene, load = motion.scene, motion.trajectory.load
+    if (sinking := _penetration_time(motion, depths)) is not None:
+        numbers["penetration_time_s"] = sinking
+    if scene.body_columns and load is not None:
+        numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
+    if scene.drives and any(mechanism.travels(joint) for joint in scene.connections):
+        numbers |= mechanism.travel(motion, driven)
+    if scene.solver.accuracy is not None and load is not None:  # which chose its strips by their error
+        chosen = {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}
+        numbers["strips"] = chosen
+    return numbers
+
+
+def _accuracy(motion: Kinematics) -> list[AccuracyWarning]:
+    """What the steps of the engine say of their accuracy; nothing of minimal coordinates, whose steps are chosen."""
+    if motion.scene.method is not None:
+        return []
+    with np.errstate(all="ignore"):  # of a run that failed by running away
+        return list(accuracy_warnings(motion))

@@ -37,7 +37,7 @@ class Recorder:
         self.control: StepControl | None = None
         self.shortened = 0
         fixed = self.solver.accuracy is None
-        self.most = CROWD * math.ceil(self.solver.end_time / self.solver.step) + 1000 if fixed else MOST_CHOSEN
+        self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf
 
     def __call__(self, mbs: Any, t: float) -> bool:
@@ -55,8 +55,8 @@ class Recorder:
         row[1 : 1 + self.size] = q
         row[1 + self.size :] = v
         self._count(t)
-        if self.rows == 0 and self.solver.max_wall is not None:
-            self.deadline = time.perf_counter() + self.solver.max_wall  # from here: kernels are compiled by now
+        if self.rows == 0 and self.solver.max_wall_s is not None:
+            self.deadline = time.perf_counter() + self.solver.max_wall_s  # from here: kernels are compiled by now
         self.rows += 1
         if self.multipliers:
             self.reactions.append(data.GetAECoordinates()[self.multipliers])
@@ -67,7 +67,7 @@ class Recorder:
         if self.control is not None:
             self.control.accept(mbs, v)
         if self.progress is not None and self.rows % 64 == 0:
-            self.progress(t, self.solver.end_time)
+            self.progress(t, self.solver.end_time_s)
         return not self._is_over(t, v)
 
     def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
@@ -78,8 +78,8 @@ class Recorder:
 
     def _count(self, t: float) -> None:
         """Count the steps that the engine made shorter than asked for; the last one only fills up the time."""
-        if self.control is None and self.rows > 0 and t < self.solver.end_time * (1.0 - 1e-9):
-            self.shortened += bool(t - self.states[self.rows - 1, 0] < 0.99 * self.solver.step)
+        if self.control is None and self.rows > 0 and t < self.solver.end_time_s * (1.0 - 1e-9):
+            self.shortened += bool(t - self.states[self.rows - 1, 0] < 0.99 * self.solver.step_s)
 
     def _is_over(self, t: float, v: Vector) -> bool:
         if self.reason == "" and self._rests(t, v):
@@ -91,14 +91,14 @@ class Recorder:
         return self.reason != ""
 
     def _rests(self, t: float, v: Vector) -> bool:
-        if self.solver.rest_time is None or self.system.scene.drives:
+        if self.solver.rest_time_s is None or self.system.scene.drives:
             return False
-        if np.abs(self.lever * v).max() > self.solver.rest_speed:
+        if np.abs(self.lever * v).max() > self.solver.rest_speed_m_s:
             self.resting_since = None
             return False
         if self.resting_since is None:
             self.resting_since = t
-        return t - self.resting_since >= self.solver.rest_time
+        return t - self.resting_since >= self.solver.rest_time_s
 
 
 def levers(system: System) -> Vector:

@@ -53,9 +53,9 @@ def settings(scene: Scene) -> Any:
     """
     s, solver = exu.SimulationSettings(), scene.solver
     t = s.timeIntegration
-    t.endTime = solver.end_time
-    t.numberOfSteps = max(1, math.ceil(solver.end_time / solver.step - 1e-9))
-    t.minimumStepSize = SHORTEST * solver.step
+    t.endTime = solver.end_time_s
+    t.numberOfSteps = max(1, math.ceil(solver.end_time_s / solver.step_s - 1e-9))
+    t.minimumStepSize = SHORTEST * solver.step_s
     t.verboseMode = 0
     newton = t.newton
     newton.absoluteTolerance = solver.tolerance * scene.force_scale
@@ -70,7 +70,7 @@ def settings(scene: Scene) -> Any:
         newton.absoluteTolerance = max(CLOSER * newton.absoluteTolerance, _noise(scene))
     if unresolved(scene):
         newton.residualMode = 1
-        newton.absoluteTolerance *= solver.step**2 / scene.mass
+        newton.absoluteTolerance *= solver.step_s**2 / scene.mass
         newton.absoluteTolerance = max(newton.absoluteTolerance, _coordinate_noise(scene))
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True

@@ -74,7 +74,7 @@ class _Descent:
         self.last = np.zeros_like(self.q)  # way of the last step
         self.turning = np.zeros_like(self.mass)  # of the forces of joints, see `Balance.turning`
         self.force, _ = self.balance.at(self.q, self.share)
-        wall = scene.solver.max_wall
+        wall = scene.solver.max_wall_s
         self.deadline = math.inf if wall is None else time.perf_counter() + wall
 
     def run(self) -> None:
@@ -173,11 +173,11 @@ def settle(system: System, recorder: Recorder) -> None:
     if recorder.reason == "interrupted":
         raise KeyboardInterrupt
     if not descent.rests and time.perf_counter() >= descent.deadline:
-        allowed = f"solver.max_wall_s ({system.scene.solver.max_wall:g}) was over"
+        allowed = f"solver.max_wall_s ({system.scene.solver.max_wall_s:g}) was over"
         raise OutOfTimeError(
             f"initial.settle: {allowed} before the mechanism rested; nothing was saved: take a larger one"
         )
-    creeping = system.bed if isinstance(system.scene.load.static, Smooth) else None
+    creeping = system.bed if isinstance(system.scene.static, Smooth) else None
     if not descent.rests or (creeping is not None and creeping.load.history.depth[-1] > 0.0):
         remedy = CREEPS if creeping is not None else "give the initial state without it"
         still = "nothing holds it in the sand" if descent.rests else f"it still moves after {descent.steps} steps"

@@ -45,10 +45,10 @@ class StepControl:
         self.size = max(scene.length, 1e-3)
         swing = math.sqrt(self.size / max(abs(scene.gravity), 0.1))
         self.speed = max(scene.speed, SLOWEST * self.size / swing)
-        self.longest = LONGEST * min(scene.solver.end_time, swing)
-        if scene.solver.rest_time is not None:
-            self.longest = min(self.longest, 0.5 * scene.solver.rest_time)
-        self.next = min(scene.solver.step, self.longest)
+        self.longest = LONGEST * min(scene.solver.end_time_s, swing)
+        if scene.solver.rest_time_s is not None:
+            self.longest = min(self.longest, 0.5 * scene.solver.rest_time_s)
+        self.next = min(scene.solver.step_s, self.longest)
         data = system.mbs.systemData
         links = [np.array([data.GetNodeLTGODE2(node)[:2] for node in link.nodes]) for link in system.links.values()]
         self.links = [places[:, axis] for places in links for axis in (0, 1)]

@@ -12,16 +12,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from granular_contact.bed.strip_error import displacement
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.results import FINISHED
-from granular_contact.results.accuracy import Doubt
+from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.scene.types import Load, Scene
 
 ERROR = 5e-3  # of the distance, that is told
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
 
 
-def strip_error(observer: Observer) -> float:
+def strip_error(observer: Kinematics) -> float:
     """Estimated error of positions by the strips, as a part of the distance that the fastest point travels."""
     t = observer.trajectory
     if t.load is None or len(t.time) < 3:
@@ -34,7 +34,7 @@ def strip_error(observer: Observer) -> float:
     return error / max(observer.way, scene.least_way)
 
 
-def finer(observer: Observer) -> Scene | None:
+def finer(observer: Kinematics) -> Scene | None:
     """The scene with shorter strips, where its steps are chosen by their error and its strips are off by more."""
     scene = observer.scene
     accuracy, t = scene.solver.accuracy, observer.trajectory
@@ -44,22 +44,22 @@ def finer(observer: Observer) -> Scene | None:
     load = shorter(scene.load, error / accuracy)
     if not error > accuracy or load == scene.load:
         return None
-    left = None if scene.solver.max_wall is None else max(1e-3, scene.solver.max_wall - t.cost.solve_s)
-    return replace(scene, load=load, solver=replace(scene.solver, max_wall=left))
+    left = None if scene.solver.max_wall_s is None else max(1e-3, scene.solver.max_wall_s - t.cost.solve_s)
+    return replace(scene, load=load, solver=scene.solver.model_copy(update={"max_wall_s": left}))
 
 
 def shorter(load: Load, factor: float) -> Load:
     """Strips with which an error of second order is smaller by twice a factor."""
     more = math.sqrt(2.0 * max(1.0, factor))
     parts, elements = load.strips_per_rigid_part, load.strips_per_element
-    return replace(
-        load,
-        strips_per_rigid_part=max(parts, min(MOST[0], math.ceil(more * parts / 8) * 8)),
-        strips_per_element=max(elements, min(MOST[1], math.ceil(more * elements / 2) * 2)),
-    )
+    finer = {
+        "strips_per_rigid_part": max(parts, min(MOST[0], math.ceil(more * parts / 8) * 8)),
+        "strips_per_element": max(elements, min(MOST[1], math.ceil(more * elements / 2) * 2)),
+    }
+    return load.model_copy(update=finer)
 
 
-def strip_doubts(observer: Observer) -> Iterator[Doubt]:
+def strip_warnings(observer: Kinematics) -> Iterator[AccuracyWarning]:
     """A sentence where the strips are too long."""
     scene = observer.scene
     allowed = ERROR if scene.solver.accuracy is None else max(ERROR, scene.solver.accuracy)
@@ -69,7 +69,7 @@ def strip_doubts(observer: Observer) -> Iterator[Doubt]:
     keys = [f"load.strips_per_rigid_part: {load.strips_per_rigid_part} (now {now.strips_per_rigid_part})"]
     if observer.system.links:
         keys.append(f"load.strips_per_element: {load.strips_per_element} (now {now.strips_per_element})")
-    yield Doubt(
+    yield AccuracyWarning(
         f"the strips on which the medium acts are too long: they put the motion off by about {error:.1%} of its "
         f"distance; take {' and '.join(keys)}",
         error,

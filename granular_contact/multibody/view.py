@@ -12,7 +12,7 @@ import numpy as np
 from exudyn import graphics
 
 from granular_contact.geometry.polygon import doubled_area
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.frames import instants, resample
@@ -41,7 +41,7 @@ def show(system: System, trajectory: Trajectory) -> None:
     """Play a trajectory; returns when the viewer is closed. `problem` must have said None."""
     at = instants(float(trajectory.time[0]), float(trajectory.time[-1]), MOST_FRAMES)
     q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
-    dress(system, Observer(system, replace(trajectory, time=at, q=q, v=v)))
+    dress(system, Kinematics(system, replace(trajectory, time=at, q=q, v=v)))
     settings = system.container.visualizationSettings
     settings.window.renderWindowSize = [1100, 800]
     settings.nodes.show = settings.markers.show = settings.loads.show = settings.connectors.show = False
@@ -64,9 +64,9 @@ def playable(system: System, at: Vector, q: Vector, v: Vector) -> dict[str, Any]
     }
 
 
-def dress(system: System, observer: Observer) -> None:
+def dress(system: System, motion: Kinematics) -> None:
     """Give bodies, beams and the medium a look."""
-    outlines = observer.outlines(0)
+    outlines = motion.outlines(0)
     for name, handle in system.rigid.items():
         own = [outline for outline in outlines if outline.part in name.split("+")]
         shapes = [part for outline in own for part in _solids(outline, handle.body.motion)]
@@ -77,7 +77,7 @@ def dress(system: System, observer: Observer) -> None:
             system.mbs.SetObjectParameter(element, "Vcolor", STEEL)
     if system.scene.media:
         ground = next(i for i in range(system.mbs.systemData.NumberOfObjects()) if _is_ground(system.mbs, i))
-        system.mbs.SetObjectParameter(ground, "VgraphicsData", _medium(system, observer))
+        system.mbs.SetObjectParameter(ground, "VgraphicsData", _medium(system, motion))
 
 
 def _is_ground(mbs: Any, number: int) -> bool:
@@ -100,11 +100,11 @@ def _solids(outline: Outline, motion: Motion) -> list[Any]:
     return [graphics.Cylinder([*a, 0.0], [*(b - a), 0.0], radius, STEEL, nTiles=24) for a, b in pairwise(points)]
 
 
-def _medium(system: System, observer: Observer) -> list[Any]:
+def _medium(system: System, motion: Kinematics) -> list[Any]:
     """The medium as a sheet behind the mechanism, under all that it passes over."""
     assert system.scene.bed is not None
-    times = np.unique(np.linspace(0, len(observer.trajectory.time) - 1, 9).astype(int))
-    points = np.concatenate([outline.points for i in times for outline in observer.outlines(int(i))])
+    times = np.unique(np.linspace(0, len(motion.trajectory.time) - 1, 9).astype(int))
+    points = np.concatenate([outline.points for i in times for outline in motion.outlines(int(i))])
     low, high = points.min(axis=0), points.max(axis=0)
     size = float(np.max(high - low))
     x = np.linspace(low[0] - 0.2 * size, high[0] + 0.2 * size, 33)

@@ -38,12 +38,12 @@ class March:
         lengths = np.array([1.0] + [model.reach] * method.modes)
         self.allowed = method.rtol * np.concatenate([lengths, lengths * model.speed / model.reach])
         self.control = np.zeros(1, kernels.CONTROL)
-        self.control["end"], self.control["interval"] = solver.end_time, solver.step
+        self.control["end"], self.control["interval"] = solver.end_time_s, solver.step_s
         bristles = len(self.world.runs) > 0 and not self.true_sign
-        self.control["longest"] = solver.step if bristles else LONGEST * solver.step
-        self.control["reach"], self.control["rest_speed"] = model.reach, solver.rest_speed
-        self.control["rest_time"] = np.inf if solver.rest_time is None else solver.rest_time
-        self.clock = np.array([0.0, 0.1 * solver.step, 0.0])
+        self.control["longest"] = solver.step_s if bristles else LONGEST * solver.step_s
+        self.control["reach"], self.control["rest_speed"] = model.reach, solver.rest_speed_m_s
+        self.control["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s
+        self.clock = np.array([0.0, 0.1 * solver.step_s, 0.0])
         self.counts = np.zeros(4, dtype=np.int64)
         self.watch = np.array([0.0, 0.0, np.nan, np.nan, 0.0, np.nan])
         self.rows = np.zeros((1024, 1 + len(self.y) + 9))

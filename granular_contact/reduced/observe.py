@@ -1,4 +1,4 @@
-"""Trajectory -> the time series and pictures of the engine, for the modal pendulum."""
+"""Trajectory -> what results hold of it, for the modal pendulum."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import numpy as np
 from granular_contact.laws.law import term_names
 from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
-from granular_contact.results import Column, Outline, series
+from granular_contact.results import Outline, energy, series
 from granular_contact.results.interpolation import Track
 from granular_contact.results.limits import Reach
+from granular_contact.results.observation import Observation, pictures
 from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
 
@@ -17,7 +18,42 @@ POINTS = 17  # on a bent link in pictures
 ALL = slice(None)
 
 
-class Observer:
+def observe(model: Model, trajectory: Trajectory) -> Observation:
+    """What results hold of a run."""
+    seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
+    assert pin is not None  # or the scene was refused
+    return Observation(
+        scene=scene,
+        status=trajectory.status,
+        cost=trajectory.cost,
+        time=trajectory.time,
+        motion=series.joint(pin.name, pin.child, None, seen.angle + model.turn, seen.rate),
+        mean_rate=seen.mean_rate(),
+        tip=seen.tip(),
+        deflection=seen.deflection(),
+        depths=seen.all_depths(),
+        terms=term_names(scene.media),
+        term_forces=trajectory.terms,
+        moments_about=model.view.pivot,
+        body_forces={"": trajectory.terms.sum(axis=1)},
+        energies=seen.energies(),
+        reach=seen.reach(),
+        stop=lambda _: _stop(model, trajectory),
+        outlines=seen.outlines,
+        pictures=lambda at: pictures(lambda sampled: Motion(model, sampled).outlines, trajectory, at),
+        more={"static_turns": trajectory.turns},
+    )
+
+
+def _stop(model: Model, trajectory: Trajectory) -> Stop | None:
+    """When the mean rate first came to zero after the touch, as it was located on the way, with the pivot's angle."""
+    time, angle, hub_time = trajectory.stop
+    if np.isnan(time):
+        return None
+    return Stop(time, angle + model.turn, None if np.isnan(hub_time) else hub_time)
+
+
+class Motion:
     """Reads positions, rates and energies out of a trajectory; (n,) and (n, 2) arrays over its instants."""
 
     def __init__(self, model: Model, trajectory: Trajectory) -> None:
@@ -27,26 +63,6 @@ class Observer:
         self.bends, self.bend_rates = trajectory.q[:, 1:], trajectory.v[:, 1:]
         n = len(model.modes.beta)
         self.coupling, self.moments, self.stiffness = (self.mass[key][:n] for key in ("c", "p", "k"))
-
-    def columns(self) -> tuple[tuple[Column, ...], Vector]:
-        """All columns, with the table (instants, columns)."""
-        pin = self.scene.pivot
-        assert pin is not None  # or the scene was refused
-        everything: series.Series = {"time_s": ("time since the start", self.trajectory.time)}
-        everything |= series.joint(pin.name, pin.child, None, self.angle + self.model.turn, self.rate)
-        depth = None if self.scene.surface is None else self.depth()
-        bend = self.deflection()
-        everything |= series.shape(self.mean_rate(), self.tip(), None if bend is None else bend.values, depth)
-        if self.scene.media:
-            everything |= series.forces(term_names(self.scene.media), self.trajectory.terms, self.model.view.pivot)
-        return series.tabulate(everything | self._energies())
-
-    def stop(self) -> Stop | None:
-        """When the mean rate first came to zero after the touch, with the pivot's angle there."""
-        time, angle, hub_time = self.trajectory.stop
-        if np.isnan(time):
-            return None
-        return Stop(time, angle + self.model.turn, None if np.isnan(hub_time) else hub_time)
 
     # ---- motion ----
 
@@ -100,11 +116,6 @@ class Observer:
         depths, rates = self.scene.surface - positions[..., 1] + drop, -velocities[..., 1]
         return [Track(depth, rate) for depth, rate in zip(depths.T, rates.T, strict=True)]
 
-    def depth(self) -> Vector | None:
-        """Depth (n,) m of the deepest end or corner, negative above the surface; None if nothing may get in."""
-        depths = [track.values for track in self.all_depths()]
-        return np.max(depths, axis=0) if depths else None
-
     def velocities(self, bar: Bar | None, places: Vector) -> Vector:
         """World velocities (instants, points, 2) m/s of places (points, 2) m of a bar, or of a rigid part (None)."""
         x, x_rate = np.broadcast_to(places[:, 1], (len(self.angle), len(places))), np.zeros(1)
@@ -139,14 +150,15 @@ class Observer:
 
     # ---- energies ----
 
-    def _energies(self) -> series.Series:
+    def energies(self) -> series.Series:
+        """Columns of what was stored, and of the work done so far."""
         kinetic = 0.5 * self._inertia() * self.rate**2 + self.rate * (self.bend_rates @ self.coupling)
         kinetic += 0.5 * self.mass["m"] * np.sum(self.bend_rates**2, axis=1)
         across = self.mass["S_n"] + self.bends @ self.moments
         gravity = -self.scene.gravity * (self.mass["S_e"] * np.sin(self.angle) + across * np.cos(self.angle))
         elastic = 0.5 * self.bends**2 @ self.stiffness if self.model.bends else None
         t = self.trajectory
-        return series.energies(kinetic, gravity - gravity[0], elastic, t.work, t.damping)
+        return energy.columns(kinetic, gravity - gravity[0], elastic, t.work, t.damping)
 
     # ---- pictures ----
 

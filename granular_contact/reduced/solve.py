@@ -10,7 +10,8 @@ from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
-from granular_contact.results import Cost, Progress, Status, out_of_time
+from granular_contact.results import Cost, Progress, Status
+from granular_contact.results.ending import ended
 from granular_contact.scene.types import Vector
 
 OWN = "dormand_prince"
@@ -50,7 +51,7 @@ def solve(model: Model, progress: Progress | None = None) -> Trajectory:
         code = _integrate(march, turns, progress)
         status = _status(model, march, code)
     except KeyboardInterrupt:
-        status = Status("interrupted", f"interrupted at {march.time:.6g} s; the results up to there were kept")
+        status = ended("interrupted", march.time, model.scene.solver)
     seconds = time.perf_counter() - began
     steps, _, evaluations, _ = (int(count) for count in march.counts)
     rows, m = march.table(), march.size
@@ -73,13 +74,13 @@ def solve(model: Model, progress: Progress | None = None) -> Trajectory:
 def _integrate(march: March, turns: list[float], progress: Progress | None) -> int:
     """March on until it is over; the times at which regimes ended are appended to turns."""
     solver, crowd = march.model.scene.solver, list[float]()
-    deadline = math.inf if solver.max_wall is None else time.perf_counter() + solver.max_wall
+    deadline = math.inf if solver.max_wall_s is None else time.perf_counter() + solver.max_wall_s
     while True:
         code = march.go_on()
         if code == kernels.REGIME_END:
             turns.append(march.time)
             crowd.append(march.time)
-            if len(crowd) > CROWD and crowd[-1] - crowd[-CROWD] < 0.1 * solver.step:
+            if len(crowd) > CROWD and crowd[-1] - crowd[-CROWD] < 0.1 * solver.step_s:
                 crowd.clear()
                 if not march.blur():
                     return CHATTERING
@@ -89,7 +90,7 @@ def _integrate(march: March, turns: list[float], progress: Progress | None) -> i
         if time.perf_counter() > deadline:
             return OVERTIME
         if progress is not None:
-            progress(march.time, solver.end_time)
+            progress(march.time, solver.end_time_s)
 
 
 def _status(model: Model, march: March, code: int) -> Status:
@@ -97,25 +98,23 @@ def _status(model: Model, march: March, code: int) -> Status:
     if code == CHATTERING:
         return Status(
             "failed",
-            f"the static force turned round {CROWD} times within {0.1 * solver.step:g} s at {t:.6g} s; take "
+            f"the static force turned round {CROWD} times within {0.1 * solver.step_s:g} s at {t:.6g} s; take "
             "method.reduced.static: elastoplastic, whose bristle gives way",
         )
     if code == OVERTIME:
-        return out_of_time(t, solver.end_time, solver.max_wall)
+        return ended("time_limit", t, solver)
     if code == kernels.FAILED:
         return Status(
             "failed",
             f"no step is small enough for method.reduced.rtol ({model.method.rtol:g}) at {t:.6g} s; raise it, or take "
             "fewer modes",
         )
-    if code == kernels.REST:
-        if march.true_sign and march.speed() > solver.rest_speed:
-            return Status(
-                "rest",
-                f"at rest: the middle of the immersed part slower than {solver.rest_speed:g} m/s for "
-                f"{solver.rest_time:g} s; the true sign holds only that point, and the link vibrates about it for ever",
-            )
-        return Status(
-            "rest", f"at rest: slower than {solver.rest_speed:g} m/s in every coordinate for {solver.rest_time:g} s"
-        )
-    return Status("end_time", f"end time {solver.end_time:g} s reached")
+    if code != kernels.REST:
+        return ended("end_time", t, solver)
+    if not march.true_sign or not march.speed() > solver.rest_speed_m_s:
+        return ended("rest", t, solver)
+    return Status(
+        "rest",
+        f"at rest: the middle of the immersed part slower than {solver.rest_speed_m_s:g} m/s for "
+        f"{solver.rest_time_s:g} s; the true sign holds only that point, and the link vibrates about it for ever",
+    )

@@ -32,13 +32,13 @@ def world(reduced: Model) -> World:
         stations["phi"][:, : reduced.method.modes] = reduced.shapes(bar, places)
         stations["pivot"] = reduced.view.pivot
         run["width"] = bar.diameter
-        run["cap"], run["resultant"] = scene.load.end_cap and bar.free, scene.load.resultant
+        run["cap"], run["resultant"] = scene.load.end_cap and bar.free, scene.load.form == "resultant"
         geometry.append(stations)
         runs.append(run)
     starts = np.cumsum([len(stations) for stations in geometry])
     record = _pendulum(reduced)
     record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
-    static = AIMED if reduced.method.static == "true_sign" else scene.load.static
+    static = AIMED if reduced.method.static == "true_sign" else scene.static
     medium = scene.media[0].record(static, scene.gravity) if scene.media else LeeMarghitu.blank()
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors = np.zeros((starts[-1], 2))

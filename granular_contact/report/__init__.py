@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import ctypes
 import glob
 import json
@@ -13,7 +14,7 @@ import shutil
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
@@ -238,6 +239,14 @@ def _write_series(results: Results, path: Path) -> None:
         for start in range(0, len(results.table), CHUNK):
             rows = results.table[start : start + CHUNK].tolist()
             file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """A CSV file; None is an empty cell."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows(rows)
 
 
 def swap(making: Path, target: Path) -> None:

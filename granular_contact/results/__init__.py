@@ -29,15 +29,6 @@ class Status:
     message: str
 
 
-def out_of_time(reached: float, end: float, wall: float | None) -> Status:
-    """Status of a run that `solver.max_wall_s` ended at a time (s), before its end (s)."""
-    return Status(
-        "time_limit",
-        f"stopped at {reached:.6g} s of {end:g} s: solver.max_wall_s ({wall:g}) is over; "
-        "the results up to there were kept",
-    )
-
-
 @dataclass(frozen=True)
 class Cost:
     """What a solve took; solve_s is wall time (s).

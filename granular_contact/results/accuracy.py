@@ -17,26 +17,26 @@ USELESS = 0.05  # beyond it nothing else is worth saying of its accuracy
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """A sentence, and what it says that positions are off by, relative to the way.
+class AccuracyWarning:
+    """A sentence, and the error of positions that it tells, relative to the distance travelled.
 
-    off: NaN where it says no number, infinite where the result is not usable.
+    error: NaN where it tells no number, infinite where the result is not usable.
     """
 
     sentence: str
-    off: float = math.nan
+    error: float = math.nan
 
 
-def told(imbalance: float, doubts: Sequence[Doubt], scene: Scene) -> list[str]:
+def told(imbalance: float, found: Sequence[AccuracyWarning], scene: Scene) -> list[str]:
     """Sentences on the accuracy of a run; imbalance: relative to its largest energy."""
-    fatal = [doubt.sentence for doubt in doubts if doubt.off == math.inf]
+    fatal = [one.sentence for one in found if one.error == math.inf]
     said = f"the energy balance is off by {share(imbalance)}"
     if imbalance > USELESS:
         return [f"{said}: the result is not usable; {remedy(scene)}", *fatal]
     if fatal or not imbalance > IMBALANCE_LIMIT:
-        return fatal or [doubt.sentence for doubt in doubts]
+        return fatal or [one.sentence for one in found]
     # Half of it: energies go with the square of velocities.
-    return [f"{said}: {remedy(scene)}", *(doubt.sentence for doubt in doubts if not doubt.off < 0.5 * imbalance)]
+    return [f"{said}: {remedy(scene)}", *(one.sentence for one in found if not one.error < 0.5 * imbalance)]
 
 
 def share(value: float) -> str:
@@ -52,4 +52,4 @@ def remedy(scene: Scene) -> str:
         return f"take a smaller method.minimal.rtol (now {scene.method.rtol:g})"
     if scene.solver.accuracy is not None:
         return f"take a smaller solver.accuracy (now {scene.solver.accuracy:g})"
-    return f"take a smaller solver.step_s (now {scene.solver.step:g}) or solver.accuracy: 1e-3"
+    return f"take a smaller solver.step_s (now {scene.solver.step_s:g}) or solver.accuracy: 1e-3"

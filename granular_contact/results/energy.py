@@ -1,79 +1,76 @@
-"""Energies of planar ANCF cable elements and of a constant-mass system, for all instants at once.
-
-The engine's own strain measures: axial strain |r'| - 1 and material curvature (r' x r'') / |r'|^2.
-"""
+"""Energy of a run, whatever solved it: columns of what was stored and done, their balance, and the key numbers."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from granular_contact.results.series import Series, Vector
 
-# Order 9 in the axial strain and 5 in the curvature are the engine's rules; five points serve both to round-off.
-GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+SPRING = "spring_J"
+IN_JOINTS = {  # columns that a run has if its joints or its bed have such things
+    SPRING: "energy in the springs and stops of joints",
+    "joint_damping_work_J": "work of dampers and stops in joints so far",
+    "friction_work_J": "work of dry friction in joints so far",
+    "drive_work_J": "work of the drives so far",
+    "floor_work_J": "work of the floor's contact on the mechanism so far",
+}
+STORED = ("kinetic_J", "gravity_J", "elastic_J", SPRING)
+WORKS = ("granular_work_J", "damping_work_J", *(name for name in IN_JOINTS if name != SPRING))
+IMBALANCE = "energy_imbalance_J"
 
 
-@dataclass(frozen=True)
-class Strain:
-    """Axial strain and curvature (1/m) at the Gauss points of every element, and their rates: (instants, points) each.
+def columns(
+    kinetic: Vector,
+    gravity: Vector,
+    elastic: Vector | None,
+    work: Vector,
+    damping: Vector,
+    joints: dict[str, Vector] | None = None,
+) -> Series:
+    """Energies, and work done by the medium and by internal damping so far, (n,) J each.
 
-    weights: (points,) m, so that a sum over the last axis is an integral along the beam.
+    joints: what joints store (`spring_J`), and the work done in them so far, by the names of their columns.
     """
+    joints = joints or {}
+    total = kinetic + gravity
+    series: Series = {
+        "kinetic_J": ("kinetic energy", kinetic),
+        "gravity_J": ("potential energy of gravity, from the start", gravity),
+    }
+    if elastic is not None:
+        series["elastic_J"] = ("strain energy of the flexible links", elastic)
+        total = total + elastic
+    if SPRING in joints:
+        series[SPRING] = (IN_JOINTS[SPRING], joints[SPRING])
+        total = total + joints[SPRING]
+    series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
+    series["damping_work_J"] = ("work of the links' internal damping so far", damping)
+    done = work + damping
+    for name in (name for name in IN_JOINTS if name in joints and name != SPRING):
+        series[name] = (IN_JOINTS[name], joints[name])
+        done = done + joints[name]
+    words = "energy less what was done by medium and damping, from the start"
+    if joints:
+        words = "energy less all work that was done on the mechanism, from the start"
+    series[IMBALANCE] = (words, total - done - total[0])
+    return series
 
-    axial: Vector
-    curvature: Vector
-    axial_rate: Vector
-    curvature_rate: Vector
-    weights: Vector
 
+def key_numbers(series: dict[str, Vector], least: float) -> dict[str, float]:
+    """Energy at the start and at the end, works, and the imbalance; of series by column name, (n,) each.
 
-def strain(q: Vector, v: Vector, length: float) -> Strain:
-    """Strains of a beam of equal elements.
-
-    q, v: (instants, nodes, 4) coordinates r_x, r_y, r'_x, r'_y and their rates; length of one element (m).
+    imbalance_relative: the greatest over the greatest single energy, or over the least (J) that counts.
     """
-    elements = q.shape[1] - 1
-    xi = 0.5 * (1.0 + GAUSS_POINTS)
-    first = np.stack([-6 * xi + 6 * xi**2, (1 - 4 * xi + 3 * xi**2) * length], 1)
-    first = np.hstack([first, np.stack([6 * xi - 6 * xi**2, (3 * xi**2 - 2 * xi) * length], 1)]) / length
-    second = np.stack([12 * xi - 6, (6 * xi - 4) * length, 6 - 12 * xi, (6 * xi - 2) * length], 1) / length**2
-
-    def along(field: Vector, shapes: Vector) -> tuple[Vector, Vector]:
-        nodes = field.reshape(len(field), -1, 2, 2)
-        ends = np.concatenate([nodes[:, :-1], nodes[:, 1:]], axis=2)
-        value = np.einsum("gk,tekd->tegd", shapes, ends)
-        return value[..., 0].reshape(len(field), -1), value[..., 1].reshape(len(field), -1)
-
-    x1, y1 = along(q, first)
-    x2, y2 = along(q, second)
-    u1, w1 = along(v, first)
-    u2, w2 = along(v, second)
-    stretch = np.hypot(x1, y1)
-    turn = x1 * y2 - y1 * x2
-    stretch_rate = (x1 * u1 + y1 * w1) / stretch
-    turn_rate = u1 * y2 + x1 * w2 - w1 * x2 - y1 * u2
-    return Strain(
-        axial=stretch - 1.0,
-        curvature=turn / stretch**2,
-        axial_rate=stretch_rate,
-        curvature_rate=turn_rate / stretch**2 - 2.0 * turn * stretch_rate / stretch**3,
-        weights=np.tile(0.5 * length * GAUSS_WEIGHTS, elements),
-    )
+    there = {name: series[name] for name in (*STORED, *WORKS) if name in series}
+    stored = np.sum([values for name, values in there.items() if name in STORED], axis=0)
+    scale = max(least, *(float(np.max(np.abs(values))) for values in there.values()))
+    imbalance = float(np.max(np.abs(series[IMBALANCE]))) / scale if scale > 0.0 else 0.0
+    numbers = {"initial_J": float(stored[0]), "final_J": float(stored[-1])}
+    numbers |= {name: float(values[-1]) for name, values in there.items() if name in WORKS}
+    return numbers | {"imbalance_relative": imbalance}
 
 
-def elastic_energy(s: Strain, axial_stiffness: float, bending_stiffness: float) -> Vector:
-    """Strain energy (instants,) J of a beam with stiffnesses in N and N m2."""
-    energy: Vector = 0.5 * (axial_stiffness * s.axial**2 + bending_stiffness * s.curvature**2) @ s.weights
-    return energy
-
-
-def damping_power(s: Strain, axial_damping: float, bending_damping: float) -> Vector:
-    """Power (instants,) W lost in a beam with damping constants in N s and N m2 s."""
-    power: Vector = (axial_damping * s.axial_rate**2 + bending_damping * s.curvature_rate**2) @ s.weights
-    return power
+# ---- integrals over time ----
 
 
 def accumulate(time: Vector, rate: Vector) -> Vector:

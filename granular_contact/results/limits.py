@@ -10,6 +10,7 @@ import numpy as np
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.kinds import Kind
 from granular_contact.scene.bed import NOTHING, Bed
+from granular_contact.scene.types import Scene, Vector
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,22 @@ class Reach:
     sizes: tuple[tuple[Kind, float], ...]
 
 
-def warnings(bed: Bed, reach: Reach) -> Iterator[str]:
-    """Sentences on all that a run left, by how much."""
+def warnings(scene: Scene, reach: Reach | None, depth: Vector | None, deepest: float | None) -> Iterator[str]:
+    """Sentences on all that a run left, by how much, and on what is taken for granted.
+
+    reach: None where nothing could meet the medium; depth (n,) m of the deepest point; deepest: of all instants (m).
+    """
+    if scene.bed is not None and reach is not None and reach.depth > 0.0:
+        yield from _left(scene.bed, reach)
+    if not scene.media:
+        return
+    if not scene.settle and depth is not None and (start := float(depth[0])) > NOTHING:
+        yield f"it starts {start:.4g} m below the surface, as if it had been laid there without moving a grain"
+    if deepest is not None and deepest < -NOTHING:  # which is hardly what was meant
+        yield f"it never touched the medium: its deepest point came within {-deepest:.4g} m of the surface"
+
+
+def _left(bed: Bed, reach: Reach) -> Iterator[str]:
     for medium in dict.fromkeys(layer.medium for layer in bed.layers if reach.depth > layer.top):
         met = tuple(size for kind, size in reach.sizes if kind in medium.takes)
         outside = list(medium.validity.departures(reach.speed, reach.depth, met)) if met else []

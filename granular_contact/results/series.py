@@ -14,15 +14,6 @@ from granular_contact.results import CENTRAL_MOMENT, MOMENT, Column
 Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
-SPRING = "spring_J"
-JOINT_ENERGIES = {  # columns that a run has if its joints or its bed have such things
-    SPRING: "energy in the springs and stops of joints",
-    "joint_damping_work_J": "work of dampers and stops in joints so far",
-    "friction_work_J": "work of dry friction in joints so far",
-    "drive_work_J": "work of the drives so far",
-    "floor_work_J": "work of the floor's contact on the mechanism so far",
-}
-
 
 def tabulate(series: Series) -> tuple[tuple[Column, ...], Vector]:
     """Columns, and the table (instants, columns)."""
@@ -112,15 +103,14 @@ def clockwise_moment(wrench: Vector, about: Vector) -> Vector:
     return turned
 
 
-def forces(names: tuple[str, ...], terms: Vector, pivot: Vector | None, center: Vector | None = None) -> Series:
+def forces(names: tuple[str, ...], terms: Vector, about: Vector, *, at_pivot: bool) -> Series:
     """Forces of the medium: of each named term (n, terms, 3), as of `clockwise_moment`.
 
-    Moments are about the pivot (2,) m; of a mechanism without one (None) about its centre of mass, center (n, 2) m.
+    about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; at_pivot: which of them.
     """
     series: Series = {}
-    about, column = (pivot, MOMENT) if center is None else (center, CENTRAL_MOMENT)
-    assert about is not None
-    of = "the pivot" if center is None else "the centre of mass of the whole mechanism"
+    column = MOMENT if at_pivot else CENTRAL_MOMENT
+    of = "the pivot" if at_pivot else "the centre of mass of the whole mechanism"
     for i, term in enumerate(names):
         fx, fy, _ = terms[:, i].T
         what = f"{term.replace('_', ' ')} force of the medium"
@@ -128,41 +118,4 @@ def forces(names: tuple[str, ...], terms: Vector, pivot: Vector | None, center: 
         series[f"{term}_force_y_N"] = (f"{what}, upward", fy)
         words = f"moment of the {what} about {of}, clockwise positive"
         series[f"{term}_{column}"] = (words, clockwise_moment(terms[:, i], about))
-    return series
-
-
-def energies(
-    kinetic: Vector,
-    gravity: Vector,
-    elastic: Vector | None,
-    work: Vector,
-    damping: Vector,
-    joints: dict[str, Vector] | None = None,
-) -> Series:
-    """Energies, and work done by the medium and by internal damping so far, (n,) J each.
-
-    joints: what joints store (`spring_J`), and the work done in them so far, by the names of their columns.
-    """
-    joints = joints or {}
-    total = kinetic + gravity
-    series: Series = {
-        "kinetic_J": ("kinetic energy", kinetic),
-        "gravity_J": ("potential energy of gravity, from the start", gravity),
-    }
-    if elastic is not None:
-        series["elastic_J"] = ("strain energy of the flexible links", elastic)
-        total = total + elastic
-    if SPRING in joints:
-        series[SPRING] = (JOINT_ENERGIES[SPRING], joints[SPRING])
-        total = total + joints[SPRING]
-    series["granular_work_J"] = ("work of the medium on the mechanism so far", work)
-    series["damping_work_J"] = ("work of the links' internal damping so far", damping)
-    done = work + damping
-    for name in (name for name in JOINT_ENERGIES if name in joints and name != SPRING):
-        series[name] = (JOINT_ENERGIES[name], joints[name])
-        done = done + joints[name]
-    words = "energy less what was done by medium and damping, from the start"
-    if joints:
-        words = "energy less all work that was done on the mechanism, from the start"
-    series["energy_imbalance_J"] = (words, total - done - total[0])
     return series

@@ -1,8 +1,12 @@
-"""When a pendulum stops: the first zero of its rate, found inside a step from the side before the stop.
+"""When a run first touched its medium and when it stopped: all that is told of stopping is found here.
 
-At the stop the static resistance turns round, so values after it tell nothing about when it came. The last step before
-it has the rate and its derivative, from the moments that act; with the derivative one step earlier the zero of a
-parabola is the stop, to second order in the step.
+A pendulum stops at the first zero of its mean rate, whether it stays there or swings back. It is found inside a step,
+from the side before the stop, as there the static resistance turns round: values after it tell nothing about when it
+came. The last step before it has the rate and its derivative, from the moments that act; with the derivative one step
+earlier the zero of a parabola is the stop, to second order in the step. (The reduced model locates the same zero while
+it integrates, see `kernels.events`.)
+
+Of all else only rest is told: one part of it, or one component of a velocity, may be zero while the rest still falls.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from numpy.typing import NDArray
 from granular_contact.results.interpolation import Track, above_zero
 
 Vector = NDArray[np.float64]
+STAYS = 0.02  # s at rest, where the run does not say how long
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,36 @@ def find_stop(
         angle=_hermite(tau / step, step, angle[k], angle[k + 1], angle_rate[k], angle_rate[k + 1]),
         hub_time=hub_time,
     )
+
+
+def find_rest(time: Vector, speeds: Vector, touch: int, rest_speed: float, rest_time: float | None) -> float | None:
+    """When (s) the speed (n,) m/s of the fastest point last got below the rest speed, after the touch (index).
+
+    None where it did not stay there for the rest time (s).
+    """
+    moving = np.flatnonzero(speeds > rest_speed)
+    last = int(moving[-1]) if len(moving) else -1
+    if last < max(touch, 1) or last == len(time) - 1:
+        return None
+    if time[-1] - time[last + 1] < (1.0 - 1e-6) * (rest_time or STAYS):
+        return None
+    # From the side before: where something stops its speed has a kink.
+    step, fast = time[last + 1] - time[last], speeds[last] - rest_speed
+    slope = (speeds[last - 1] - speeds[last]) / (time[last] - time[last - 1])
+    return float(time[last] + (min(step, fast / slope) if slope > 0.0 else step))
+
+
+def find_turn(time: Vector, speed: Vector, angle: Vector, rate: Vector) -> float | None:
+    """When (s) an upward speed (n,) m/s of what sinks is first zero; None before that. Angle (n,) and rate of the body.
+
+    The derivative is that of the speed itself, looking back only: at the turn the force of the medium jumps.
+    """
+    if len(time) < 3:
+        return None
+    slope = np.diff(speed) / np.diff(time)
+    before = np.concatenate([slope[:1], slope[:1], slope[1:] + 0.5 * np.diff(slope)])[: len(speed)]
+    stop = find_stop(time, speed, before, angle, rate, hub=False)
+    return None if stop is None else stop.time
 
 
 def first_reversal(rate: Vector) -> int | None:

@@ -10,16 +10,11 @@ from importlib import metadata
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from granular_contact.results import STOP_MEASURE, Cost, Status
+from granular_contact.results import REST_MEASURE, STOP_MEASURE, Cost, Status, energy
 from granular_contact.results.interpolation import Track, greatest
 from granular_contact.results.stopping import Stop, Touch
-
-Vector = NDArray[np.float64]
-
-STORED = ("kinetic_J", "gravity_J", "elastic_J", "spring_J")
-WORKS = ("granular_work_J", "damping_work_J", "joint_damping_work_J", "friction_work_J", "drive_work_J", "floor_work_J")
+from granular_contact.scene.types import Scene, Vector
 
 
 @dataclass(frozen=True)
@@ -41,57 +36,46 @@ def extremes(time: Vector, depths: Sequence[Track], bend: Track | None) -> Extre
 
 
 def summarise(
-    name: str,
+    scene: Scene,
     status: Status,
     cost: Cost,
     series: dict[str, Vector],
     touch: Touch | None,
     stop: Stop | None,
     extremes: Extremes,
-    measure: str | None = STOP_MEASURE,
-    least_energy: float = 0.0,
 ) -> dict[str, Any]:
-    """Key numbers of a run from all its accepted steps; series by column name, (n,) each. Warnings are left to `run`.
+    """Key numbers of a run from all its accepted steps; series by column name, (n,) each. Warnings are left to others.
 
     None depends on which steps those are beyond the error of the steps: times, and what is greatest, are found between
     them (see `interpolation`), and works are integrals over time.
-    measure: what stopping means for this mechanism; least_energy (J): that an imbalance is measured against at least.
     """
     depth, deflection = extremes.depth, extremes.deflection
-    imbalance = _relative_imbalance(series, least_energy)
+    begun = 0.0 if touch is None else touch.time  # there is no stop without a touch
+    hub = None if stop is None else stop.hub_time
     return {
-        "name": name,
+        "name": scene.name,
         "status": status.code,
         "message": status.message,
         "touch_time_s": None if touch is None else touch.time,
-        "stopping_time_s": None if stop is None or touch is None else stop.time - touch.time,
-        "stopping_time_measure": measure,
-        "hub_stopping_time_s": (
-            None if stop is None or touch is None or stop.hub_time is None else stop.hub_time - touch.time
-        ),
+        "stopping_time_s": None if stop is None else stop.time - begun,
+        "stopping_time_measure": _measure(scene),
+        "hub_stopping_time_s": None if hub is None else hub - begun,
         "angle_at_stop_deg": None if stop is None or stop.angle is None else float(np.degrees(stop.angle)),
         "max_depth_m": None if depth is None else depth[0],
         "max_deflection_m": None if deflection is None else abs(deflection[0]),
         "max_deflection_time_s": None if deflection is None else deflection[1],
-        "energy": _energy(series) | {"imbalance_relative": imbalance},
+        "energy": energy.key_numbers(series, scene.force_scale * scene.least_way),
         "cost": asdict(cost),
         "versions": versions(),
         "warnings": [],
     }
 
 
-def _energy(series: dict[str, Vector]) -> dict[str, float]:
-    stored = np.sum([series[name] for name in STORED if name in series], axis=0)
-    return {
-        "initial_J": float(stored[0]),
-        "final_J": float(stored[-1]),
-    } | {name: float(series[name][-1]) for name in WORKS if name in series}
-
-
-def _relative_imbalance(series: dict[str, Vector], least: float) -> float:
-    """Largest imbalance over the largest single energy, or over the least (J) that counts."""
-    scale = max(least, *(float(np.max(np.abs(series[name]))) for name in (*STORED, *WORKS) if name in series))
-    return float(np.max(np.abs(series["energy_imbalance_J"]))) / scale if scale > 0.0 else 0.0
+def _measure(scene: Scene) -> str | None:
+    """What stopping means for a mechanism; None where it means nothing."""
+    if scene.drives or all(joint.kind == "weld" for joint in scene.connections):
+        return None
+    return REST_MEASURE if scene.pendulum is None else STOP_MEASURE
 
 
 def versions() -> dict[str, str]:

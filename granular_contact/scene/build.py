@@ -25,12 +25,10 @@ from granular_contact.scene.types import (
     FASTEST,
     Drive,
     FlexibleLink,
-    Load,
     Minimal,
     Reduced,
     RigidBody,
     Scene,
-    Solver,
     Vector,
     place,
     turned,
@@ -57,7 +55,7 @@ def build(scenario: schema.Scenario) -> Scene:
 
 
 def _built(scenario: schema.Scenario) -> Scene:
-    solver, faults = scenario.solver, list[Fault]()
+    faults = list[Fault]()
     driven = drives(scenario, faults)
     layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
     if scenario.initial.impact_tip_speed_m_s is not None:
@@ -79,17 +77,8 @@ def _built(scenario: schema.Scenario) -> Scene:
         connections=tuple(connections(layout, rigid, states)),
         gravity=scenario.gravity_m_s2,
         bed=placed,
-        load=_load(scenario.load),
-        solver=Solver(
-            end_time=solver.end_time_s,
-            step=solver.step_s,
-            rest_time=solver.rest_time_s,
-            rest_speed=solver.rest_speed_m_s,
-            spectral_radius=solver.spectral_radius,
-            tolerance=solver.tolerance,
-            accuracy=solver.accuracy,
-            max_wall=solver.max_wall_s,
-        ),
+        load=scenario.load,
+        solver=scenario.solver,
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,
         method=_method(scenario, placed),
@@ -290,16 +279,9 @@ def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[
 
 
 def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | Minimal | None:
-    reduced, minimal = scenario.method.reduced, scenario.method.minimal
-    if reduced is None:
-        return None if minimal is None else Minimal(minimal.rtol)
-    static = reduced.static
-    if static == "auto":
-        has_sign = placed is None or all(medium.by_component for medium in placed.media)
-        static = "true_sign" if reduced.modes == 0 and has_sign else scenario.load.friction.type
-    return Reduced(reduced.modes, static, reduced.rtol, reduced.integrator)
-
-
-def _load(load: schema.Load) -> Load:
-    strips = load.strips_per_element, load.strips_per_rigid_part
-    return Load(load.form == "resultant", load.end_cap, *strips, load.friction)
+    reduced = scenario.method.reduced
+    if reduced is None or reduced.static != "auto":
+        return reduced or scenario.method.minimal
+    has_sign = placed is None or all(medium.by_component for medium in placed.media)
+    static = "true_sign" if reduced.modes == 0 and has_sign else scenario.load.friction.type
+    return reduced.model_copy(update={"static": static})

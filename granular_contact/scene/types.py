@@ -8,12 +8,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+# A run's settings are the scenario's own, as they were validated.
+from granular_contact.config.schema import Load as Load
+from granular_contact.config.schema import Minimal as Minimal
+from granular_contact.config.schema import Reduced as Reduced
 from granular_contact.config.schema import Scenario
+from granular_contact.config.schema import Solver as Solver
 from granular_contact.laws.kinds import Kind
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -198,64 +204,14 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Load:
-    """How the medium acts: resultant form or distributed, end caps, strips, static friction."""
-
-    resultant: bool
-    end_cap: bool
-    strips_per_element: int
-    strips_per_rigid_part: int
-    static: Elastoplastic | Smooth
-
-
-@dataclass(frozen=True)
-class Solver:
-    """Times in s, speeds in m/s; tolerance relative to the forces of the scene.
-
-    accuracy: of steps that are chosen, None for fixed ones; max_wall: wall time (s), None for no limit;
-    spectral_radius: None for the engine's choice.
-    """
-
-    end_time: float
-    step: float
-    rest_time: float | None
-    rest_speed: float
-    spectral_radius: float | None
-    tolerance: float
-    accuracy: float | None = None
-    max_wall: float | None = None
-
-
-@dataclass(frozen=True)
-class Reduced:
-    """Reduced model in place of the engine; see `granular_contact.reduced`.
-
-    modes: of the flexible link, 0 for a rigid one; static: "true_sign", or the kind of static friction that the load
-    has; rtol: error of a step relative to the size and speed of the mechanism; integrator: the project's own
-    "dormand_prince" or one of scipy's by its name there.
-    """
-
-    modes: int
-    static: Literal["true_sign", "elastoplastic", "smooth"]
-    rtol: float
-    integrator: str
-
-
-@dataclass(frozen=True)
-class Minimal:
-    """Minimal coordinates in place of the engine; see `granular_contact.minimal`. rtol: as of `Reduced`."""
-
-    rtol: float
-
-
-@dataclass(frozen=True)
 class Scene:
     """All that a solver needs. gravity m/s2, downward; bed: None in vacuum.
 
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
-    method: None for the engine. settle: find rest first. body_columns: report the motion of every body. stiff: links of
-    the scenario that bend too little to show, and are rigid here. scenario: what `build` made the scene of; None of a
-    scene that was put together or changed otherwise, as by `dataclasses.replace`.
+    load, solver, method: as the scenario has them, but for `auto`; method: None for the engine. settle: find rest
+    first. body_columns: report the motion of every body. stiff: links of the scenario that bend too little to show, and
+    are rigid here. scenario: what `build` made the scene of; None of a scene that was put together or changed
+    otherwise, as by `dataclasses.replace`.
     """
 
     name: str
@@ -275,22 +231,27 @@ class Scene:
     stiff: tuple[str, ...] = ()
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
 
-    @property
+    @cached_property
     def surface(self) -> float | None:
         """Height of the free surface at x = 0 (m), everywhere if it is level; None without one."""
         return None if self.bed is None else float(self.bed.height(np.zeros(1))[0])
 
     @property
+    def static(self) -> Elastoplastic | Smooth:
+        """Static friction of the medium."""
+        return self.load.friction
+
+    @cached_property
     def media(self) -> tuple[Law, ...]:
         """All media of the bed, from the top; none in vacuum."""
         return () if self.bed is None else self.bed.media
 
-    @property
+    @cached_property
     def bodies(self) -> list[RigidBody | FlexibleLink]:
         """All bodies, the rigid ones first."""
         return [*self.rigid, *self.links]
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """Moving mass (kg)."""
         return sum(body.mass for body in self.bodies)
@@ -306,13 +267,13 @@ class Scene:
         shapes = [float(np.linalg.norm(point)) + shape.drop for shape in body.shapes for point in shape.points]
         return max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
 
-    @property
+    @cached_property
     def tip_position(self) -> Vector:
         """Initial world position (2,) m of the tip."""
         name, point = self.tip
         return place(self.body(name).motion, point)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body.
 
@@ -324,16 +285,16 @@ class Scene:
             far = [tip - self.pivot.parent_point]
         return max(*(math.hypot(*arm) for arm in far), *map(self.radius, self.rigid), 0.0)
 
-    @property
+    @cached_property
     def least_way(self) -> float:
         """Way (m) up to which nothing counts as moved: 1e-4 of the size, or ten yield displacements of the bristles.
 
         What lies in sand and only leans on its bristles moves by some of these.
         """
-        static = self.load.static
+        static = self.static
         return max(1e-4 * self.length, 10.0 * static.yield_displacement if isinstance(static, Elastoplastic) else 0.0)
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """Greatest speed (m/s) at the start: of the tip, and of bodies that slide or fly."""
         motion = self.body(self.tip[0]).motion
@@ -343,7 +304,7 @@ class Scene:
             return of_tip
         return max(of_tip, *(math.hypot(*body.motion.velocity) for body in self.bodies))
 
-    @property
+    @cached_property
     def force_scale(self) -> float:
         """Force (N) to expect: the weight, at least at 1 g, and the momentum of the impact.
 
@@ -351,7 +312,7 @@ class Scene:
         """
         return self.mass * (max(abs(self.gravity), 9.81) + self.speed * self.speed / max(self.length, 1e-3))
 
-    @property
+    @cached_property
     def pivot(self) -> Connection | None:
         """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""
         on_ground = [c for c in self.connections if c.parent is None]
@@ -359,13 +320,13 @@ class Scene:
             return None
         return next((c for c in on_ground if c.kind == "hinge"), None)
 
-    @property
+    @cached_property
     def pendulum(self) -> Connection | None:
         """The pivot of a mechanism that turns about it as one: nothing else of it moves but links that bend."""
         moving = [joint for joint in self.connections if joint.kind != "weld"]
         return self.pivot if moving == [self.pivot] else None
 
-    @property
+    @cached_property
     def floating(self) -> Connection | None:
         """The joint of a mechanism that flies free: its only joint to the ground, with three degrees of freedom."""
         on_ground = [c for c in self.connections if c.parent is None]

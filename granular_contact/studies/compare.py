@@ -6,7 +6,6 @@ for the deflection, when the peak deflection is. The cheapest such model is the 
 
 from __future__ import annotations
 
-import csv
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,16 @@ from numpy.typing import NDArray
 
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.report import COMPARISON, FIGURES, SCENARIO, SUMMARY, json_text, scenario_text, whole_folder
+from granular_contact.report import (
+    COMPARISON,
+    FIGURES,
+    SCENARIO,
+    SUMMARY,
+    json_text,
+    scenario_text,
+    whole_folder,
+    write_table,
+)
 from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.results.interpolation import at_times, rates
 from granular_contact.run import run, uninterrupted
@@ -243,10 +251,7 @@ def cells(row: Row) -> tuple[str | float | None, ...]:
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
     """Write the table, the verdict, the run and the histories laid over each other, whole or not at all."""
     with whole_folder(directory, "compare") as folder:
-        with (folder / COMPARISON).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(HEAD)
-            writer.writerows(["" if cell is None else cell for cell in cells(row)] for row in comparison.rows)
+        write_table(folder / COMPARISON, HEAD, map(cells, comparison.rows))
         (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")
         (folder / SCENARIO).write_text(scenario_text(comparison.rows[-1].results), encoding="utf-8")
         if figures:

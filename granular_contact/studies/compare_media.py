@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -10,7 +9,7 @@ from pathlib import Path
 
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
-from granular_contact.report import whole_folder
+from granular_contact.report import whole_folder, write_table
 from granular_contact.results import Compiling, Results
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import Scene, build
@@ -121,10 +120,7 @@ def cells(row: Row) -> tuple[str | float | None, ...]:
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
     """Write the table and the histories laid over each other, whole or not at all."""
     with whole_folder(directory, "compare-media") as folder:
-        with (folder / TABLE).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(HEAD)
-            writer.writerows(["" if cell is None else cell for cell in cells(row)] for row in rows)
+        write_table(folder / TABLE, HEAD, map(cells, rows))
         if figures:
             from granular_contact.report.figures.media import draw_media
 

@@ -1,7 +1,7 @@
 """Every force element by itself: torque or force times rate is the rate of its energy or work, with a sign it may have.
 
 The balance of all energies can't see an element that is wrong alike in the force and in the audit. Here each acts alone
-on a body without weight, so that three things must agree: its force (from `Observer.joint_forces` or a column), the
+on a body without weight, so that three things must agree: its force (from `joint_forces` or a column), the
 momentum that the engine gives the body, and the column of its energy or work. What is lost is never gained.
 """
 
@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 from support_runs import DENSITY, scenario_of, simulate
 
 from granular_contact.multibody.build import build as build_system
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.joint_history import JointForces
+from granular_contact.multibody.kinematics import Kinematics
+from granular_contact.multibody.mechanism import joint_forces
+from granular_contact.multibody.observe import observe
 from granular_contact.multibody.solve import solve
 from granular_contact.results import Results
 from granular_contact.results.energy import accumulate, work
@@ -58,12 +61,12 @@ ELEMENTS = {
 
 
 @cache
-def observed(text: str) -> tuple[Observer, dict[str, Array]]:
-    """A run, and its columns by their names."""
+def observed(text: str) -> tuple[dict[str, JointForces], dict[str, Array]]:
+    """Forces in the joints of a run, and its columns by their names."""
     system = build_system(build(scenario_of(text)))
-    observer = Observer(system, solve(system))
-    columns, table = observer.columns()
-    return observer, {column.name: table[:, i] for i, column in enumerate(columns)}
+    trajectory = solve(system)
+    columns, table = observe(system, trajectory).columns()
+    return joint_forces(Kinematics(system, trajectory)), {column.name: table[:, i] for i, column in enumerate(columns)}
 
 
 def rate_of(kind: str, run: dict[str, Array] | Results) -> Array:
@@ -75,8 +78,8 @@ def test_an_element_alone(case: tuple[str, ...]) -> None:
     kind, name = case[:2]
     element, s, rate = ELEMENTS[case]
     text = BODY.format(**(HINGE if kind == "hinge" else SLIDER), element=element, s=s, rate=rate)
-    observer, run = observed(text)
-    forces, time, moved = observer.joint_forces["it"], run["time_s"], rate_of(kind, run)
+    joints, run = observed(text)
+    forces, time, moved = joints["it"], run["time_s"], rate_of(kind, run)
     force, inertia = forces.force[name], INERTIA if kind == "hinge" else MASS
     others = [one for key, one in forces.force.items() if key != name]
     assert all(np.abs(one).max() == 0.0 for one in others) or name.endswith("_stop")

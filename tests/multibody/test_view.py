@@ -17,7 +17,7 @@ from support_runs import CONFIGS, ROOT, scene_of
 from granular_contact import cli
 from granular_contact.multibody import view
 from granular_contact.multibody.build import System, build
-from granular_contact.multibody.observe import Observer
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.solve import solve
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Outline
@@ -55,7 +55,7 @@ def test_a_reduced_model_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_what_is_played_is_the_trajectory(solved: tuple[System, Trajectory]) -> None:
     system, trajectory = solved
     solution = view.playable(system, trajectory.time, trajectory.q, trajectory.v)
-    observer = Observer(system, trajectory)
+    observer = Kinematics(system, trajectory)
     tip = system.links["link"].nodes[-1]
     for row in (0, 100, len(trajectory.time) - 1):
         SetSolutionState(system.mbs, solution, row)
@@ -73,7 +73,7 @@ def test_bodies_and_medium_get_a_look(solved: tuple[System, Trajectory]) -> None
     system, trajectory = solved
     (body,) = system.rigid.values()
     assert not looks(system, body.object)  # lean until it is looked at
-    view.dress(system, Observer(system, trajectory))
+    view.dress(system, Kinematics(system, trajectory))
     points = np.concatenate(looks(system, body.object))  # in the body's frame, along the link
     # From the rim of the disc, of 48 tiles (0.2 %), to the end of the collar.
     assert np.ptp(points[:, 0]) == pytest.approx(0.01905 / 2 + 0.024765, rel=5e-3)

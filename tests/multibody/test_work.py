@@ -9,7 +9,7 @@ import pytest
 from support_runs import scene_of, simulate
 
 from granular_contact.results import Results
-from granular_contact.results.accuracy import IMBALANCE_LIMIT, Doubt, told
+from granular_contact.results.accuracy import IMBALANCE_LIMIT, AccuracyWarning, told
 from granular_contact.results.energy import accumulate, work
 
 BOX = """
@@ -102,14 +102,18 @@ def test_a_flexible_rod_on_a_slope_balances_or_says_so() -> None:
     ],
 )
 def test_no_softer_sentence_stands_beside_the_balance(off: float, heard: list[str]) -> None:
-    doubts = [Doubt("steps are too long: 2 %", 0.02), Doubt("beam: 1 %", 0.01), Doubt("bristles vibrate")]
+    found = [
+        AccuracyWarning("steps are too long: 2 %", 0.02),
+        AccuracyWarning("beam: 1 %", 0.01),
+        AccuracyWarning("bristles vibrate"),
+    ]
     scene = scene_of("pendulum")
-    said = told(off, doubts, scene)
+    said = told(off, found, scene)
     assert [next(word for word in ("energy", "steps", "beam", "bristles") if word in one[:20]) for one in said] == heard
     assert ("not usable" in said[0]) is (off > 0.05)
     # What makes the result useless by itself drops the rest, too.
-    fatal = Doubt("turns", np.inf)
-    assert told(min(off, 0.03), [*doubts, fatal], scene) == ["turns"]
+    fatal = AccuracyWarning("turns", np.inf)
+    assert told(min(off, 0.03), [*found, fatal], scene) == ["turns"]
 
 
 def test_every_solver_names_what_to_change() -> None:

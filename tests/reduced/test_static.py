@@ -83,7 +83,7 @@ def test_scipy_gives_the_same(integrator, static):
     for name in ("dormand_prince", integrator):
         from granular_contact.reduced.model import model
 
-        run = solve(model(scene, Reduced(1, static, 1e-8, name)))
+        run = solve(model(scene, Reduced(modes=1, static=static, rtol=1e-8, integrator=name)))
         found.append((run.stop[0], run.stop[1], np.abs(run.q[:, 1]).max()))
     # A stop moves by what a step of 2e-4 s does to a bristle; the true sign by the tolerance.
     np.testing.assert_allclose(found[1], found[0], rtol=1e-5 if static == "true_sign" else 1e-4)

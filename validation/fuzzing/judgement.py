@@ -87,8 +87,8 @@ def _outcome(path: Path) -> Outcome:
         return _refusal(error)
     if len(scene.rigid) + sum(link.elements for link in scene.links) > MOST_PARTS:
         return Outcome("fine, too large to run here")
-    end = min(scene.solver.end_time, MOST_STEPS * scene.solver.step)
-    wall = min(WALL, scene.solver.max_wall or WALL)
+    end = min(scene.solver.end_time_s, MOST_STEPS * scene.solver.step_s)
+    wall = min(WALL, scene.solver.max_wall_s or WALL)
     scene = build(scenario.replace({"solver.end_time_s": end, "solver.max_wall_s": wall}))
     try:
         return _honesty(scene, run(scene))

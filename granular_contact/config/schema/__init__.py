@@ -34,7 +34,7 @@ from granular_contact.config.schema.mechanism import (
     Rigid,
 )
 from granular_contact.config.schema.medium import Media, Medium
-from granular_contact.config.schema.method import Method, Reduced
+from granular_contact.config.schema.method import Method, Minimal, Reduced
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.scenario import (
     Friction,
@@ -98,6 +98,7 @@ __all__ = [
     "Media",
     "Medium",
     "Method",
+    "Minimal",
     "Model",
     "Motion",
     "Output",

@@ -1,6 +1,6 @@
 """Results -> figures at the size journals print them: time series one column wide, the mechanism two columns wide.
 
-looks    style, units               sizes, colours, matplotlib's settings; the units of axes
+looks    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
 series   panels, events, hinges     panels over time, what is marked in them, what the hinges are called
          motion, series             their figures
 picture  outlines, views            edges and depths; windows on the plane

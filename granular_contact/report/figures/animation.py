@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from granular_contact.report.figures.outlines import edge, fixed_points
 from granular_contact.report.figures.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, bounds, stage_of, strongest
 from granular_contact.report.figures.style import INK, SAND, VERMILION
+from granular_contact.report.units import Array, minus, unit_for
 from granular_contact.results import Force, Results, Snapshot
 from granular_contact.results.frames import pace, surface_height
-from granular_contact.results.units import Array, minus, unit_for
 
 Picture = NDArray[np.uint8]
 

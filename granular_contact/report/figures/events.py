@@ -7,9 +7,8 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from granular_contact.report.figures.style import FAINT
-from granular_contact.report.figures.units import instant, time_unit
+from granular_contact.report.units import instant, minus, time_unit
 from granular_contact.results import REST_MEASURE, Results
-from granular_contact.results.units import minus
 
 
 def mark_events(results: Results, panels: list[Axes]) -> None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, INK, SINGLE, SKY, VERMILION, style
-from granular_contact.results.units import Array, Unit, unit_for
+from granular_contact.report.units import Array, Unit, unit_for
 
 MOST_RUNS = 24  # that are drawn one by one
 

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 
 from granular_contact.report.figures.panels import cleared, curve, finish, fitting_columns, stacked
 from granular_contact.report.figures.style import DPI, INK, PALETTE, style
+from granular_contact.report.units import greatest, unit_for
 from granular_contact.results import Results
 from granular_contact.results.interpolation import at_times, rates
-from granular_contact.results.units import greatest, unit_for
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]

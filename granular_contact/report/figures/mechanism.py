@@ -14,12 +14,11 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from granular_contact.report.figures.hinges import hinges_of
 from granular_contact.report.figures.outlines import deepest_point, edge, fixed_points
 from granular_contact.report.figures.style import FLOOR, GRAINS, INK, SAND, SAND_EDGE, VERMILION
-from granular_contact.report.figures.units import instant
 from granular_contact.report.figures.views import View, side_by_side, tip_view, whole_view
+from granular_contact.report.units import Unit, instant, minus, unit_for
 from granular_contact.results import Results, Snapshot
 from granular_contact.results.frames import surface_height
 from granular_contact.results.interpolation import at_times
-from granular_contact.results.units import Unit, minus, unit_for
 
 _POSES: dict[str, dict[str, Any]] = {
     "touch": {"facecolor": "#D4D4D4", "edgecolor": "#7A7A7A", "zorder": 3},

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from granular_contact.report.figures.style import DOUBLE, DPI, PALETTE, style
+from granular_contact.report.units import unit_for
 from granular_contact.results import Results
-from granular_contact.results.units import unit_for
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]

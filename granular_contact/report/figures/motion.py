@@ -11,8 +11,8 @@ from granular_contact.report.figures.events import mark_events
 from granular_contact.report.figures.hinges import Hinge, hinges_of
 from granular_contact.report.figures.panels import cleared, curve, finish, fitting_columns, stacked
 from granular_contact.report.figures.style import BLUE, FAINT, INK, PALETTE, SKY, VERMILION
+from granular_contact.report.units import Array, greatest, unit_for
 from granular_contact.results import Results
-from granular_contact.results.units import Array, greatest, unit_for
 
 MOST_NAMED = 6  # curves with a name and a colour of their own
 

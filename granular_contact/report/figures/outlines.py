@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granular_contact.report.figures.hinges import hinges_of
+from granular_contact.report.units import Array
 from granular_contact.results import Outline, Results, Snapshot
 from granular_contact.results.frames import surface_height
-from granular_contact.results.units import Array
 
 NEAR = 4.0  # depths
 SHARPEST = 3.0  # a corner sticks out by at most so many half diameters

@@ -9,7 +9,7 @@ import numpy as np
 
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DPI, SINGLE, style
-from granular_contact.results.units import Array
+from granular_contact.report.units import Array
 
 MOST = 3  # panels, and figures of a sweep
 

@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granular_contact.report.figures.style import DPI, LEGEND_ROW, SINGLE
-from granular_contact.report.figures.units import time_unit
+from granular_contact.report.units import Array, greatest, time_unit
 from granular_contact.results import Results
-from granular_contact.results.units import Array, greatest
 
 _PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths, mm: of a panel, of what stands by a label in a legend, of a letter
 

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.events import mark_events
 from granular_contact.report.figures.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
 from granular_contact.report.figures.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
-from granular_contact.report.figures.units import instant, time_unit
+from granular_contact.report.units import Array, greatest, instant, minus, time_unit, unit_for
 from granular_contact.results import CENTRAL_MOMENT, MOMENT, Results
-from granular_contact.results.units import Array, greatest, minus, unit_for
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
     (BLUE, "-"),

@@ -10,9 +10,9 @@ from matplotlib.colors import to_rgb
 
 from granular_contact.report.figures.outlines import edge
 from granular_contact.report.figures.style import FLOOR, SAND, SAND_EDGE
+from granular_contact.report.units import Array
 from granular_contact.results import Results, Snapshot
 from granular_contact.results.frames import surface_height
-from granular_contact.results.units import Array
 
 WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
 HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism

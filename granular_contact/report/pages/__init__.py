@@ -1,9 +1,8 @@
 """Results folder -> one HTML file that holds everything: words, numbers, figures, animation, scenario, warnings.
 
-folder                          what is on the disk
-markup, page, parts, numbers    escaping; the page and its style; tables and figures; numbers in words
-run, comparison, sweep, fit     what is said of each kind of results; other: of those without words of their own
-anything                        entries of which no more is known than their names
+folder                        what is on the disk
+run, comparison, sweep, fit   what is shown of each kind of results
+templates, rendering          the words and the look of pages; what templates ask for
 """
 
 from __future__ import annotations
@@ -11,23 +10,24 @@ from __future__ import annotations
 import os
 import secrets
 import struct
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from granular_contact.report import ENTRIES, PAGE
-from granular_contact.report.pages import comparison, fit, other, run, sweep
+from jinja2 import TemplateError
+
+from granular_contact.report import ENTRIES, PAGE, version
+from granular_contact.report.pages import comparison, fit, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
-from granular_contact.report.pages.page import GENERATOR
+from granular_contact.report.pages.rendering import GENERATOR, rendered
 
 __all__ = ["FolderError", "html", "write"]
 
-_KINDS: dict[str, Callable[[Folder], str]] = {
-    "run": run.page,
-    "compare": comparison.page,
-    "sweep": sweep.page,
-    "fit": fit.page,
-}
-_ODD = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error)
+_ODD = (
+    *(ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError),
+    *(struct.error, TemplateError),
+)
 
 
 def html(directory: Path) -> str:
@@ -39,12 +39,30 @@ def html(directory: Path) -> str:
         The folder holds no results, or broken ones.
     """
     folder = open_folder(directory)
+    contents: dict[str, Callable[[Folder], dict[str, Any]]] = {
+        "run": run.content,
+        "compare": comparison.content,
+        "fit": fit.content,
+    }
     try:
-        return _KINDS.get(folder.kind, other.page)(folder)
+        if folder.kind != "sweep":
+            return rendered(folder.kind, contents.get(folder.kind, _tables)(folder))
+        with tempfile.TemporaryDirectory() as place:
+            return rendered(folder.kind, sweep.content(folder, Path(place)))
     except _ODD as error:  # what is written here has other types somewhere
         held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
         files = " or ".join(name for name in held if Path(name).is_file())
         raise FolderError(f"{files} holds what no {folder.kind} of this program writes ({error!r})") from error
+
+
+def _tables(folder: Folder) -> dict[str, Any]:
+    """What the template asks for of results that need no words of their own."""
+    return {
+        "title": folder.path.name,
+        "version": version(),
+        "tables": {path.name: folder.table(path.name) for path in sorted(folder.path.glob("*.csv"))},
+        "pictures": [*folder.figures(), *sorted(folder.path.glob("*.png"))],
+    }
 
 
 def write(directory: Path, file: Path | None = None) -> Path:

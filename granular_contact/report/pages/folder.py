@@ -59,6 +59,13 @@ class Folder:
             raise FolderError(f"{self.path / name}: row {ragged} does not have {len(head)} cells as the header has")
         return head, [[_value(cell) for cell in row] for row in rows]
 
+    def text(self, name: str) -> str | None:
+        """A text file as it is; None if there is none."""
+        try:
+            return (self.path / name).read_text(encoding="utf-8") if self.has(name) else None
+        except (OSError, UnicodeDecodeError):
+            raise FolderError(f"{self.path / name}: can't be read as text") from None
+
     def figures(self) -> list[Path]:
         """Figures, in the order of their names."""
         return sorted((self.path / FIGURES).glob("*.png"))

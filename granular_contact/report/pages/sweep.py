@@ -1,9 +1,8 @@
-"""The page of a sweep."""
+"""What the page of a sweep shows."""
 
 from __future__ import annotations
 
 import re
-import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -13,20 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.report import SWEEP, TABLE
-from granular_contact.report.pages import parts
+from granular_contact.report import SENSITIVITY, SWEEP, TABLE
 from granular_contact.report.pages.folder import Folder, Rows
-from granular_contact.report.pages.markup import Markup, join, tag
-from granular_contact.report.pages.numbers import column, is_number, label, quantity
-from granular_contact.report.pages.page import page as whole
+from granular_contact.report.units import column, is_number, label, quantity
 from granular_contact.results import FINISHED
 
 MOST_ROWS = 100  # shown; the rest is in the table
-IMBALANCE = "energy.imbalance_relative"
+IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
 _NOT_KEY = ("cost.", "versions.", "energy.")
 _FIRST = ("stopping_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m")  # are drawn before all others
 _NOT_DRAWN = ("hub_stopping_time_s",)
-SENSITIVITY = "sensitivity.csv"
 MOST_WARNINGS = 10  # kinds
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
 Values = NDArray[np.float64]
@@ -57,27 +52,32 @@ class _Table:
         return np.array([value if is_number(value) else np.nan for value in self.column(name)], dtype=float)
 
 
-def page(folder: Folder) -> str:
-    """HTML of a sweep's page."""
+def content(folder: Folder, place: Path) -> dict[str, Any]:
+    """What its template asks for; place: a folder for pictures that are drawn for the page."""
     table = _read(folder)
     counts = Counter(str(status) for status in table.column("status"))
-    bad = sum(count for status, count in counts.items() if status not in FINISHED)
     ended = table.finished
-    sections = [
-        parts.warnings([*_warnings(table), *_vague(folder)]),
-        parts.section("Key numbers", _left_out(bad), _statistics(ended)),
-        parts.section("Figures", _figures(folder, ended)),
-        parts.section("Sensitivity", _sensitivity(folder)),
-        parts.section("Cases that failed", _failed(table)),
-        parts.section("Energy audit", _energy(ended)),
-        parts.section("Cases", _cases(table)),
-        parts.section("Scenario", _scenario(folder)),
-        parts.section("Computation", *_computation(table)),
-    ]
-    words = f"{bad} failed" if bad else "all came to an end"
-    badge = tag("span", words, class_="status bad" if bad else "status")
-    version = next((str(v) for v in _told(table, "versions.granular-contact")), "")
-    return whole(folder.path.name, "Sweep", badge, _lead(table, counts), sections, version)
+    names = [table.head[0], *table.varied, "status", *table.found[:6]]
+    return {
+        "title": folder.path.name,
+        "version": next(iter(_told(table, "versions.granular-contact")), ""),
+        "count": len(table.rows),
+        "counts": counts.most_common(),
+        "failed": sum(count for status, count in counts.items() if status not in FINISHED),
+        "varied": table.varied,
+        "warnings": [*_warnings(table), *_vague(folder)],
+        "statistics": list(_statistics(ended)),
+        "pictures": [*((path, _caption(path.stem)) for path in folder.figures()), *_overviews(ended, place)],
+        "sensitivity": folder.table(SENSITIVITY) if folder.has(SENSITIVITY) else None,
+        "failures": _failures(table),
+        "audit": _audit(ended),
+        "columns": names,
+        "cases": list(zip(*(table.column(name) for name in names), strict=True)),
+        "most": MOST_ROWS,
+        "sweep": folder.text(SWEEP),
+        "seconds": float(np.nansum(table.numbers(SECONDS))) if SECONDS in table.head else None,
+        "versions": {n[9:]: ", ".join(map(str, _told(table, n))) for n in table.head if n[:9] == "versions."},
+    }
 
 
 def _read(folder: Folder) -> _Table:
@@ -91,18 +91,6 @@ def _read(folder: Folder) -> _Table:
         if not name.startswith(_NOT_KEY) and np.isfinite(finished.numbers(name)).any() and name != "touch_time_s"
     ]
     return _Table(head, rows, head[1:begin], found)
-
-
-def _lead(table: _Table, counts: Counter[str]) -> str:
-    ends = {
-        "rest": "came to rest",
-        "end_time": "ran to the end time",
-        "time_limit": "ran out of time",
-        "error": "crashed",
-    }
-    words = ", ".join(f"{count} {ends.get(status, status)}" for status, count in counts.most_common())
-    varied = ", ".join(label(name) for name in table.varied) or "nothing"
-    return f"{len(table.rows)} cases: {words}. They differ in {varied}."
 
 
 def _told(table: _Table, name: str) -> list[Any]:
@@ -145,39 +133,26 @@ def _vague(folder: Folder) -> list[str]:
     ]
 
 
-def _left_out(bad: int) -> Markup | None:
-    """What the numbers, figures and energies are not of."""
-    if not bad:
-        return None
-    cases = "1 case that did not come to an end is" if bad == 1 else f"{bad} cases that did not come to an end are"
-    return tag("p", f"Of the cases that came to an end; {cases} left out here, in the figures and in the energy audit.")
-
-
-def _statistics(table: _Table) -> Markup | None:
-    rows = []
+def _statistics(table: _Table) -> Iterator[list[Any]]:
     for name in table.found:
         values = table.numbers(name)
         values = values[np.isfinite(values)]
         spread = (values.min(), np.median(values), values.max())
-        rows.append([label(name), len(values), *(quantity(name, float(value)) for value in spread)])
-    names = ["number", "cases that have it", "least", "median", "greatest"]
-    return parts.table("What the cases found.", names, rows) if rows else None
+        yield [label(name), len(values), *(quantity(name, float(value)) for value in spread)]
 
 
-def _figures(folder: Folder, table: _Table) -> Markup | None:
-    shown = [parts.figure(path, _caption(path.stem)) for path in folder.figures()]
+def _overviews(table: _Table, place: Path) -> Iterator[tuple[Path, str]]:
+    """Drawings of what was found against what varies, and their captions."""
     columns = [(name, table.numbers(name)) for name in table.varied]
     varied = [(name, values) for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
-    if varied and table.found:
-        from granular_contact.report.figures.overview import MOST, draw
+    if not varied or not table.found:
+        return
+    from granular_contact.report.figures.overview import MOST, draw
 
-        with tempfile.TemporaryDirectory() as place:
-            for name in _drawn(table)[:MOST]:
-                across = dict(_axis(*one) for one in varied)
-                draw(across, _axis(name, table.numbers(name)), Path(place, "overview.png"))
-                words = f"{label(name).capitalize()} of every case that came to an end against what varies."
-                shown.append(parts.figure(Path(place, "overview.png"), words))
-    return tag("div", *shown, class_="figures") if shown else None
+    for i, name in enumerate(_drawn(table)[:MOST]):
+        path = place / f"overview_{i}.png"
+        draw(dict(_axis(*one) for one in varied), _axis(name, table.numbers(name)), path)
+        yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
 
 
 def _caption(stem: str) -> str:
@@ -197,61 +172,16 @@ def _axis(key: str, values: Values) -> tuple[str, Values]:
     return words, np.array(numbers)
 
 
-def _sensitivity(folder: Folder) -> Markup | None:
-    if not folder.has(SENSITIVITY):
-        return None
-    head, rows = folder.table(SENSITIVITY)
-    caption = "Part of the variance of an output that an input explains: alone (first order), and with others (total)."
-    return parts.keyed_table(caption, head, rows)
+def _failures(table: _Table) -> Rows:
+    columns = (table.column(name) for name in (table.head[0], "message", "status"))
+    return [[case, message] for case, message, status in zip(*columns, strict=True) if status not in FINISHED]
 
 
-def _failed(table: _Table) -> Markup | None:
-    rows = [
-        [case, message]
-        for case, status, message in zip(
-            table.column(table.head[0]), table.column("status"), table.column("message"), strict=True
-        )
-        if status not in FINISHED
-    ]
-    return _at_most("Why they failed.", ["case", "message"], rows) if rows else None
-
-
-def _at_most(caption: str, head: list[str], rows: Rows) -> Markup:
-    shown = parts.keyed_table(caption, head, rows[:MOST_ROWS])
-    more = len(rows) - MOST_ROWS
-    return join(shown, tag("p", f"... and {more} more in {TABLE}.") if more > 0 else None)
-
-
-def _energy(table: _Table) -> Markup | None:
-    if IMBALANCE not in table.head:
-        return None
-    values = table.numbers(IMBALANCE)
+def _audit(table: _Table) -> dict[str, Any] | None:
+    """Energy unaccounted for: in the median, and in the worst case."""
+    values = table.numbers(IMBALANCE) if IMBALANCE in table.head else np.zeros(0)
     if not np.isfinite(values).any():
         return None
     worst = int(np.nanargmax(values))
-    return tag(
-        "p",
-        f"Share of the energy unaccounted for: {quantity(IMBALANCE, float(np.nanmedian(values)))} in the median, "
-        f"{quantity(IMBALANCE, float(values[worst]))} at most, in case {table.rows[worst][0]}.",
-    )
-
-
-def _cases(table: _Table) -> Markup:
-    names = [table.head[0], *table.varied, "status", *table.found[:6]]
-    places = [table.head.index(name) for name in names]
-    rows = [[row[i] for i in places] for row in table.rows]
-    return _at_most("Cases, what they vary, and what came of them.", names, rows)
-
-
-def _scenario(folder: Folder) -> Markup | None:
-    if not folder.has(SWEEP):
-        return None
-    words = f"The config with every default in place, and the cases; granular-contact sweep {SWEEP} runs them again."
-    return parts.source(folder.path / SWEEP, words)
-
-
-def _computation(table: _Table) -> Iterator[Markup | None]:
-    if "cost.solve_s" in table.head:
-        yield parts.facts({"time_of_all_solves_s": float(np.nansum(table.numbers("cost.solve_s")))})
-    versions = {n.partition(".")[2]: ", ".join(map(str, _told(table, n))) for n in table.head if n[:9] == "versions."}
-    yield parts.listing("Versions that made it.", versions)
+    median, most = (quantity(IMBALANCE, float(value)) for value in (np.nanmedian(values), values[worst]))
+    return {"median": median, "most": most, "case": table.rows[worst][0]}

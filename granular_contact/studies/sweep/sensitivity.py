@@ -6,7 +6,6 @@ First order: alone. Total: with all that it does together with others. By scipy.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
 from granular_contact.config.sweep_range import is_number
-from granular_contact.report import FIGURES, SENSITIVITY
+from granular_contact.report import FIGURES, SENSITIVITY, write_table
 from granular_contact.studies.sweep.journal import Row
 
 CONFIDENCE = 0.95
@@ -144,13 +143,7 @@ def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0)
 
 def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
     """Write sensitivity.csv, a line for each output and input, and a figure of each output; raises OSError."""
-    with (folder / SENSITIVITY).open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEAD)
-        for one in found:
-            for i, name in enumerate(one.inputs):
-                numbers = [""] * 6 if one.refused else [repr(float(value)) for value in _numbers(one, i)]
-                writer.writerow([one.output, name, *numbers, one.refused or doubt(one, i)])
+    write_table(folder / SENSITIVITY, HEAD, (_cells(one, i) for one in found for i in range(len(one.inputs))))
     drawn = [one for one in found if figures and not one.refused]
     if drawn:
         from granular_contact.report.figures.sensitivity import Bars, draw_sensitivity
@@ -162,6 +155,9 @@ def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
             draw_sensitivity(one.output, one.inputs, first, total, folder / FIGURES / f"sensitivity_{one.output}.png")
 
 
-def _numbers(one: Indices, i: int) -> Iterable[float]:
+def _cells(one: Indices, i: int) -> list[str]:
+    if one.refused:
+        return [one.output, one.inputs[i], *[""] * 6, one.refused]
     first, total = one.first_interval[:, i], one.total_interval[:, i]
-    return one.first[i], first[0], first[1], one.total[i], total[0], total[1]
+    numbers = one.first[i], first[0], first[1], one.total[i], total[0], total[1]
+    return [one.output, one.inputs[i], *(repr(float(value)) for value in numbers), doubt(one, i)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.config import Sweep, scenario_to_dict
-from granular_contact.report import PROGRAM, SWEEP, TABLE, version, yaml_text
+from granular_contact.report import PROGRAM, SWEEP, TABLE, version, write_table, yaml_text
 from granular_contact.studies.sweep.journal import Row
 
 CASE = "case"
@@ -26,12 +25,8 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
         The disk refuses.
     """
     names = columns(sweep, rows)
-    with (folder / TABLE).open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        for row in rows:
-            cells = {**row.summary, **row.values, CASE: row.name}
-            writer.writerow([_cell(cells.get(name)) for name in names])
+    found = ({**row.summary, **row.values, CASE: row.name} for row in rows)
+    write_table(folder / TABLE, names, ([_cell(cells.get(name)) for name in names] for cells in found))
 
 
 def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:

@@ -1,15 +1,23 @@
-"""Keys of summaries and tables -> words; their values -> numbers with units, as people read them."""
+"""Numbers as people read them: units of axes, instants, and the values of keys, whose last words tell their unit.
+
+Of an SI unit the multiple is taken that brings a number to 1 to 1000.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from granular_contact.results.units import minus, unit_for
+from granular_contact.results import Results
 
+Array = NDArray[np.float64]
+
+_PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # What the last words of a key say of its unit; those with prefixes (mm, ms) are taken at their best size.
 _SCALED = {"s": "s", "m": "m", "N": "N", "J": "J", "Nm": "N\N{MIDDLE DOT}m", "W": "W"}
 _FIXED = {"m_s": "m/s", "rad_s": "rad/s", "deg": "deg", "kg": "kg", "kg_m3": "kg/m³", "m_s2": "m/s²", "kg_m2": "kg m²"}
@@ -24,6 +32,46 @@ _WORDS = {
     "angle_rms_deg": "rms difference of angle",
     "deflection_rms_m": "rms difference of deflection",
 }
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A value in SI units times `factor` is a number of `name`s."""
+
+    factor: float
+    name: str
+
+
+def unit_for(values: Array, base: str) -> Unit:
+    """The multiple of SI unit `base` in which the largest magnitude of `values` (any shape, SI) lies in 1 to 1000."""
+    largest = greatest(values)
+    exponent = 3 * int(np.floor(np.log10(largest) / 3)) if largest > 0 else 0
+    exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
+    return Unit(10.0**-exponent, _PREFIXES[exponent] + base)
+
+
+def greatest(values: Array) -> float:
+    """Largest finite magnitude, 0 if there is none."""
+    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+
+
+def minus(words: str) -> str:
+    """Text with a typeset minus sign."""
+    return words.replace("-", "\N{MINUS SIGN}")
+
+
+def time_unit(results: Results) -> Unit:
+    """Of the time axis; chosen by the last instant."""
+    return unit_for(results["time_s"], "s") if len(results.table) else Unit(1.0, "s")
+
+
+def instant(results: Results, seconds: float) -> str:
+    """An instant or a duration in the unit of the time axis, such as `32.7 ms`."""
+    unit = time_unit(results)
+    return minus(f"{seconds * unit.factor:.4g} {unit.name}")
+
+
+# ---- keys and their values ----
 
 
 def split(key: str) -> tuple[str, str]:

@@ -1,0 +1,113 @@
+"""Templates and what they ask for: numbers in words, tables and pictures. Every text is escaped, whatever it holds."""
+
+from __future__ import annotations
+
+import re
+import struct
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from datetime import datetime, timezone
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from granular_contact.report.pages.folder import picture
+from granular_contact.report.units import column, is_number, label, plain, quantity
+
+GENERATOR = "granular-contact"
+WIDE = 2.4  # width to height of pictures that get a row of their own
+_HEADING = re.compile(r'<h2 id="([^"]*)">(.*?)</h2>')
+_QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
+_TYPES = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4", ".svg": "image/svg+xml"}
+Rows = Iterable[Sequence[Any]]
+
+
+def rendered(kind: str, content: dict[str, Any]) -> str:
+    """The page of results of a kind by its template, or by that of tables and figures. It runs no script."""
+    template = _templates().select_template([f"{kind}.html", "other.html"])
+    made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
+    return template.render(content, results=kind, generator=GENERATOR, made=made)
+
+
+@cache
+def _templates() -> Environment:
+    found = Environment(loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined)
+    found.trim_blocks = found.lstrip_blocks = True
+    own = (label, quantity, plain, flat, cell, keyed, records, headings, squeezed, uri, is_wide)
+    found.filters |= {one.__name__: one for one in own}
+    found.tests["deep"] = is_deep
+    return found
+
+
+def headings(content: Markup) -> list[tuple[str, Markup]]:
+    """Names and words of the sections of a page."""
+    return [(Markup(name), Markup(words)) for name, words in _HEADING.findall(content)]
+
+
+def squeezed(text: Markup) -> Markup:
+    """Words with one space between them."""
+    return Markup(" ").join(text.split())
+
+
+# ---- tables ----
+
+
+def keyed(rows: Rows, keys: Sequence[str]) -> tuple[list[str], list[tuple[Any, ...]]]:
+    """Head and rows of a table whose columns are named by keys: in words, numbers in a unit that suits the column."""
+    columns = [column(key, [row[i] for row in rows]) for i, key in enumerate(keys)]
+    return [words for words, _ in columns], list(zip(*(values for _, values in columns), strict=True))
+
+
+def cell(value: Any, first: bool) -> tuple[str, str]:
+    """Class and words of a cell; numbers stand right. first: whether it names its row."""
+    if value is None or value == "":
+        return "empty", "\N{EN DASH}"
+    if is_number(value) or (not first and _QUANTITY.fullmatch(str(value))):
+        return "number", plain(value)
+    return "", "yes" if value is True else "no" if value is False else str(value)
+
+
+# ---- whatever JSON can hold ----
+
+
+def records(value: Any, name: str) -> tuple[list[str], list[list[Any]]] | None:
+    """Keys and rows of a table, of a list or a mapping of mappings; None of anything else. name: of mapped keys."""
+    ones = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(ones, list) or not ones or not all(isinstance(one, dict) for one in ones):
+        return None
+    keys = list(dict.fromkeys(key for one in ones for key in one))
+    rows = [[flat(one.get(key)) for key in keys] for one in ones]
+    if isinstance(value, dict):
+        return [name, *keys], [[key, *row] for key, row in zip(value, rows, strict=True)]
+    return keys, rows
+
+
+def is_deep(value: Any) -> bool:
+    """Whether a value does not fit into a cell."""
+    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(one, dict | list) for one in value))
+
+
+def flat(value: Any) -> Any:
+    """A value that fits into a cell."""
+    if isinstance(value, list):
+        return ", ".join(plain(flat(one)) for one in value)
+    if isinstance(value, dict):
+        return ", ".join(f"{key}: {plain(flat(one))}" for key, one in value.items())
+    return value
+
+
+# ---- pictures ----
+
+
+def uri(path: Path) -> str:
+    """A picture or film as a data URI."""
+    return f"data:{_TYPES[path.suffix]};base64,{b64encode(picture(path)).decode()}"
+
+
+def is_wide(path: Path) -> bool:
+    """Whether a PNG is too wide to be read beside another, or on a phone unless it can be moved."""
+    width, height = struct.unpack(">II", picture(path)[16:24])
+    return bool(width > WIDE * height)

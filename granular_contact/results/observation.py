@@ -1,0 +1,139 @@
+"""What was observed of a solved scene -> Results: the one place where table, summary, warnings and pictures are made.
+
+Every way of solving reads its own coordinates and gives an `Observation`: the engine and minimal coordinates in
+`multibody.observe`, modes in `reduced.observe`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status, series
+from granular_contact.results.accuracy import AccuracyWarning, told
+from granular_contact.results.frames import frames, instants, resample
+from granular_contact.results.interpolation import Track, at_times
+from granular_contact.results.limits import Reach, warnings
+from granular_contact.results.stopping import Stop, Touch, find_touch
+from granular_contact.results.summary import extremes, summarise
+from granular_contact.scene.types import Scene, Vector
+
+Outlines = Callable[[int], tuple[Outline, ...]]
+
+
+@dataclass(frozen=True)
+class Observation:
+    """All accepted instants of a run (n,), and what is asked about single ones (by index).
+
+    motion: columns of joints, drives and bodies; mean_rate (n,) rad/s as of `series.shape`; tip (n, 2) m; deflection
+    (m) of the last flexible link, clockwise; depths (m) of all points that can meet the medium, negative above it.
+    terms: names of the terms of the medium's force; term_forces (n, terms, 3): these, as of `series.clockwise_moment`;
+    moments_about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; body_forces (n, 3): see
+    `frames.frames`. energies: as of `energy.columns`. reach: None where nothing could meet the medium. stop: when it
+    stopped after the touch. outlines: as drawn at an instant; pictures: at given times (k,) s. more: what the summary
+    has besides. accuracy: what the steps say of their own error.
+    """
+
+    scene: Scene
+    status: Status
+    cost: Cost
+    time: Vector
+    motion: series.Series
+    mean_rate: Vector | None
+    tip: Vector
+    deflection: Track | None
+    depths: Sequence[Track]
+    terms: tuple[str, ...]
+    term_forces: Vector
+    moments_about: Vector
+    body_forces: dict[str, Vector]
+    energies: series.Series
+    reach: Reach | None
+    stop: Callable[[Touch], Stop | None]
+    outlines: Outlines
+    pictures: Callable[[Vector], list[tuple[Outline, ...]]]
+    more: dict[str, Any]
+    accuracy: Sequence[AccuracyWarning] = ()
+
+    def columns(self) -> tuple[tuple[Column, ...], Vector]:
+        """All columns, with the table (instants, columns)."""
+        depth = np.max([track.values for track in self.depths], axis=0) if self.depths else None
+        bend = None if self.deflection is None else self.deflection.values
+        found: series.Series = {"time_s": ("time since the start", self.time)}
+        found |= self.motion | series.shape(self.mean_rate, self.tip, bend, depth)
+        if self.scene.media:
+            at_pivot = self.scene.pivot is not None
+            found |= series.forces(self.terms, self.term_forces, self.moments_about, at_pivot=at_pivot)
+        return series.tabulate(found | self.energies)
+
+
+def pictures(outlines: Callable[[Any], Outlines], trajectory: Any, at: Vector) -> list[tuple[Outline, ...]]:
+    """Outlines at times (k,) s between the steps of a trajectory of any way of solving, as it draws them."""
+    t = trajectory
+    q, v = at_times(t.time, t.q, t.v, at), resample(t.time, t.v, at)
+    drawn = outlines(replace(t, time=at, q=q, v=v))
+    return [drawn(i) for i in range(len(at))]
+
+
+def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:
+    """Results of a run; scenario: as plain YAML types; most_frames: from 2, at most so many frames of an animation."""
+    scene, time = seen.scene, seen.time
+    columns, table = seen.columns()
+    series = {column.name: table[:, i] for i, column in enumerate(columns)}
+    depth, greatest = series.get("depth_m"), extremes(time, seen.depths, seen.deflection)
+    touch = find_touch(time, seen.depths) if scene.media else None
+    stop = None if touch is None else seen.stop(touch)
+    moments = {
+        "touch": 0 if touch is None else touch.index,
+        "deepest": len(time) - 1 if depth is None else int(np.argmax(depth)),
+        "end": len(time) - 1,
+    }
+    summary = summarise(scene, seen.status, seen.cost, series, touch, stop, greatest) | seen.more
+    summary["warnings"] += [
+        *told(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
+        *warnings(scene, seen.reach, depth, None if greatest.depth is None else greatest.depth[0]),
+    ]
+    if scene.stiff:
+        summary["too_stiff_to_bend"] = list(scene.stiff)
+    return Results(
+        name=scene.name,
+        status=seen.status,
+        columns=columns,
+        table=table[_rows(time, scene.output_interval)],
+        summary=summary,
+        scenario=scenario,
+        snapshots=tuple(Snapshot(label, float(time[i]), seen.outlines(i)) for label, i in moments.items()),
+        surface=_surface(scene),
+        warnings=tuple(summary["warnings"]),
+        frames=_frames(seen, most_frames) if most_frames else (),
+        terms=seen.terms,
+        layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
+        floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
+        sizes=() if seen.reach is None else tuple(sorted({size for _, size in seen.reach.sizes})),
+    )
+
+
+def _frames(seen: Observation, most: int) -> tuple[Snapshot, ...]:
+    at = instants(float(seen.time[0]), float(seen.time[-1]), most)
+    loads = {part: resample(seen.time, wrench, at) for part, wrench in seen.body_forces.items()}
+    return frames(at, seen.pictures(at), loads, _surface(seen.scene))
+
+
+def _surface(scene: Scene) -> float | Vector | None:
+    """The free surface, see `Results`; None in vacuum."""
+    if scene.bed is None or not scene.media:
+        return None
+    return scene.surface if scene.bed.level else scene.bed.corners
+
+
+def _rows(time: Vector, interval: float | None) -> Any:
+    """Which instants go into the table: all, or the first at or after each multiple of the interval, and the last."""
+    if interval is None or interval <= np.diff(time).min(initial=np.inf):
+        return slice(None)
+    # Sums of steps miss the multiples by round-off, which is far below a step.
+    near = 1e-3 * np.diff(time).min()
+    passed = np.floor((time + near) / interval)  # multiples so far; counted, as there may be no room to list them
+    return np.unique([0, *(np.flatnonzero(np.diff(passed)) + 1), len(time) - 1])
