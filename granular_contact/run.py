@@ -17,8 +17,7 @@ from granular_contact.results.observation import Observation, results
 from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.solve import Trajectory
-    from granular_contact.multibody.system import System
+    from granular_contact.multibody.system import System, Trajectory
 
 
 def run(

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 # numba looks only at the file of the function that it loads from its cache, not at the files of those which were
-# inlined into it: after a change in plates.py it would still run the old one out of runs.py. So the cache is named
+# inlined into it: after a change in plates.py it would still run the old one out of lines.py. So the cache is named
 # after the contents of all kernels and laws; subprocesses inherit it.
 _kernels = sorted(path for name in ("kernels", "laws") for path in (ROOT / "granular_contact" / name).rglob("*.py"))
 _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _kernels)).hexdigest()[:16]

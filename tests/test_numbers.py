@@ -13,8 +13,7 @@ from support_runs import CONFIGS
 from granular_contact import run as run_module
 from granular_contact.config import load_scenario
 from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import FINISHED, REST_MEASURE
 from granular_contact.results.interpolation import Track, above_zero, at_times, greatest, positive_part, rates
 from granular_contact.scene import build

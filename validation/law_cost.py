@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from granular_contact import preset
-from granular_contact.kernels import groups, kinematics
+from granular_contact.kernels import batches, kinematics
 from granular_contact.kernels.law import RUN
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
@@ -40,10 +40,10 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
         geometry = kinematics.ball_stations(np.zeros(2))
     q, v, places = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.column_stack([np.arange(3)] * 2)
     n = len(geometry)
-    ends, awake, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
+    ends, active, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
     sand = np.array([[0.0, 0.0]]), medium.record(Elastoplastic(), 9.81), np.zeros((n, 2))
-    group = (q, v, np.zeros(3), awake, ends, places, geometry, run, *sand)
-    return lambda: groups.force(*group, out), lambda: groups.tangent(*group, 1.0, 1.0, triplets, 0)
+    group = (q, v, np.zeros(3), active, ends, places, geometry, run, *sand)
+    return lambda: batches.force(*group, out), lambda: batches.tangent(*group, 1.0, 1.0, triplets, 0)
 
 
 def least(ways: dict[str, Callable[[], None]], rounds: int = ROUNDS) -> dict[str, float]:

@@ -40,7 +40,7 @@ class _PointBed:
 
     def __init__(self, system: System, points: list[FloatPoint]) -> None:
         self.system, self.points, self.load_calls = system, points, 0
-        self.accepted = self
+        self.load = self.history = self
 
     def since(self, _: float) -> None:
         """No history is kept."""

@@ -25,8 +25,7 @@ from granular_contact.cli.common import (
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.solve import Trajectory
-    from granular_contact.multibody.system import System
+    from granular_contact.multibody.system import System, Trajectory
     from granular_contact.results import Progress, Results
     from granular_contact.scene import Scene
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.law import provide
 
-# kept: whether a station also belongs to the division into strips of twice the length, see `runs.accept`.
+# kept: whether a station also belongs to the division into strips of twice the length, see `lines.accept`.
 RIGID_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("kept", "?")])
 CABLE_STATION = np.dtype([("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")])
 

@@ -4,7 +4,7 @@ A law is a record type with its coefficients and functions that stand in for the
 of that type comes in; `joining` makes both of the class of a law. Laws for strips provide strip_force and drag_anchor
 (and cap_force, if they know it) and are joined to a run by `strips.line_law`; laws for balls provide ball_force and
 drag_anchor, and are joined by `balls.ball_law`. A law has up to TERMS terms, told apart in results. Tangents are
-differences of these forces, see `runs.tangent`.
+differences of these forces, see `lines.tangent`.
 
 The choice is made when a caller is compiled, from types alone, so one set of kernels serves every law and every kind of
 body, at no cost per call and with numba's cache on disk.

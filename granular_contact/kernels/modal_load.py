@@ -13,7 +13,7 @@ from numba import njit
 
 from granular_contact.kernels.kinematics import scatter, stations
 from granular_contact.kernels.law import forces
-from granular_contact.kernels.runs import drag_anchors
+from granular_contact.kernels.lines import drag_anchors
 
 
 class World(NamedTuple):

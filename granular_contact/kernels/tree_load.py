@@ -10,31 +10,31 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels import groups
+from granular_contact.kernels import batches
 from granular_contact.kernels.tree import Motion, accelerate, place
 
 
 class Forest(NamedTuple):
     """What the kernels of a tree read, and their room to work in.
 
-    bodies (n,) records of `tree`, gravity (1,) m/s2, motion; the rest is a group of `groups` with all runs on the
-    bodies: its system coordinates are those of `Motion.pose`; columns (runs, 3) as in `groups.accept`.
+    bodies (n,) records of `tree`, gravity (1,) m/s2, motion; the rest is a batch of `batches` with all contact
+    lines on the bodies: its system coordinates are those of `Motion.pose`; columns (lines, 3) as in `batches.accept`.
     """
 
     bodies: Any
     gravity: Any
     motion: Motion
     nowhere: Any
-    awake: Any
+    active: Any
     ends: Any
     places: Any
     geometry: Any
-    runs: Any
+    lines: Any
     profile: Any
     medium: Any
     anchors: Any
     columns: Any
-    reach: Any
+    proximity: Any
 
 
 @njit(cache=True)
@@ -45,9 +45,9 @@ def rates(y, w, dy):
     place(y[:n], y[n : 2 * n], w.bodies, motion)
     motion.force[:] = 0.0
     power = 0.0
-    if w.runs.shape[0] > 0:
-        groups.force(
-            motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.awake, w.ends, w.places, w.geometry, w.runs,
+    if w.lines.shape[0] > 0:
+        batches.force(
+            motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.active, w.ends, w.places, w.geometry, w.lines,
             w.profile, w.medium, w.anchors, motion.force.ravel(),
         )  # fmt: skip
         for i in range(n):
@@ -66,19 +66,19 @@ def accept(y, w, row):
     n = w.bodies.shape[0]
     motion = w.motion
     place(y[:n], y[n : 2 * n], w.bodies, motion)
-    if w.runs.shape[0] > 0:
-        groups.accept(
-            motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.runs, w.profile,
-            w.medium, w.anchors, row, w.columns, w.reach,
+    if w.lines.shape[0] > 0:
+        batches.accept(
+            motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.lines, w.profile,
+            w.medium, w.anchors, row, w.columns, w.proximity,
         )  # fmt: skip
 
 
 @njit(cache=True)
-def release(y, w):
-    """Rest the bristles where the bodies are."""
+def reset_friction(y, w):
+    """Reset the friction state where the bodies are."""
     n = w.bodies.shape[0]
     place(y[:n], np.zeros(n), w.bodies, w.motion)
-    groups.release(w.motion.pose.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.anchors)
+    batches.reset_friction(w.motion.pose.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.anchors)
 
 
 @njit(cache=True)

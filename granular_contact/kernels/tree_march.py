@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels import groups
+from granular_contact.kernels import batches
 from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
-from granular_contact.kernels.runs import TIME
-from granular_contact.kernels.tree_load import accept, fastest, rates, release
+from granular_contact.kernels.lines import TIME
+from granular_contact.kernels.tree_load import accept, fastest, rates, reset_friction
 
 # Why `march` came back: the table is full, everything rests, the end, no step is small enough.
 PAUSE, REST, END, FAILED = 0, 1, 2, 3
@@ -32,9 +32,9 @@ OLD = 20  # steps after which the spectral radius is looked at anew
 
 @njit(cache=True)
 def start(y, w, blank, states, rows):
-    """Rest the bristles and write the first row."""
-    if w.runs.shape[0] > 0:
-        release(y, w)
+    """Reset the friction state and write the first row."""
+    if w.lines.shape[0] > 0:
+        reset_friction(y, w)
     write(0.0, y, w, blank, states[0], rows[0])
 
 
@@ -86,7 +86,7 @@ def march(y, w, control, clock, counts, direction, blank, states, rows):
         h = min(clock[STEP], c.longest)
         left = c.end - clock[NOW]
         h = left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
-        groups.wake(w.reach, h, w.awake)
+        batches.update_active(w.proximity, h, w.active)
         rates(y, w, slope)
         counts[RATES] += 1
         while True:

@@ -6,12 +6,12 @@ import time
 
 import numpy as np
 
+from granular_contact.bed.history import HistoryTable, LoadHistory
+from granular_contact.bed.load import GranularLoad
 from granular_contact.kernels import tree_march as kernels
 from granular_contact.minimal.tree import Tree
-from granular_contact.multibody.history import LoadHistory
-from granular_contact.multibody.ledger import Ledger
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.weights import mass_matrix
+from granular_contact.multibody.mass_and_gravity import mass_matrix
+from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.results.ending import ended
 from granular_contact.scene.types import Minimal, Scene, Vector
@@ -37,7 +37,7 @@ class March:
         self.clock = np.array([0.0, FIRST_STEP * solver.step_s, 0.0, 0.0, kernels.OLD])
         self.counts = np.zeros(3, dtype=np.int64)
         self.direction = np.zeros_like(self.y)
-        self.blank = (Ledger([], 0) if tree.bed is None else tree.bed.ledger).blank
+        self.blank = (HistoryTable() if tree.load is None else tree.load.table).blank
         self.states = np.zeros((SHARE, 6 * bodies + 1))
         self.rows = np.zeros((SHARE, len(self.blank)))
         kernels.start(self.y, tree.forest, self.blank, self.states, self.rows)
@@ -96,17 +96,16 @@ def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
         time=march.rows[: steps + 1, 0].copy(),
         q=states[:, :count],
         v=states[:, count : 2 * count],
-        load=None if tree.bed is None else _load(tree, march.rows[: steps + 1], states[:, 2 * count]),
+        load=None if tree.load is None else _history(tree.load, march.rows[: steps + 1], states[:, 2 * count]),
         mass=mass_matrix(tree.system),
         reactions={},
     )
 
 
-def _load(tree: Tree, rows: Vector, work: Vector) -> LoadHistory:
+def _history(load: GranularLoad, rows: Vector, work: Vector) -> LoadHistory:
     """What the medium did, with the work as it was integrated along with the motion."""
-    tree.bed.ledger.adopt(rows, work)
-    history: LoadHistory = tree.bed.accepted
-    return history
+    load.table.adopt(rows, work)
+    return load.history
 
 
 def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:

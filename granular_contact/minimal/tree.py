@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.bed.contact_lines import Body
+from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.of_scene import lines_of, load_of
 from granular_contact.kernels.kinematics import RIGID_STATION
 from granular_contact.kernels.law import RUN
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
 from granular_contact.laws.lee_marghitu import LeeMarghitu
-from granular_contact.multibody.build import lay_bed
 from granular_contact.multibody.system import RigidHandle, System
+from granular_contact.scene.reach import dips
 from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
 
 
 class Numbers:
-    """Stands where beds and observers ask an Exudyn system how it numbers things.
+    """Stands where observers ask an Exudyn system how it numbers coordinates.
 
     Body i has the coordinates 3 i to 3 i + 2: x and y of its centre of mass and its angle, without reference values.
     """
 
-    def __init__(self, bodies: list[RigidBody]) -> None:
+    def __init__(self, bodies: int) -> None:
         self.bodies = bodies
         self.systemData = self
-
-    def GetObject(self, number: int) -> dict[str, Any]:
-        """A body as Exudyn describes it."""
-        return {"objectType": "RigidBody2D", "nodeNumber": number, "name": self.bodies[number].name}
 
     def GetNodeLTGODE2(self, node: int) -> list[int]:
         """Coordinates of a body."""
@@ -38,19 +37,19 @@ class Numbers:
 
     def ODE2Size(self) -> int:
         """Number of coordinates."""
-        return 3 * len(self.bodies)
+        return 3 * self.bodies
 
 
 @dataclass(frozen=True)
 class Tree:
     """A scene in minimal coordinates.
 
-    system: for observers, with its bodies in the kernels' order; bed: None where the medium meets nothing; start: state
-    of `kernels.tree_load`.
+    system: for observers, with its bodies in the kernels' order; load: None where the medium meets nothing; start:
+    state of `kernels.tree_load`.
     """
 
     system: System
-    bed: Any
+    load: GranularLoad | None
     forest: Forest
     start: Vector
 
@@ -65,13 +64,23 @@ def tree(scene: Scene) -> Tree:
     joints = outward(scene.connections)
     bodies = [body for joint in joints for body in scene.rigid if body.name == joint.child]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
-    system = System(scene, None, Numbers(bodies), handles, {}, None)
-    bed = lay_bed(system)
-    if bed is not None:
-        bed.group()
-    system = replace(system, bed=bed)
+    system = System(scene, None, Numbers(len(bodies)), handles, {}, None)
+    load = _granular_load(scene, bodies)
     start = np.concatenate([[b.motion.angle for b in bodies], [b.motion.rate for b in bodies], [0.0]])
-    return Tree(system, bed, _forest(system, joints, bodies), start)
+    return Tree(system, load, _forest(system, joints, bodies, load), start)
+
+
+def _granular_load(scene: Scene, bodies: list[RigidBody]) -> GranularLoad | None:
+    """Load on all shapes that can reach the surface; None when there are none."""
+    if scene.bed is None or not scene.media:
+        return None
+    load, strips = load_of(scene), scene.load.strips_per_rigid_part
+    for i, body in enumerate(bodies):
+        for shape in body.shapes:
+            if dips(scene.bed, body, shape):
+                load.add(lines_of(Body(body.name, 3 * i + np.arange(3)), shape, strips))
+    load.close()
+    return load if load.lines else None
 
 
 def outward(joints: tuple[Connection, ...]) -> list[Connection]:
@@ -86,7 +95,7 @@ def outward(joints: tuple[Connection, ...]) -> list[Connection]:
     return ordered
 
 
-def _forest(system: System, joints: list[Connection], bodies: list[RigidBody]) -> Forest:
+def _forest(system: System, joints: list[Connection], bodies: list[RigidBody], load: GranularLoad | None) -> Forest:
     records = np.zeros(len(bodies), BODY)
     for record, joint, body in zip(records, joints, bodies, strict=True):
         record["parent"] = -1 if joint.parent is None else system.rigid[joint.parent].node
@@ -94,21 +103,18 @@ def _forest(system: System, joints: list[Connection], bodies: list[RigidBody]) -
         record["mass"], record["inertia"] = body.mass, body.inertia
         record["radius"] = system.scene.radius(body)
     gravity, nowhere = np.array([system.scene.gravity]), np.zeros(3 * len(bodies))
-    return Forest(records, gravity, motion(len(bodies)), nowhere, *_sand(system))
+    return Forest(records, gravity, motion(len(bodies)), nowhere, *_sand(load))
 
 
-def _sand(system: System) -> tuple[NDArray[Any], ...]:
-    """The fields of `Forest` from awake to reach."""
-    bed = system.bed
-    if bed is None:
+def _sand(load: GranularLoad | None) -> tuple[NDArray[Any], ...]:
+    """The fields of `Forest` from active to proximity."""
+    if load is None:
         flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
         nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, RIGID_STATION), np.zeros(0, RUN)
         medium, numbers = LeeMarghitu.blank(), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
         return np.zeros(0, dtype=bool), *nothing, flat, medium, *numbers
-    (group,) = bed.groups  # of one medium on bodies of one kind, or the scene was refused
-    where = [i for nodes in group.nodes for node in nodes for i in system.mbs.GetNodeLTGODE2(node)]
-    places = np.column_stack([where, where])
+    (batch,) = load.batches  # of one medium on bodies of one kind, or the scene was refused
     return (
-        group.awake, group.ends, places, group.geometry, group.runs, group.profile, group.medium, group.anchors,
-        group.columns, group.reach,
+        batch.active, batch.ends, batch.places, batch.geometry, batch.records, batch.profile, batch.medium,
+        batch.anchors, batch.columns, batch.proximity,
     )  # fmt: skip

@@ -10,8 +10,8 @@ import exudyn as exu
 import numpy as np
 
 from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.system import System
-from granular_contact.multibody.weights import weights
 from granular_contact.scene.types import Vector
 
 REACH = 1e-5  # m, or rad, of differences
@@ -34,7 +34,7 @@ class Balance:
         self.size, self.joined = self._solver.GetODE2size(), self._solver.GetAEsize()
         self._rest = np.zeros(self.size)
         self._weight = np.zeros(self.size)
-        for node, force in weights(system).items():
+        for node, force in gravity_loads(system).items():
             self._weight[self.data.GetNodeLTGODE2(node)] += force
         self._driven = [load for load in system.loads.values() if load.drive is not None and load.drive.kind == "load"]
         self.accept(self.data.GetODE2Coordinates(exu.ConfigurationType.Initial))

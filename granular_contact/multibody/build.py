@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.multibody.joints import add_joint
+from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
-from granular_contact.multibody.weights import weights
 from granular_contact.scene.reach import dips, reaches
-from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Shape, rotation
+from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, rotation
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.coupling import Coupling
 
 
 def build(scene: Scene) -> System:
@@ -33,11 +36,11 @@ def build(scene: Scene) -> System:
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
-    system = replace(system, bed=lay_bed(system))
+    system = replace(system, bed=_granular_load(system))
     if system.bed is not None:
-        system.bed.attach(weights(system))
+        system.bed.attach(gravity_loads(system))
     elif scene.gravity != 0.0:
-        Overlay(mbs, {}, weights(system)).attach()
+        Overlay(mbs).attach(gravity_loads(system))
     mbs.Assemble()
     for load in system.loads.values():
         load.start(mbs)
@@ -90,57 +93,28 @@ def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
     return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
 
 
-def lay_bed(system: System) -> Any:
-    """Bed with all parts that can reach its surface, to be attached; None when there are none."""
+def _granular_load(system: System) -> Coupling | None:
+    """Load on all parts that can reach the surface of the bed, to be attached; None when there are none."""
     scene = system.scene
     if scene.bed is None or not scene.media:
         return None
     shapes = [(h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(scene.bed, h.body, shape)]
-    runs = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
-    if not shapes and not any(elements for _, elements in runs):
+    cables = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
+    if not shapes and not any(elements for _, elements in cables):
         return None
-    from granular_contact.multibody.bed import GranularBed
+    from granular_contact.bed.of_scene import lines_of, load_of, section
+    from granular_contact.multibody.coupling import Coupling
 
-    load = scene.load
-    bed = GranularBed(
-        system.mbs,
-        scene.bed.layers,
-        scene.bed.profile,
-        slope=scene.bed.slope,
-        gravity=scene.gravity,
-        static=scene.static,
-        form=load.form,
-        end_cap=load.end_cap,
-        floor=scene.bed.floor,
-    )
+    coupling = Coupling(system.mbs, load_of(scene))
+    load, strips = coupling.load, scene.load
     for rigid, shape in shapes:
-        _lay_over(bed, rigid, shape, load.strips_per_rigid_part)
-    for handle, elements in runs:
+        load.add(lines_of(coupling.body(rigid.object), shape, strips.strips_per_rigid_part))
+    for handle, elements in cables:
         if elements:
-            link = handle.link
-            bed.add_cables(
-                elements,
-                **_width(link),
-                strips_per_element=load.strips_per_element,
-                free_end=link.free,
-                name=link.name,
-            )
-    return bed
-
-
-def _lay_over(bed: Any, handle: RigidHandle, shape: Shape, strips: int) -> None:
-    body, name = handle.object, handle.body.name
-    if shape.kind == "ball":
-        bed.add_ball(body, shape.points[0], shape.width, mass=shape.mass, name=name)
-    elif shape.kind == "outline":
-        bed.add_outline(body, shape.points, shape.width, turns=shape.turns, strips=strips, name=name)
-    else:
-        free, width = shape.free, _width(shape)
-        bed.add_line(body, shape.points, **width, turns=shape.turns, strips=strips, free_end=free, name=name)
-
-
-def _width(part: Shape | FlexibleLink) -> dict[str, float]:
-    return {"diameter" if part.kind == "round" else "width": part.width}
+            link, each = handle.link, strips.strips_per_element
+            options = {**section(link), "strips_per_element": each, "free_end": link.free}
+            load.add(coupling.cables(elements, link.name, **options))
+    return coupling
 
 
 def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:

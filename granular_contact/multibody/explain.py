@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.scene.build import LEAST_BOW
 from granular_contact.scene.reach import dips
 
@@ -32,7 +31,7 @@ def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
         yield "weight: gravity is 0, so no body has a load for it"
     yield from _joints(system)
     yield from _bed(system)
-    yield from _rest(system, trajectory)
+    yield from _rest(trajectory)
     yield from (f"{name}: not imported; {why}" for name, why in PACKAGES if name not in sys.modules)
 
 
@@ -54,7 +53,7 @@ def _bed(system: System) -> Iterator[str]:
             yield "the bed: no shape of any body reaches the surface, however the joints turn"
         return
     assert scene.bed is not None  # it was laid
-    laid = {int(node) for run in bed.runs for node in run.nodes}
+    laid = set(bed.nodes)
     for handle in system.rigid.values():
         shapes = handle.body.shapes
         out = [shape for shape in shapes if not shape.in_sand]
@@ -66,13 +65,13 @@ def _bed(system: System) -> Iterator[str]:
         bare = sum(not {a, b} <= laid for a, b in zip(link.nodes, link.nodes[1:], strict=False))
         if bare:
             yield f"load on {link.link.name}: {bare} of its {len(link.elements)} elements cannot reach the surface"
-    for medium in bed.media:
+    for medium in bed.load.media:
         names = list(_nil(medium))
         if names:
             yield f"terms of {medium.name}: {', '.join(names)} = 0, so they add nothing"
-    if scene.load.end_cap and not any(hasattr(medium, "cap_force") for medium in bed.media):
-        yield f"end caps: {', '.join(medium.name for medium in bed.media)} have no force on end faces"
-    if bed.floor is None:
+    if scene.load.end_cap and not any(hasattr(medium, "cap_force") for medium in bed.load.media):
+        yield f"end caps: {', '.join(medium.name for medium in bed.load.media)} have no force on end faces"
+    if bed.load.floor is None:
         yield "contact with a floor: there is none that carries"
 
 
@@ -86,20 +85,13 @@ def _nil(medium: Law) -> Iterator[str]:
             yield "lambda" if name == "lam" else name
 
 
-def _rest(system: System, trajectory: Trajectory) -> Iterator[str]:
+def _rest(trajectory: Trajectory) -> Iterator[str]:
     load = trajectory.load
     if load is None:
         return
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
         yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load returns at once"
-    from granular_contact.kernels.groups import EVER  # compiled kernels: only where there is a load
-
-    ever = {run.nodes[0]: False for run in system.bed.runs}
-    for group in system.bed.groups:
-        for nodes, deepest in zip(group.nodes, group.reach[:, EVER], strict=True):
-            ever[nodes[0]] |= bool(deepest > 0.0)
-    touched = {run.body for run in system.bed.runs if ever[run.nodes[0]]}
-    never = {run.body for run in system.bed.runs} - touched
+    never = set(load.body_names) - {body for body, _, _ in load.immersed}
     if never:
         yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

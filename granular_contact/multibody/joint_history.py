@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.multibody.joint_loads import drive_force, follow, friction, stop, wanted
+from granular_contact.multibody.joint_laws import drive_force, follow, friction, stop, wanted
 from granular_contact.results.energy import work
 from granular_contact.scene.types import Drive, JointLaw, Vector
 

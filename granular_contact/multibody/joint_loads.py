@@ -1,83 +1,20 @@
 """What acts in a joint by its coordinate: spring, damper, stops, dry friction, and drives but for prescribed motions.
 
-Laid over the joint's two nodes as a massless `ObjectGenericODE2` with an analytic tangent, as the granular bed is. The
-same functions tell afterwards, from the accepted steps, what work each did.
+Laid over the joint's two nodes as a massless `ObjectGenericODE2` with an analytic tangent, as the granular bed is.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.multibody.coordinates import Hinge, Numbers, Slider
+from granular_contact.multibody.joint_laws import Force, drive_force, follow, friction, stop, sum_of, wanted
 from granular_contact.scene.types import Drive, JointLaw, Vector
-
-
-class Force(NamedTuple):
-    """Torque or force along a coordinate (N m or N), and its derivatives by the coordinate and by its rate."""
-
-    value: float
-    by_place: float = 0.0
-    by_rate: float = 0.0
-
-
-def stop(law: JointLaw, s: float, rate: float) -> tuple[float, Force]:
-    """Elastic part of the force of the stops, and the whole of it; it pushes only."""
-    depth = s - law.upper if s > law.upper else s - law.lower if s < law.lower else 0.0
-    if depth == 0.0:
-        return 0.0, Force(0.0)
-    elastic = -law.stop_stiffness * depth
-    # Hunt and Crossley: the faster it gets deeper, the harder; what would pull back is left out.
-    growing = rate if depth > 0.0 else -rate
-    factor = 1.0 + law.dissipation * growing
-    if factor <= 0.0:
-        return elastic, Force(0.0)
-    by_rate = elastic * law.dissipation * (1.0 if depth > 0.0 else -1.0)
-    return elastic, Force(elastic * factor, -law.stop_stiffness * factor, by_rate)
-
-
-def friction(law: JointLaw, s: float, rate: float, anchor: float) -> Force:
-    """Dry friction of a bristle that is held at its anchor."""
-    strain = (s - anchor + law.damping_time * rate) / law.slip
-    if abs(strain) >= 1.0:
-        return Force(-math.copysign(law.friction, strain))
-    slope = -law.friction / law.slip
-    return Force(law.friction * -strain, slope, slope * law.damping_time)
-
-
-def follow(law: JointLaw, s: float, anchor: float) -> float:
-    """Anchor of the bristle after a step that ended at s."""
-    return min(max(anchor, s - law.slip), s + law.slip)
-
-
-def wanted(drive: Drive, t: float) -> tuple[float, float]:
-    """Signal of a drive at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
-    if t < 0.0:
-        return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
-    value = drive.signal.value(t)
-    return value, value if drive.of_rate else drive.signal.rate(t) if drive.kind == "control" else 0.0
-
-
-def drive_force(drive: Drive, value: float, value_rate: float, s: float, rate: float) -> Force:
-    """Torque or force of a drive, from what it wants."""
-    if drive.kind == "load":
-        return Force(value)
-    force = drive.rate_gain * (value_rate - rate)
-    by_place = 0.0
-    if not drive.of_rate:
-        force += drive.gain * (value - s)
-        by_place = -drive.gain
-    if force >= drive.limit or force <= -drive.limit:
-        return Force(math.copysign(drive.limit, force))
-    return Force(force, by_place, -drive.rate_gain)
-
-
-def _sum(one: Force, other: Force) -> Force:
-    return Force(one[0] + other[0], one[1] + other[1], one[2] + other[2])
 
 
 class JointLoad:
@@ -109,14 +46,14 @@ class JointLoad:
         if self._springs:
             total = Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)
         if self._stops:
-            total = _sum(total, stop(law, s, rate)[1])
+            total = sum_of(total, stop(law, s, rate)[1])
         if self._rubs:
-            total = _sum(total, friction(law, s, rate, self.anchor))
+            total = sum_of(total, friction(law, s, rate, self.anchor))
         if self.drive is not None:
             if t != self._time:  # all iterations of a step ask for the same instant
                 self._time, self._wanted = t, wanted(self.drive, t)
             force = drive_force(self.drive, *self._wanted, s, rate)
-            total = force if total is self._nothing else _sum(total, force)
+            total = force if total is self._nothing else sum_of(total, force)
         return total
 
     def accept(self, q: Vector, v: Vector) -> None:

@@ -7,8 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from granular_contact.multibody.recorder import levers
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.energy import accumulate
 from granular_contact.results.interpolation import Track

@@ -1,4 +1,4 @@
-"""Work of the media and of the floor over a run, as the motion has it."""
+"""Work of the media and of the floor over a run, as the motion has it (see `bed.work`)."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granular_contact.multibody.history import LoadHistory
-from granular_contact.results.energy import accumulate, work
+from granular_contact.bed.work import Motion, beyond
 from granular_contact.scene.types import Vector
 
 if TYPE_CHECKING:
@@ -17,16 +16,13 @@ if TYPE_CHECKING:
 def medium_works(observer: Kinematics) -> tuple[Vector, Vector]:
     """Work (n,) J of all media, and of the floor, since the start.
 
-    The bed integrates the power of its forces by the trapezoidal rule, which is off where a force jumps within a step,
-    and in long steps. The work of the resultant on a body is the mean force of a step times its mean velocity (see
-    `energy.work`); of a flexible link only what the forces do in bending it stays as the bed has it. A step in which
-    the floor was touched has its difference with the floor, which is far stiffer.
+    A step in which the floor was touched has its difference with the floor, which is far stiffer.
     """
     load = observer.trajectory.load
     assert load is not None
     if not observer.scene.media or observer.scene.method is not None:
         return load.work, load.floor_work  # integrated with the motion
-    more = _more(observer, load)
+    more = _more(observer)
     steps = np.diff(more, prepend=0.0)
     touched = np.diff(load.floor_work, prepend=0.0) != 0.0
     at_floor = np.cumsum(np.where(touched, steps, 0.0))
@@ -39,24 +35,19 @@ def uncertain_work(observer: Kinematics) -> float:
     It is what the steps leave open of the energy that the medium took: next to nothing where forces and velocities
     change little in a step.
     """
+    return float(np.abs(_more(observer)).max(initial=0.0)) if observer.scene.media else 0.0
+
+
+def _more(observer: Kinematics) -> Vector:
     load = observer.trajectory.load
-    return 0.0 if load is None or not observer.scene.media else float(np.abs(_more(observer, load)).max(initial=0.0))
+    return np.zeros(1) if load is None else beyond(load, {name: _motion(observer, name) for name in load.body_names})
 
 
-def _more(observer: Kinematics, load: LoadHistory) -> Vector:
-    """What the mean forces on bodies do (n,) J beyond the mean powers."""
-    every = [_difference(observer, load, name, load.bodies[:, i]) for i, name in enumerate(load.body_names)]
-    more: Vector = np.sum([np.zeros_like(load.time), *every], axis=0)
-    return more
-
-
-def _difference(observer: Kinematics, load: LoadHistory, name: str, wrench: Vector) -> Vector:
-    """By how much (n,) J the work on a body differs from the trapezoidal rule; wrench (n, 3) about the origin."""
+def _motion(observer: Kinematics, name: str) -> Motion:
     center, velocity = observer.center(name)
-    rate = observer.angle(name, np.zeros(2))[1] if name in observer.system.rigid else _spin(observer, name, center)
-    moment = wrench[:, 2] - center[:, 0] * wrench[:, 1] + center[:, 1] * wrench[:, 0]
-    force, twist = np.column_stack([wrench[:, :2], moment]), np.column_stack([velocity, rate])
-    return work(load.time, force, twist) - accumulate(load.time, np.sum(force * twist, axis=1))
+    if name in observer.system.rigid:
+        return center, velocity, observer.angle(name, np.zeros(2))[1]
+    return center, velocity, _spin(observer, name, center)
 
 
 def _spin(observer: Kinematics, name: str, center: Vector) -> Vector:

@@ -13,8 +13,7 @@ from granular_contact.multibody.beam_energy import damping_power, elastic_energy
 from granular_contact.multibody.depths import all_depths, depths_by_body
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import medium_works
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import energy
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.results.interpolation import Track
@@ -60,7 +59,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
 
 def _reach(motion: Kinematics) -> Reach | None:
     """Extremes of what was immersed; None where nothing could meet the medium."""
-    load, bed = motion.trajectory.load, motion.system.bed
+    load = motion.trajectory.load
     if load is None:
         return None
     return Reach(
@@ -69,7 +68,7 @@ def _reach(motion: Kinematics) -> Reach | None:
         lowest=float(load.lowest.min()),
         left=float(load.left.min()),
         right=float(load.right.max()),
-        sizes=tuple(sorted({width for group in bed.groups for width in group.widths()})),
+        sizes=tuple(sorted({(kind, width) for _, kind, width in load.immersed})),
     )
 
 

@@ -1,9 +1,10 @@
 """Massless object over the nodes of many bodies, through which generalised forces reach an Exudyn system.
 
 The engine hands a user function all coordinates of its object in Python lists, and takes the forces back in one; for a
-hundred bodies that costs more than the forces. So two objects share the work. The *bell* lies on one node only: its
-force function tells that forces are due. The *carrier* lies on all nodes, without a force function: its constant force
-vector is set anew each time. The engine asks objects in the order in which they were added, and the bell comes first.
+hundred bodies that costs more than the forces. So two objects share the work. The *trigger object* lies on one node
+only: its force function tells that forces are due. The *force object* lies on all nodes, without a force function: its
+constant force vector is set anew each time. The engine asks objects in the order in which they were added, and the
+trigger comes first.
 """
 
 from __future__ import annotations
@@ -20,44 +21,44 @@ Vector = NDArray[np.float64]
 
 
 class Overlay:
-    """Overlay on nodes, each with its number of coordinates, which stand one after another in it.
+    """Overlay on nodes, whose coordinates stand one after another in it; forces: what is to be sent."""
 
-    constant: generalised forces that act all the time, by node. `forces`: what is to be sent.
-    """
-
-    def __init__(self, mbs: Any, nodes: Mapping[int, int], constant: Mapping[int, ArrayLike]) -> None:
+    def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
-        self.nodes = {int(node): int(size) for node, size in nodes.items()}
-        for node, forces in constant.items():
-            self.nodes.setdefault(int(node), len(np.atleast_1d(forces)))
-        starts = np.concatenate([[0], np.cumsum(list(self.nodes.values()))]).astype(np.int64)
-        self.size = int(starts[-1])
-        self._starts = dict(zip(self.nodes, starts[:-1].tolist(), strict=True))
-        self.constant = np.zeros(self.size)
-        for node, forces in constant.items():
-            self.constant[self.places([node])] += np.asarray(forces, float)
-        self.forces = self.constant.copy()
-        self.empty = self.matrix(np.zeros((0, 3)))
+        self.nodes: dict[int, NDArray[np.int64]] = {}  # with the places of their coordinates
+        self.size = 0
 
-    def places(self, nodes: Sequence[int]) -> NDArray[np.int64]:
-        """Where the coordinates of some nodes stand in the overlay."""
-        return np.concatenate([self._starts[n] + np.arange(self.nodes[n]) for n in map(int, nodes)])
+    def coordinates(self, nodes: Sequence[int], each: int) -> NDArray[np.int64]:
+        """Places of the coordinates of nodes, (nodes, each); takes those up that are not in the overlay yet."""
+        for node in nodes:
+            if node not in self.nodes:
+                self.nodes[node] = self.size + np.arange(each)
+                self.size += each
+        return np.array([self.nodes[node] for node in nodes])
 
     def attach(
-        self, due: Callable[[float], None] | None = None, jacobian: Callable[[float, float, float], Any] | None = None
+        self,
+        constant: Mapping[int, ArrayLike],
+        due: Callable[[float], None] | None = None,
+        jacobian: Callable[[float, float, float], Any] | None = None,
     ) -> None:
         """Add the objects, with no more than the constant forces unless there is something to call.
 
-        due: told the time whenever forces are needed, before they are taken. jacobian: told time and the engine's two
-        factors, gives its sparse matrix (see `matrix`).
+        constant: generalised forces that act all the time, by node. due: told the time whenever forces are needed,
+        before they are taken. jacobian: told time and the engine's two factors, gives its sparse matrix (see `matrix`).
         """
-        matrix = _silence(self.size)
+        places = {node: self.coordinates([int(node)], np.size(forces))[0] for node, forces in constant.items()}
+        self.constant = np.zeros(self.size)
+        for node, forces in constant.items():
+            self.constant[places[node]] += np.asarray(forces, float)
+        self.forces = self.constant.copy()
+        self.empty = self.matrix(np.zeros((0, 3)))
         if due is not None:
-            first, size = next(iter(self.nodes.items()))
-            self._add([first], forceUserFunction=_bell(due, size), jacobianUserFunction=_silence(size))
-        if jacobian is not None:
-            matrix = _tangent(jacobian)
-        self._carrier = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
+            first, of_first = next(iter(self.nodes.items()))
+            silent = _no_tangent(len(of_first))
+            self._add([first], forceUserFunction=_trigger(due, len(of_first)), jacobianUserFunction=silent)
+        matrix = _no_tangent(self.size) if jacobian is None else _tangent(jacobian)
+        self._force_object = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
 
     def _add(self, nodes: list[int], **options: Any) -> Any:
         return self.mbs.AddObject(
@@ -70,23 +71,21 @@ class Overlay:
 
     def send(self) -> None:
         """Let `forces` act from now on."""
-        self.mbs.SetObjectParameter(self._carrier, "forceVector", self.forces)
+        self.mbs.SetObjectParameter(self._force_object, "forceVector", self.forces)
 
     def matrix(self, triplets: Vector) -> Any:
         """The engine's sparse matrix of rows (row, column, value) in overlay coordinates."""
-        container = exu.MatrixContainer()
-        container.SetWithSparseMatrix(triplets, self.size, self.size)
-        return container
+        return _sparse(triplets, self.size)
 
 
-def _bell(due: Callable[[float], None], size: int) -> Callable[..., list[float]]:
+def _trigger(due: Callable[[float], None], size: int) -> Callable[..., list[float]]:
     nothing = [0.0] * size
 
-    def ring(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> list[float]:  # noqa: ARG001
+    def tell(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> list[float]:  # noqa: ARG001
         due(t)
         return nothing
 
-    return ring
+    return tell
 
 
 def _tangent(jacobian: Callable[[float, float, float], Any]) -> Callable[..., Any]:
@@ -104,7 +103,12 @@ def _tangent(jacobian: Callable[[float, float, float], Any]) -> Callable[..., An
     return matrix
 
 
-def _silence(size: int) -> Callable[..., Any]:
-    nothing = exu.MatrixContainer()
-    nothing.SetWithSparseMatrix(np.zeros((0, 3)), size, size)
+def _sparse(triplets: Vector, size: int) -> Any:
+    container = exu.MatrixContainer()
+    container.SetWithSparseMatrix(triplets, size, size)
+    return container
+
+
+def _no_tangent(size: int) -> Callable[..., Any]:
+    nothing = _sparse(np.zeros((0, 3)), size)
     return lambda *_: nothing

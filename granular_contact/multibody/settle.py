@@ -28,9 +28,9 @@ import numpy as np
 from granular_contact.errors import OutOfTimeError, SolveError
 from granular_contact.laws.static_friction import Smooth
 from granular_contact.multibody.balance import Balance
+from granular_contact.multibody.mass_and_gravity import MANY, mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.multibody.weights import MANY, mass_matrix
 from granular_contact.scene.types import Vector
 
 PLACES = 4000  # on the way; more are taken for a mechanism that finds no rest
@@ -177,9 +177,9 @@ def settle(system: System, recorder: Recorder) -> None:
         raise OutOfTimeError(
             f"initial.settle: {allowed} before the mechanism rested; nothing was saved: take a larger one"
         )
-    creeps = isinstance(system.scene.static, Smooth) and system.bed is not None
-    if not descent.rests or (creeps and system.bed.accepted.depth[-1] > 0.0):
-        remedy = CREEPS if creeps else "give the initial state without it"
+    creeping = system.bed if isinstance(system.scene.static, Smooth) else None
+    if not descent.rests or (creeping is not None and creeping.load.history.depth[-1] > 0.0):
+        remedy = CREEPS if creeping is not None else "give the initial state without it"
         still = "nothing holds it in the sand" if descent.rests else f"it still moves after {descent.steps} steps"
         raise SolveError(f"initial.settle: the mechanism finds no rest: {still}; {remedy}")
     _begin(system, descent.q)

@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from types import FrameType
 from typing import Any
 
@@ -16,34 +15,14 @@ import numpy as np
 
 from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
-from granular_contact.multibody.history import LoadHistory
+from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import StepControl
-from granular_contact.multibody.system import System
-from granular_contact.multibody.weights import mass_matrix
-from granular_contact.results import Cost, Progress, Status
-from granular_contact.scene.types import FASTEST, Vector
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """Accepted steps of a solve, the start included.
-
-    time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
-    force (N) of prescribed motions, (n,) each, by joint.
-    """
-
-    status: Status
-    cost: Cost
-    time: Vector
-    q: Vector
-    v: Vector
-    load: LoadHistory | None
-    mass: Any
-    reactions: dict[str, Vector]
+from granular_contact.multibody.system import System, Trajectory
+from granular_contact.results import Cost, Progress
+from granular_contact.scene.types import FASTEST
 
 
 @contextmanager
@@ -120,7 +99,7 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
         time=states[:, 0],
         q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
         v=states[:, 1 + count :],
-        load=None if system.bed is None else system.bed.accepted.since(0.0),
+        load=None if system.bed is None else system.bed.load.history.since(0.0),
         mass=mass_matrix(system),
         # A multiplier pulls the constraint back; the drive pushes along the coordinate.
         reactions={

@@ -131,10 +131,5 @@ class StepControl:
         if self.system.bed is None:
             return math.inf
         least = self.accuracy * self.size / self.speed
-        above = [
-            (-depth, speed)
-            for group in self.system.bed.groups
-            for depth, speed in group.nearing()
-            if depth < 0.0 < speed
-        ]
+        above = [(-depth, speed) for depth, speed in self.system.bed.load.approach() if depth < 0.0 < speed]
         return max(least, min((height / speed for height, speed in above), default=math.inf))

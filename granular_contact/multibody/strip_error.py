@@ -1,12 +1,8 @@
-"""How far strips that are too long put the motion off, estimated from the accepted steps of a run.
+"""Strips that are too long: what they put a run off by (`bed.strip_error`), a warning, and a scene with shorter ones.
 
-At every accepted step the power P and the resultant F of the medium are also computed with the strips joined in pairs,
-from the same bristles. Forces converge with the square of the strip, so that a third of the difference is what they are
-off by. An error of the power is one of the speed, in the sense of the mass: dv / v = dP dt / (2 T) with the kinetic
-energy T. It fades with v / a, the time that the motion lasts; such errors are added without their sign. Where motions
-are prescribed, their drives make up for it. Of what floats, an error of the resultant is one of the momentum, which the
-power does not see across the motion. A resistance by components is left out there: it holds a component that is all but
-at rest by whatever that takes, so that the difference of two resultants says nothing of the motion.
+Where motions are prescribed, their drives make up for an error of the power. Of what floats, the error of the resultant
+counts too. A resistance by components is left out there: it holds a component that is all but at rest by whatever that
+takes, so that the difference of two resultants says nothing of the motion.
 """
 
 from __future__ import annotations
@@ -15,15 +11,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
+from granular_contact.bed.strip_error import displacement
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.results import FINISHED
 from granular_contact.results.accuracy import AccuracyWarning
-from granular_contact.scene.types import Load, Scene, Vector
+from granular_contact.scene.types import Load, Scene
 
 ERROR = 5e-3  # of the distance, that is told
-SLOW = 0.02  # m/s: below it bristles carry what the strips are off by, and nothing of it moves on
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
 
 
@@ -32,33 +26,12 @@ def strip_error(observer: Kinematics) -> float:
     t = observer.trajectory
     if t.load is None or len(t.time) < 3:
         return 0.0
-    steps, change = np.diff(t.time), t.load.coarser[1:] / 3.0
-    momentum = t.v @ t.mass
-    twice = np.sum(momentum * t.v, axis=1)[1:]  # 2 T (J)
-    mean = np.diff(t.v, axis=0) / steps[:, None]
-    moving = twice > 0.0
-    kick = np.divide(steps * np.abs(change[:, 0]), twice, out=np.zeros_like(twice), where=moving) * observer.speeds[1:]
-    rate = np.sqrt(np.divide(np.sum((mean @ t.mass) * mean, axis=1), twice, out=np.zeros_like(twice), where=moving))
-    fade = np.exp(-steps * rate)
-    fast = observer.speeds[1:] >= SLOW
-    fade[~fast] = 0.0
-    scene, error = observer.scene, 0.0
+    scene, error, motion = observer.scene, 0.0, (t.v, t.mass, observer.speeds)
     if not any(drive.kind == "motion" for drive in scene.drives):
-        error = _travelled(steps, (kick * fast)[:, None], fade)
+        error = displacement(t.load, *motion)
     if scene.floating is not None and not any(medium.by_component for medium in scene.media):
-        push = steps[:, None] * change[:, 1:] / scene.mass * fast[:, None]
-        error = max(error, _travelled(steps, push, fade))
+        error = max(error, displacement(t.load, *motion, scene.mass))
     return error / max(observer.way, scene.least_way)
-
-
-def _travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
-    """Greatest displacement (m) by changes of the velocity (n, k) m/s, each of which fades from step to step."""
-    velocity, off, most = np.zeros(kicks.shape[1]), np.zeros(kicks.shape[1]), 0.0
-    for step, kick, factor in zip(steps, kicks, fade, strict=True):
-        velocity = velocity * factor + kick
-        off = off + step * velocity
-        most = max(most, float(np.linalg.norm(off)))
-    return most
 
 
 def finer(observer: Kinematics) -> Scene | None:

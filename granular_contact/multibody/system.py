@@ -1,12 +1,17 @@
-"""An assembled Exudyn system, and where the parts of the scene are in it."""
+"""An assembled Exudyn system, where the parts of the scene are in it, and the trajectory of a solve."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.results import Cost, Status
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.bed.history import LoadHistory
+    from granular_contact.multibody.coupling import Coupling
+    from granular_contact.multibody.joint_loads import JointLoad
 
 
 @dataclass(frozen=True)
@@ -33,9 +38,10 @@ class LinkHandle:
 
 @dataclass(frozen=True)
 class System:
-    """An assembled Exudyn system and where the scene's bodies are in it. `bed` is None where no load is needed.
+    """An assembled Exudyn system and where the scene's bodies are in it.
 
-    loads: what acts in joints, by name. motions: constraint objects of prescribed motions, by joint.
+    bed: the granular load in it, None where none is needed. loads: what acts in joints, by name. motions: constraint
+    objects of prescribed motions, by joint.
     """
 
     scene: Scene
@@ -43,10 +49,29 @@ class System:
     mbs: Any
     rigid: dict[str, RigidHandle]
     links: dict[str, LinkHandle]
-    bed: Any
+    bed: Coupling | None
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""
         return self.rigid[body].node if body in self.rigid else self.links[body].nodes[self.links[body].end(point)]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Accepted steps of a solve, the start included.
+
+    time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
+    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
+    force (N) of prescribed motions, (n,) each, by joint.
+    """
+
+    status: Status
+    cost: Cost
+    time: Vector
+    q: Vector
+    v: Vector
+    load: LoadHistory | None
+    mass: Any
+    reactions: dict[str, Vector]

@@ -13,8 +13,7 @@ from exudyn import graphics
 
 from granular_contact.geometry.polygon import doubled_area
 from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import Trajectory
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.frames import instants, resample
 from granular_contact.scene.types import Motion, Vector, rotation

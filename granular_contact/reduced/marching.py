@@ -10,8 +10,8 @@ import numpy as np
 
 from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
+from granular_contact.kernels.lines import reset_friction
 from granular_contact.kernels.modal_motion import decide, follow, rates
-from granular_contact.kernels.runs import release
 from granular_contact.reduced.model import Model
 from granular_contact.reduced.world import world
 from granular_contact.scene.types import Vector
@@ -55,7 +55,7 @@ class March:
         w, q = self.world, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
             P, V = np.empty((2, end - first, 2))
-            release(q, w.geometry[first:end], P, V, w.anchors[first:end])
+            reset_friction(q, w.geometry[first:end], P, V, w.anchors[first:end])
 
     @property
     def time(self) -> float:

@@ -24,7 +24,7 @@ class Trajectory:
     """Rows of a solve at multiples of the scene's step, and the last instant.
 
     time (rows,) s; q, v (rows, n + 1); work, damping (rows,) J: of the medium and of the internal damping so far;
-    terms (rows, 3, 3): see `multibody.history`; stop: time (s) and q_1 (rad) at the first zero of the mean rate, and
+    terms (rows, 3, 3): see `bed.history`; stop: time (s) and q_1 (rad) at the first zero of the mean rate, and
     the time of the first zero of the hub's own, NaN for none; turns: how often a regime of the static law ended;
     world: what the kernels worked on.
     """

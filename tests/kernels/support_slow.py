@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from granular_contact.kernels import runs, strips
+from granular_contact.kernels import lines, strips
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
@@ -147,7 +147,7 @@ def medium(law: LeeMarghitu = TWO_WAYS, static: Elastoplastic | Smooth = TRUE_SI
 
 
 def run_record(link: Link, cap: bool = False, resultant: bool = False) -> NDArray[np.void]:
-    run = np.zeros(1, runs.RUN)
+    run = np.zeros(1, lines.RUN)
     run["width"], run["cap"], run["resultant"] = link.diameter, cap, resultant
     return run
 

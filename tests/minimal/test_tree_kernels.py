@@ -109,7 +109,7 @@ def test_spectral_radius_of_a_stuck_pendulum() -> None:
     """Deep in the sand at rest: the dashpot of the bristles against the moment of inertia."""
     w, start = forest(surface_height_m=-0.2, **{"initial.impact_angle_deg": 45, "initial.impact_speed_rad_s": 0})
     w.profile[:, 1] = -0.1
-    tree_load.release(start, w)
+    tree_load.reset_friction(start, w)
     chebyshev.rates(start, w, slope := np.empty_like(start))
     found, _ = chebyshev.radius(start, slope, w, np.zeros_like(start), np.empty_like(start), np.empty_like(start))
     moved, response = start.copy(), np.empty_like(start)

@@ -14,13 +14,13 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, Rotatio
 from support_runs import order
 
 from granular_contact import preset
+from granular_contact.bed.contact_lines import ELEMENTS_PER_LINE
 from granular_contact.errors import SceneError
-from granular_contact.kernels import kinematics, runs, strips
+from granular_contact.kernels import kinematics, lines, strips
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.bed import GranularBed
-from granular_contact.multibody.shapes import ELEMENTS_PER_RUN
 
 SAND = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(22.0, 1.1))
 GRAVEL = LeeMarghitu(1600.0, 3.0, 4.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7))
@@ -286,15 +286,15 @@ def test_bristles_rest_where_a_solve_starts() -> None:
 def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     """Power (n,) W at the accepted states, anchors dragged along from one to the next."""
     geometry = kinematics.rigid_stations(np.array([[-HALF, 0.0], [HALF, 0.0]]), 16)
-    run, power, anchors = np.zeros(1, runs.RUN), np.zeros(len(table)), None
+    run, power, anchors = np.zeros(1, lines.RUN), np.zeros(len(table)), None
     run["width"], profile = DIAMETER, np.array([[0.0, surface]])
     P, V, F = (np.zeros((17, 2)) for _ in range(3))
     for i, state in enumerate(table):
         kinematics._rigid_stations(state[1:4] + START, state[4:7], geometry, P, V)
         anchors = P.copy() if anchors is None else anchors
-        strips.distributed_forces(P, V, anchors, run[0], profile, bed.records[0][0], F, np.zeros((3, 3)))
+        strips.distributed_forces(P, V, anchors, run[0], profile, bed.load.records[0][0], F, np.zeros((3, 3)))
         power[i] = (F * V).sum()
-        runs.drag_anchors(P, anchors, run[0], profile, bed.records[0][0])
+        lines.drag_anchors(P, anchors, run[0], profile, bed.load.records[0][0])
     return power
 
 
@@ -326,7 +326,7 @@ def solved_with(wrap: Any = None, reader: Any = None) -> tuple[np.ndarray, Granu
     made = script(1)
     bed = bed_on(made.mbs, made.first)
     if wrap is not None:
-        bed._force = wrap(bed, bed._force)  # type: ignore[method-assign]
+        bed.coupling._force = wrap(bed, bed.coupling._force)  # type: ignore[method-assign]
     middle = made.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=made.first))
 
     def load(mbs: Any, t: float, vector: list[float]) -> list[float]:  # noqa: ARG001
@@ -470,13 +470,14 @@ def test_long_beams_have_one_free_end() -> None:
     elements = cables(made.mbs, 30)
     bed = GranularBed(made.mbs, SAND, 0.0, end_cap=True)
     bed.add_cables(elements, 0.01)
-    assert len(bed.runs) > 1
-    last = int(made.mbs.GetObject(elements[-1])["nodeNumbers"][1])
-    assert [run.nodes[-1] == last for run in bed.runs] == [bool(run.run["cap"][0]) for run in bed.runs]
-    assert sum(len(run.nodes) - 1 for run in bed.runs) == 30
+    lines = bed.load.lines
+    assert len(lines) > 1
+    last = max(line.coordinates[-1] for line in lines)
+    assert [line.coordinates[-1] == last for line in lines] == [bool(line.record["cap"][0]) for line in lines]
+    assert sum(len(line.coordinates) // 4 - 1 for line in lines) == 30
     bound = GranularBed(made.mbs, SAND, 0.0, end_cap=True)
     bound.add_cables(elements, 0.01, free_end=False)
-    assert not any(run.run["cap"][0] for run in bound.runs)
+    assert not any(line.record["cap"][0] for line in bound.load.lines)
 
 
 def test_no_cables_are_refused() -> None:
@@ -659,8 +660,8 @@ def test_things_of_the_wrong_kind_are_told(options: dict[str, Any], what: str) -
 def test_a_beam_in_several_pieces_is_one_body() -> None:
     mbs = exu.SystemContainer().AddSystem()
     bed = GranularBed(mbs, SAND, 0.0)
-    bed.add_cables(cables(mbs, 2 * ELEMENTS_PER_RUN + 1), 0.01)
-    assert len(bed.runs) == 3
+    bed.add_cables(cables(mbs, 2 * ELEMENTS_PER_LINE + 1), 0.01)
+    assert len(bed.load.lines) == 3
     assert list(bed.bodies) == [mbs.GetObject(0)["name"]]
 
 

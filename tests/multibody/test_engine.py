@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from support_runs import DENSITY, LENGTH, LINE_MASS, STIFFNESS, order, scene_of, simulate
 
 from granular_contact.multibody.build import build
+from granular_contact.multibody.mass_and_gravity import gravity_loads, mass_matrix
 from granular_contact.multibody.solve import settings
-from granular_contact.multibody.weights import mass_matrix, weights
 
 VACUUM = ("medium=null", "solver.rest_time_s=null", "solver.tolerance=1e-9")
 ROOTS = np.array([1.87510406871, 4.69409113297])  # of cos a cosh a = -1
@@ -200,7 +200,7 @@ def test_mass_and_weight_are_the_engine_s(elements: int) -> None:
     np.testing.assert_allclose(whole, engine, rtol=1e-12, atol=1e-13 * engine.max())
     up = np.zeros(len(engine))
     wanted = np.zeros(len(engine))
-    for node, part in weights(system).items():
+    for node, part in gravity_loads(system).items():
         wanted[mbs.systemData.GetNodeLTGODE2(node)] = part
     for node in (h.node for h in system.rigid.values()):
         up[mbs.systemData.GetNodeLTGODE2(node)[1]] = 1.0

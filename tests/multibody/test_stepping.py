@@ -259,6 +259,6 @@ def test_a_grain_far_from_the_frame_of_its_body_has_an_outside() -> None:
     arm = f"{{type: rigid, density_kg_m3: 7700, shapes: [{grains}]}}"
     model = f"{{name: p, bodies: {{arm: {arm}}}, joints: {{pivot: {{type: hinge, parent: ground, child: arm}}}}}}"
     system = build(scene_of("pendulum", f"model={model}", "medium=poppy_seeds_close", "surface_height_m=-0.05"))
-    sides = {float(run.run["side"][0]) for run in system.bed.runs}
-    assert len(system.bed.runs) == 8
+    sides = {float(line.record["side"][0]) for line in system.bed.load.lines}
+    assert len(system.bed.load.lines) == 8
     assert len(sides) == 1

@@ -18,7 +18,8 @@ from granular_contact import cli
 from granular_contact.multibody import view
 from granular_contact.multibody.build import System, build
 from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import Trajectory, solve
+from granular_contact.multibody.solve import solve
+from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Outline
 from granular_contact.scene.types import Motion
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from granular_contact.config import schema
-from granular_contact.kernels import law, runs
+from granular_contact.kernels import law, lines
 from granular_contact.kernels.probe import probe
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
@@ -65,7 +65,7 @@ class State:
     def accepted(self) -> State:
         """The state after its step was accepted: the anchors follow."""
         anchors = self.anchors.copy()
-        runs.drag_anchors(self.P, anchors, self.run[0], self.profile, self.record[0])
+        lines.drag_anchors(self.P, anchors, self.run[0], self.profile, self.record[0])
         return replace(self, anchors=anchors)
 
     def rested(self) -> State:

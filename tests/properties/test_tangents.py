@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import COMMON, Array, State, floors, states
 
-from granular_contact.kernels import kinematics, law, runs
+from granular_contact.kernels import kinematics, law, lines
 
 SOFT = states(COMMON, yields=(1e-3, 1e-1))
-D = 1e-8  # s: `runs.tangent` moves positions by at most 10 nm and velocities by 1 um/s
+D = 1e-8  # s: `lines.tangent` moves positions by at most 10 nm and velocities by 1 um/s
 
 
 def rigid(body: State) -> tuple[Array, Array, tuple]:
@@ -35,7 +35,7 @@ def forces(q: Array, v: Array, around: tuple) -> Callable[[Array], Array]:
 
     def at(x: Array) -> Array:
         out = np.zeros(3)
-        runs.force(q + x[:3], v + x[3:], *around, np.zeros((law.TERMS, 3)), out)
+        lines.force(q + x[:3], v + x[3:], *around, np.zeros((law.TERMS, 3)), out)
         return out
 
     return at
@@ -52,7 +52,7 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
         here, h = at(np.zeros(6)), 20.0 * D
         for fq, fv in ((1.0, 0.0), (0.0, 1.0), (0.7, -1.3)):
             got, steps = np.zeros((3, 3)), np.vstack([fq * np.eye(3), fv * np.eye(3)])
-            runs.tangent(q, v, *around, fq, fv, got)
+            lines.tangent(q, v, *around, fq, fv, got)
             d = min(D / max(fq, 1e-300), 1e-6 / max(abs(fv), 1e-300))
             h = 20.0 * d
             for j in range(3):

@@ -46,8 +46,8 @@ def test_what_the_load_does_is_linear_in_the_links() -> None:
     for links in (16, 64):
         system = scaling.build(scaling.set_up("rigid", "all", links))
         trajectory = scaling.solve(system)
-        (group,) = system.bed.groups
-        entries.append(group.entries)
+        (batch,) = system.bed.load.batches
+        entries.append(batch.entries)
         calls.append(trajectory.cost.load_calls / trajectory.cost.newton_iterations)
     assert entries[1] == 4 * entries[0]
     # One for each iteration, one more for each step.

@@ -1,16 +1,16 @@
-"""What a medium does on one run, seen in the coordinates of its body: force, tangent, end of a step.
+"""What a medium does on one contact line, seen in the coordinates of its body: force, tangent, end of a step.
 
 Arguments that they share:
     q, v        (m,) coordinates (reference values included) and rates of the body
     geometry    (n,) station records of `kinematics`
-    run         record of `law`
+    line        record of `law`
     profile     (k, 2) corners of the surface, see `surface`
     medium      record of the law
     anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`
     P, V, F     (n, 2) room for positions, velocities and forces of the stations
     totals      (TERMS, 3), see `law`
 
-`groups` calls them for many runs at once.
+`batches` calls them for many lines at once.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
 # speed (m/s), the least height and the least and greatest x (m) that they reach; then by how much the power (W) and the
 # resultant x, y (N) of the forces would change with strips of twice the length. The bed lays out the rest; `columns`
-# (3,) tells `accept` where a run's power, the terms of its medium and the resultant of its body stand.
+# (3,) tells `accept` where a line's power, the terms of its medium and the resultant of its body stand.
 TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 9
 
 
 @njit(cache=True)
-def drag_anchors(P, anchors, run, profile, m):
+def drag_anchors(P, anchors, line, profile, m):
     """Move the anchors after an accepted step: dragged along at the ends of strips that are immersed, else free."""
     n = P.shape[0]
-    before, here = False, height(profile, P[0, 0])[0] - P[0, 1] + run.drop > 0.0
+    before, here = False, height(profile, P[0, 0])[0] - P[0, 1] + line.drop > 0.0
     for i in range(n):
-        after = i + 1 < n and height(profile, P[i + 1, 0])[0] - P[i + 1, 1] + run.drop > 0.0
+        after = i + 1 < n and height(profile, P[i + 1, 0])[0] - P[i + 1, 1] + line.drop > 0.0
         x, y = P[i, 0], P[i, 1]
         if before or here or after:
             x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
@@ -46,24 +46,24 @@ def drag_anchors(P, anchors, run, profile, m):
 
 
 @njit(cache=True)
-def release(q, geometry, P, V, anchors):
-    """Rest the bristles of a body that stands still at q."""
+def reset_friction(q, geometry, P, V, anchors):
+    """Reset the friction state of a body at q: no bristle is stretched."""
     stations(q, np.zeros_like(q), geometry, P, V)
     anchors[:] = P
 
 
 @njit(cache=True)
-def immersed(P, run, profile):
+def immersed(P, line, profile):
     """Whether any station is below the surface."""
     some = False
     for i in range(P.shape[0]):
-        some = some or height(profile, P[i, 0])[0] - P[i, 1] + run.drop > 0.0
+        some = some or height(profile, P[i, 0])[0] - P[i, 1] + line.drop > 0.0
     return some
 
 
 @njit(cache=True)
 def upright(P, i):
-    """Sine of the angle between the run at station i and the horizontal; 1 for a ball, which has no length."""
+    """Sine of the angle between the line at station i and the horizontal; 1 for a ball, which has no length."""
     j = i + 1 if i + 1 < P.shape[0] else i - 1
     x, y = P[j, 0] - P[i, 0], P[j, 1] - P[i, 1]
     length = np.hypot(x, y)
@@ -71,17 +71,17 @@ def upright(P, i):
 
 
 @njit(cache=True)
-def force(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, out):
+def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
     stations(q, v, geometry, P, V)
-    if not immersed(P, run, profile):
+    if not immersed(P, line, profile):
         return
-    forces(P, V, anchors, run, profile, medium, F, totals)
+    forces(P, V, anchors, line, profile, medium, F, totals)
     scatter(q, geometry, P, F, out)
 
 
 @njit(cache=True)
-def join_strips(P, V, F, geometry, run, profile, medium, anchors, room, change):
+def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change):
     """Add to change (3,) by how much power (W) and resultant (N) differ from those of F with strips joined in pairs.
 
     room (4, n, 2) to work in.
@@ -91,11 +91,11 @@ def join_strips(P, V, F, geometry, run, profile, medium, anchors, room, change):
         if geometry[i].kept:
             room[0, n], room[1, n], room[2, n] = P[i], V[i], anchors[i]
             n += 1
-    if n == P.shape[0] or run.resultant:
+    if n == P.shape[0] or line.resultant:
         return
-    run.turn *= 2.0
-    forces(room[0, :n], room[1, :n], room[2, :n], run, profile, medium, room[3, :n], np.zeros((TERMS, 3)))
-    run.turn *= 0.5
+    line.turn *= 2.0
+    forces(room[0, :n], room[1, :n], room[2, :n], line, profile, medium, room[3, :n], np.zeros((TERMS, 3)))
+    line.turn *= 0.5
     for i in range(n):
         x, y = room[3, i]
         change[0] += x * room[1, i, 0] + y * room[1, i, 1]
@@ -108,32 +108,32 @@ def join_strips(P, V, F, geometry, run, profile, medium, anchors, room, change):
 
 
 @njit(cache=True)
-def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, room, totals, row, columns):
+def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, row, columns):
     """End of a step: the anchors follow; power, depth, speed and totals go into a history row; room (4, n, 2).
 
-    Returns the run's depth (m, negative above the surface) and the greatest speed at which a station nears the surface
-    (m/s).
+    Returns the line's depth (m, negative above the surface) and the greatest speed at which a station approaches the
+    surface (m/s).
     """
     stations(q, v, geometry, P, V)
     deepest, speed = -np.inf, 0.0
     for i in range(P.shape[0]):
         surface, slope = height(profile, P[i, 0])
-        z = surface - P[i, 1] + run.drop
+        z = surface - P[i, 1] + line.drop
         deepest = max(deepest, z)
         speed = max(speed, abs(V[i, 1]) + abs(slope * V[i, 0]))
         if z > 0.0:
             row[SPEED] = max(row[SPEED], np.hypot(V[i, 0], V[i, 1]))
-            row[LOWEST] = min(row[LOWEST], P[i, 1] - run.drop)
-            beside = run.beside * upright(P, i)
+            row[LOWEST] = min(row[LOWEST], P[i, 1] - line.drop)
+            beside = line.beside * upright(P, i)
             row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0] - beside), max(row[RIGHT], P[i, 0] + beside)
     row[DEPTH] = max(row[DEPTH], deepest)
     if deepest <= 0.0:
         anchors[:] = P
         return deepest, speed
     totals[:] = 0.0
-    forces(P, V, anchors, run, profile, medium, F, totals)
-    join_strips(P, V, F, geometry, run, profile, medium, anchors, room, row[COARSER : COARSER + 3])
-    drag_anchors(P, anchors, run, profile, medium)
+    forces(P, V, anchors, line, profile, medium, F, totals)
+    join_strips(P, V, F, geometry, line, profile, medium, anchors, room, row[COARSER : COARSER + 3])
+    drag_anchors(P, anchors, line, profile, medium)
     power, terms, body = columns
     for i in range(P.shape[0]):
         row[power] += F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
@@ -145,7 +145,7 @@ def accept(q, v, geometry, run, profile, medium, anchors, P, V, F, room, totals,
 
 
 @njit(cache=True)
-def tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, fq, fv, out):
+def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by differences.
 
     q and v are moved together, by d fq and d fv along each coordinate: by at most 10 nm and 1 um/s, little of what a
@@ -153,21 +153,21 @@ def tangent(q, v, geometry, run, profile, medium, anchors, P, V, F, fq, fv, out)
     """
     size = q.shape[0]
     at_state, moved, totals = np.zeros(size), np.empty(size), np.zeros((TERMS, 3))
-    force(q, v, geometry, run, profile, medium, anchors, P, V, F, totals, at_state)
-    if not immersed(P, run, profile):
+    force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
+    if not immersed(P, line, profile):
         return
     q_there, v_there = q.copy(), v.copy()
     largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
     d = min(1e-8 / largest_q, 1e-6 / largest_v)
     d = max(d, 1e-12 * max(1.0, np.abs(q).max()) / max(largest_q, 1e-6 * largest_v))
-    apart = 0 if run.resultant else spacing(geometry)
+    apart = 0 if line.resultant else spacing(geometry)
     together = size if apart == 0 else apart
     for first in range(min(together, size)):
         for j in range(first, size, together):
             q_there[j] += d * fq
             v_there[j] += d * fv
         moved[:] = 0.0
-        force(q_there, v_there, geometry, run, profile, medium, anchors, P, V, F, totals, moved)
+        force(q_there, v_there, geometry, line, profile, medium, anchors, P, V, F, totals, moved)
         for j in range(first, size, together):
             q_there[j], v_there[j] = q[j], v[j]
             node = j // 4

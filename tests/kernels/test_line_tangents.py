@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label
 
-from granular_contact.kernels import kinematics, law, runs, spatial
+from granular_contact.kernels import kinematics, law, lines, spatial
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
@@ -64,18 +64,18 @@ class Sand:
         self.geometry, self.q, self.v = case
         n = len(self.geometry)
         anchors = np.zeros((n, 2))
-        runs.release(self.q, self.geometry, *np.zeros((2, n, 2)), anchors)
+        lines.reset_friction(self.q, self.geometry, *np.zeros((2, n, 2)), anchors)
         anchors += rng.uniform(0.2, 0.7, (n, 2)) * YIELD * rng.choice([-1.0, 1.0], (n, 2))
         self.around = (self.geometry, run[0], LEVEL, record[0], anchors, *np.zeros((3, n, 2)))
 
     def force(self, q: Array, v: Array) -> Array:
         out = np.zeros(q.size)
-        runs.force(q, v, *self.around, np.zeros((law.TERMS, 3)), out)
+        lines.force(q, v, *self.around, np.zeros((law.TERMS, 3)), out)
         return out
 
     def tangent(self, fq: float, fv: float) -> Array:
         out = np.zeros((self.q.size, self.q.size))
-        runs.tangent(self.q, self.v, *self.around, fq, fv, out)
+        lines.tangent(self.q, self.v, *self.around, fq, fv, out)
         return out
 
     def moved(self, j: int, fq: float, fv: float) -> Array:
@@ -173,7 +173,7 @@ def test_tangents_are_added_to_what_is_there() -> None:
     rng = np.random.default_rng(18)
     sand = Sand(cable(rng), BAR_LAWS[0].record(STATIC[0], G), run_of(False), rng)
     one, out = sand.tangent(1.0, 0.5), np.full((16, 16), 3.0)
-    runs.tangent(sand.q, sand.v, *sand.around, 1.0, 0.5, out)
+    lines.tangent(sand.q, sand.v, *sand.around, 1.0, 0.5, out)
     # Round-off of a sum of up to 1e4.
     np.testing.assert_allclose(out, 3.0 + one, rtol=1e-12)
 

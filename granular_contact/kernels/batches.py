@@ -1,18 +1,18 @@
-"""The calls that the engine makes for all runs of a kind at once: release, force, tangent, accept, wake.
+"""Contact lines of a kind in one call: friction state, force, tangent, end of a step, active set.
 
-A group holds runs on one kind of body (one type of station) in one medium, so a call from Python, which costs more than
-the law on a few strips, is paid once for hundreds of bodies. Arguments that they share:
+A batch holds lines on one kind of body (one type of station) in one medium, so a call from Python, which costs more
+than the law on a few strips, is paid once for hundreds of bodies. Arguments that they share:
 
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory
     reference           reference values of the system's coordinates
-    awake               (runs,) whether a run may touch the surface in this step; those asleep are passed over
-    ends                (runs + 1, 2) first station and first coordinate of each run, and the ends of the last
-    places              (coordinates, 2) place of each run coordinate in the system and in the overlay
-    geometry            stations of all runs, one after another
-    runs                (runs,) records of `law`
-    profile, medium     see `runs`; medium (1,)
-    anchors             (stations, 2) m
+    active              (lines,) whether a line may touch the surface in this step; the others are passed over
+    ends                (lines + 1, 2) first station and first coordinate of each line, and the ends of the last
+    places              (coordinates, 2) place of each coordinate of a line in the system and among those of the bed
+    geometry            stations of all lines, one after another
+    lines               (lines,) records of `law`
+    profile, medium     see `kernels.lines`; medium (1,)
+    anchors             (stations, 2) m, the friction state
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels import runs as one
+from granular_contact.kernels import lines as one
 from granular_contact.kernels.law import TERMS
 
-# Of reach (runs, 3): depth of the deepest station (m), speed at which one nears the surface (m/s), greatest depth so
-# far (m).
-DEEPEST, NEARING, EVER = 0, 1, 2
+# Of proximity (lines, 3): depth of the deepest station (m), speed at which one approaches the surface (m/s), greatest
+# depth so far (m).
+DEEPEST, APPROACH, EVER = 0, 1, 2
 
 
 @njit(cache=True)
 def rooms(ends):
-    """Room for the longest run: (stations, 2) seven times, (coordinates,) three times."""
+    """Room for the longest line: (stations, 2) seven times, (coordinates,) three times."""
     n, m = 0, 0
     for r in range(ends.shape[0] - 1):
         n = max(n, ends[r + 1, 0] - ends[r, 0])
@@ -48,23 +48,23 @@ def gather(system_q, system_v, reference, places, q, v):
 
 
 @njit(cache=True)
-def release(system_q, reference, ends, places, geometry, anchors):
-    """Rest the bristles of all runs where the bodies are."""
+def reset_friction(system_q, reference, ends, places, geometry, anchors):
+    """Reset the friction state of all lines where the bodies are."""
     room, body = rooms(ends)
     for r in range(ends.shape[0] - 1):
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
         gather(system_q, system_q, reference, places[c : c + m], body[0, :m], body[1, :m])
-        one.release(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n])
+        one.reset_friction(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n])
 
 
 @njit(cache=True)
-def force(system_q, system_v, reference, awake, ends, places, geometry, runs, profile, medium, anchors, out):
-    """Add the generalised forces of the runs that are awake to out, the coordinates of the overlay."""
+def force(system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, out):
+    """Add the generalised forces of the active lines to out, the coordinates of the bed."""
     room, body = rooms(ends)
     totals = np.zeros((TERMS, 3))
-    for r in range(runs.shape[0]):
-        if not awake[r]:
+    for r in range(lines.shape[0]):
+        if not active[r]:
             continue
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
@@ -72,7 +72,7 @@ def force(system_q, system_v, reference, awake, ends, places, geometry, runs, pr
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         f[:] = 0.0
         one.force(
-            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
+            q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
             room[0, :n], room[1, :n], room[2, :n], totals, f,
         )  # fmt: skip
         for i in range(m):
@@ -84,11 +84,11 @@ def tangent(
     system_q,
     system_v,
     reference,
-    awake,
+    active,
     ends,
     places,
     geometry,
-    runs,
+    lines,
     profile,
     medium,
     anchors,
@@ -99,12 +99,12 @@ def tangent(
 ):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
-    Rows and columns are those of the overlay; entries of zero are left out. Returns the new count.
+    Rows and columns are coordinates of the bed; entries of zero are left out. Returns the new count.
     """
     room, body = rooms(ends)
     matrix = np.empty((body.shape[1], body.shape[1]))
-    for r in range(runs.shape[0]):
-        if not awake[r]:
+    for r in range(lines.shape[0]):
+        if not active[r]:
             continue
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
@@ -112,7 +112,7 @@ def tangent(
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         block[:] = 0.0
         one.tangent(
-            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
+            q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
             room[0, :n], room[1, :n], room[2, :n], fq, fv, block,
         )  # fmt: skip
         for i in range(m):
@@ -125,30 +125,32 @@ def tangent(
 
 
 @njit(cache=True)
-def accept(system_q, system_v, reference, ends, places, geometry, runs, profile, medium, anchors, row, columns, reach):
-    """End of a step for all runs, see `runs.accept`; columns (runs, 3), reach (runs, 3) is filled."""
+def accept(
+    system_q, system_v, reference, ends, places, geometry, lines, profile, medium, anchors, row, columns, proximity
+):
+    """End of a step for all lines, see `lines.accept`; columns (lines, 3), proximity (lines, 3) is filled."""
     room, body = rooms(ends)
     totals = np.zeros((TERMS, 3))
-    for r in range(runs.shape[0]):
+    for r in range(lines.shape[0]):
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
         q, v = body[0, :m], body[1, :m]
         gather(system_q, system_v, reference, places[c : c + m], q, v)
-        reach[r, DEEPEST], reach[r, NEARING] = one.accept(
-            q, v, geometry[s : s + n], runs[r], profile, medium[0], anchors[s : s + n],
+        proximity[r, DEEPEST], proximity[r, APPROACH] = one.accept(
+            q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
             room[0, :n], room[1, :n], room[2, :n], room[3:, :n], totals, row, columns[r],
         )  # fmt: skip
-        reach[r, EVER] = max(reach[r, EVER], reach[r, DEEPEST])
+        proximity[r, EVER] = max(proximity[r, EVER], proximity[r, DEEPEST])
 
 
 @njit(cache=True)
-def wake(reach, step, awake):
-    """Let sleep through a step (s) what could not touch the surface in it at four times its speed; whether any wakes.
+def update_active(proximity, step, active):
+    """Mark the lines that may touch the surface within a step (s), at four times their speed; whether there are any.
 
-    awake (runs,) is filled.
+    active (lines,) is filled.
     """
     some = False
-    for r in range(awake.shape[0]):
-        awake[r] = reach[r, DEEPEST] + 4.0 * step * (reach[r, NEARING] + 10.0 * step) > -1e-3
-        some = some or awake[r]
+    for r in range(active.shape[0]):
+        active[r] = proximity[r, DEEPEST] + 4.0 * step * (proximity[r, APPROACH] + 10.0 * step) > -1e-3
+        some = some or active[r]
     return some

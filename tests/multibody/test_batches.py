@@ -1,4 +1,4 @@
-"""Many bodies in one bed: computed in one call, asleep where nothing can touch them, and all as if each had its own."""
+"""Many bodies in one bed: computed in one call, active where the sand may touch them, all as if each had its own."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from exudyn import itemInterface as items
 from numba import njit
 from test_bed import DIAMETER, HALF, INERTIA, MASS, SAND, G, settings
 
-from granular_contact.kernels import groups as kernels
+from granular_contact.kernels import batches as kernels
 from granular_contact.multibody.bed import GranularBed
 
 COUNT, SURFACE = 8, -0.03
@@ -68,29 +68,29 @@ def test_one_call_serves_all_bodies() -> None:
     assert bed.load_calls == pytest.approx(each[0].load_calls, rel=0.05)
 
 
-def test_sleep_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps in which a rod falls 2 mm: who wakes when it is there wakes too late."""
+def test_the_active_set_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps in which a rod falls 2 mm: what gets active when it is there is too late."""
     step = 1e-3
-    (_,), with_sleep = solved(1, step)
+    (_,), with_set = solved(1, step)
 
     @njit
-    def nobody(reach: np.ndarray, step: float, awake: np.ndarray) -> bool:  # noqa: ARG001
-        awake[:] = True
+    def everything(proximity: np.ndarray, step: float, active: np.ndarray) -> bool:  # noqa: ARG001
+        active[:] = True
         return True
 
-    monkeypatch.setattr(kernels, "wake", nobody)
+    monkeypatch.setattr(kernels, "update_active", everything)
     (_,), without = solved(1, step)
-    np.testing.assert_array_equal(with_sleep, without)
+    np.testing.assert_array_equal(with_set, without)
 
 
-def test_most_sleep_while_they_fall() -> None:
+def test_most_are_inactive_while_they_fall() -> None:
     mbs, (bed,), _ = rods(1)
     mbs.SolveDynamic(settings(2e-4, 2e-3))
-    (group,) = bed.groups
-    assert group.awake.sum() <= 2
+    (batch,) = bed.load.batches
+    assert batch.active.sum() <= 2
 
 
-def test_forces_of_a_bed_go_to_sleep_with_it() -> None:
+def test_forces_of_a_bed_end_with_its_contact() -> None:
     """A rod thrown up out of the sand: what was sent last must not act on it for ever."""
     mbs = exu.SystemContainer().AddSystem()
     node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, -0.04, 0], initialVelocities=[0.0, 20.0, 0.0]))

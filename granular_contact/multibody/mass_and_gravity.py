@@ -37,7 +37,7 @@ def body_mass(body: RigidBody | FlexibleLink) -> Vector:
     return np.asarray(np.kron(body.mass_per_length * length * _MASS * np.outer(scales, scales), np.eye(2)), float)
 
 
-def body_weight(body: RigidBody | FlexibleLink, gravity: float) -> Vector:
+def gravity_load(body: RigidBody | FlexibleLink, gravity: float) -> Vector:
     """Generalised forces of the weight, for the coordinates of `body_mass`."""
     if isinstance(body, RigidBody):
         return np.array([0.0, -gravity * body.mass, 0.0])
@@ -54,13 +54,13 @@ def pieces(system: System) -> Iterator[tuple[RigidBody | FlexibleLink, list[int]
             yield link.link, list(pair)
 
 
-def weights(system: System) -> dict[int, Vector]:
+def gravity_loads(system: System) -> dict[int, Vector]:
     """Generalised forces of the weight on every node; none without gravity."""
     on: dict[int, Vector] = {}
     if system.scene.gravity == 0.0:
         return on
     for body, nodes in pieces(system):
-        for node, part in zip(nodes, np.split(body_weight(body, system.scene.gravity), len(nodes)), strict=True):
+        for node, part in zip(nodes, np.split(gravity_load(body, system.scene.gravity), len(nodes)), strict=True):
             on[node] = on.get(node, 0.0) + part
     return on
 

@@ -1,0 +1,102 @@
+"""Contact lines of one kind in one medium, with the arrays that `kernels.batches` reads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.bed.contact_lines import ContactLine
+from granular_contact.kernels import batches as kernels
+from granular_contact.kernels.entry import entry
+from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
+from granular_contact.laws.kinds import Kind
+
+Vector = NDArray[np.float64]
+
+
+class Batch:
+    """Lines on one kind of body (all stations of one type) in one medium, computed in one call.
+
+    records: of each line, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns: for
+    each line, where its numbers stand in a history row, see `history.HistoryTable`. anchors (stations, 2) m: the
+    friction state; active (lines,): the lines that may touch the surface in this step; proximity: see
+    `kernels.batches`.
+    """
+
+    def __init__(
+        self,
+        lines: Sequence[ContactLine],
+        records: Sequence[NDArray[np.void]],
+        profile: Vector,
+        medium: NDArray[np.void],
+        columns: Sequence[Vector],
+    ) -> None:
+        self.lines = lines
+        self.profile, self.medium = profile, medium
+        self.columns = np.array(columns)
+        self.geometry = np.concatenate([line.stations for line in lines])
+        self.records = np.concatenate(list(records))
+        sizes = [(len(line.stations), len(line.coordinates)) for line in lines]
+        self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
+        self.anchors = np.zeros((len(self.geometry), 2))
+        self.proximity = np.zeros((len(lines), 3))
+        self.active = np.ones(len(lines), dtype=bool)
+        self.entries = sum(len(line.coordinates) ** 2 for line in lines)  # most that a tangent has
+        coordinates = np.concatenate([line.coordinates for line in lines])
+        self.places = np.column_stack([coordinates, coordinates])
+        self._spatial = bool(self.geometry.dtype == SPATIAL_STATION)
+        self._compiled = False
+
+    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
+        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
+        if where is not None:
+            self.places[:, 0] = where[self.places[:, 1]]
+        at = (self.ends, self.places, self.geometry)
+        sand = (*at, self.records, self.profile, self.medium, self.anchors)
+        self._active_sand, self._all_sand = (reference, self.active, *sand), (reference, *sand)
+        self.active[:] = True
+        self.proximity[:, kernels.EVER] = -np.inf
+        kernels.reset_friction(q, reference, *at, self.anchors)
+        if self._compiled:
+            return
+        # Compiling, the first time on a machine, belongs to the start and not to the first step.
+        self._force = entry(kernels.force, q, q, *self._active_sand, q)
+        self._tangent = entry(kernels.tangent, q, q, *self._active_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
+        self._accept = entry(kernels.accept, q, q, *self._all_sand, q, self.columns, self.proximity)
+        entry(kernels.update_active, self.proximity, 0.0, self.active)
+        self._compiled = True
+
+    def leaning(self, q: Vector) -> float:
+        """Sine of the greatest angle between the z axis of a spatial body and that of the world; 0 of planar ones."""
+        if not self._spatial:
+            return 0.0
+        places = self.places[:, 0].reshape(-1, SIZE)[:, 3:]
+        e = (q + self._all_sand[0])[places].T
+        return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))
+
+    def force(self, q: Vector, v: Vector, out: Vector) -> None:
+        """Add the generalised forces of the active lines to out, the coordinates of the bed."""
+        self._force(q, v, *self._active_sand, out)
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
+        """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
+        return int(self._tangent(q, v, *self._active_sand, factor_q, factor_v, triplets, number))
+
+    def accept(self, q: Vector, v: Vector, row: Vector) -> None:
+        """End of a step at this state, added to a history row."""
+        self._accept(q, v, *self._all_sand, row, self.columns, self.proximity)
+
+    def update_active(self, step: float) -> bool:
+        """Choose the lines that may touch the surface in the next step (s); whether there are any."""
+        return bool(kernels.update_active(self.proximity, step, self.active))
+
+    def immersed(self) -> set[tuple[str, Kind, float]]:
+        """Body, kind and width (m) of the lines that were ever immersed."""
+        ever = [line for line, depth in zip(self.lines, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0]
+        return {(line.body, line.kind, float(line.record["width"][0])) for line in ever}
+
+    def approach(self) -> list[tuple[float, float]]:
+        """Of each line after `accept`: depth of its deepest station (m), greatest speed of one downward (m/s)."""
+        return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]

@@ -1,0 +1,152 @@
+"""What a granular load did, step by step, and the table that it is kept in while it grows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.lines import COARSER, DEPTH, FIRST, LEFT, LOWEST, RIGHT, SPEED, TIME
+from granular_contact.laws.kinds import Kind
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LoadHistory:
+    """One entry per accepted step, the start included.
+
+    time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
+    floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
+    negative above the surface; of the immersed stations speed (n,) m/s of the fastest, lowest (n,) m height of the
+    lowest point, left, right (n,) m the extreme x, infinite while none is immersed; coarser (n, 3): by how much the
+    power (W) and the resultant x, y (N) would change with strips of twice the length;
+    terms (n, terms, 3): for each of `term_names` its resultant x, y (N) and its moment about the world origin (N m,
+    right-handed about z, so counter-clockwise; tables of runs have it clockwise); bodies (n, bodies, 3): the same of
+    all terms together, for each of `body_names`; immersed: body, kind and width (m) of all that ever was.
+    """
+
+    time: Vector
+    work: Vector
+    power: Vector
+    floor_work: Vector
+    depth: Vector
+    speed: Vector
+    lowest: Vector
+    left: Vector
+    right: Vector
+    coarser: Vector
+    terms: Vector
+    bodies: Vector
+    term_names: tuple[str, ...]
+    body_names: tuple[str, ...]
+    immersed: frozenset[tuple[str, Kind, float]] = frozenset()
+
+    def at_end(self) -> LoadHistory:
+        """The last entry alone, if there is one."""
+        return replace(self, **self._rows(slice(-1, None)))
+
+    def since(self, start: float) -> LoadHistory:
+        """The entries from a time (s) on, with both works counted from there."""
+        first = int(np.searchsorted(self.time, start))
+        if first == 0:
+            return self
+        later = self._rows(slice(first, None))
+        for name in ("work", "floor_work"):
+            later[name] = later[name] - later[name][:1]
+        return replace(self, **later)
+
+    def _rows(self, rows: slice) -> dict[str, Any]:
+        return {name: values[rows] for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+
+
+class HistoryTable:
+    """Rows with the first columns of `kernels.lines`, then the power of each medium, its terms, and bodies.
+
+    blank: a row before anything is added to it; length: number of rows.
+    """
+
+    def __init__(
+        self, terms: Sequence[int] = (), term_names: Sequence[str] = (), bodies: Sequence[str] = (), floor: bool = False
+    ) -> None:
+        """Terms of each medium, their names, names of bodies; floor: whether the last medium is the floor's contact."""
+        self.media, self._terms, self._floor = len(terms), tuple(terms), floor
+        self._names = tuple(term_names), tuple(bodies)
+        self._first_term = FIRST + self.media
+        self._first_body = self._first_term + 3 * TERMS * self.media
+        self.blank = np.zeros(self._first_body + 3 * len(bodies))
+        self.blank[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
+        self._rows = np.zeros((256, len(self.blank)))
+        self._work: Vector | None = None
+        self._summed = 0, 0.0  # a row, and the work up to it
+        self.length = 0
+
+    def columns(self, medium: int, body: str) -> Vector:
+        """Where `kernels.lines.accept` adds the power of a medium, its terms and the resultant of a body."""
+        place = self._first_body + 3 * self._names[1].index(body)
+        return np.array([FIRST + medium, self._first_term + 3 * TERMS * medium, place])
+
+    def new_row(self, time: float) -> Vector:
+        """A blank row at the end, for this time (s)."""
+        if self.length == len(self._rows):
+            self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
+        if self.length == 0:
+            self._summed = 0, 0.0
+        row: Vector = self._rows[self.length]
+        row[:] = self.blank
+        row[TIME] = time
+        self.length += 1
+        return row
+
+    def adopt(self, rows: Vector, work: Vector) -> None:
+        """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
+        self._rows, self._work, self.length = rows, work, len(rows)
+
+    def last(self) -> LoadHistory:
+        """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
+        if self._work is not None or self.length < 3:
+            return self.history().at_end()
+        first, before = self._summed
+        rows = self._rows[first : self.length]
+        work = before + _integral(self._power(rows), rows[:, TIME])
+        self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
+        return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
+
+    def history(self) -> LoadHistory:
+        """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
+        return self._read(self._rows[: self.length].copy())
+
+    def _power(self, rows: Vector) -> Vector:
+        power: Vector = rows[:, FIRST : FIRST + self.media - self._floor].sum(axis=1)
+        return power
+
+    def _read(self, rows: Vector) -> LoadHistory:
+        time, sand, power = rows[:, TIME], FIRST + self.media - self._floor, self._power(rows)
+        used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
+        return LoadHistory(
+            time=time,
+            work=_integral(power, time) if self._work is None else self._work,
+            power=power,
+            floor_work=_integral(rows[:, sand : self._first_term].sum(axis=1), time),
+            depth=rows[:, DEPTH],
+            coarser=rows[:, COARSER : COARSER + 3],
+            speed=rows[:, SPEED],
+            lowest=rows[:, LOWEST],
+            left=rows[:, LEFT],
+            right=rows[:, RIGHT],
+            terms=rows[:, self._first_term : self._first_body].reshape(len(rows), TERMS * self.media, 3)[:, used],
+            bodies=rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), 3),
+            term_names=self._names[0],
+            body_names=self._names[1],
+        )
+
+
+def _integral(power: Vector, time: Vector) -> Vector:
+    """Work (n,) J done since the first row by a power (n,) W."""
+    steps = 0.5 * np.diff(time) * (power[1:] + power[:-1])
+    work: Vector = np.cumsum(np.concatenate([np.zeros(min(len(time), 1)), steps]))
+    return work

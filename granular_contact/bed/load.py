@@ -1,0 +1,205 @@
+"""The granular load on all bodies of a system: forces at a state, its tangent, accepted steps, history."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.bed.batch import Batch
+from granular_contact.bed.contact_lines import ContactLine
+from granular_contact.bed.given import floor_of, layers_of, profile_of, records_of
+from granular_contact.bed.history import HistoryTable, LoadHistory
+from granular_contact.errors import scene_error
+from granular_contact.laws.floor import TERM as FLOOR_TERM
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.law import Law, term_names, what_it_takes
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+
+Vector = NDArray[np.float64]
+
+
+class GranularLoad:
+    """One medium, or several whose forces add, that act on contact lines.
+
+    It sees bodies as one vector of coordinates q (m,) with rates v (m,), and gives generalised forces (m,): of a body
+    in the plane x, y and angle, with the force x, y (N) and the moment (N m) about that point. Vectors are float64 and
+    contiguous; they are read unchecked. Forces at a state do not change the load; `accept` ends a step.
+
+    Parameters
+    ----------
+    medium, surface, slope, gravity, static, form, end_cap, floor
+        As of `GranularBed`, with its errors.
+    """
+
+    def __init__(
+        self,
+        medium: Law | Layer | Sequence[Law | Layer],
+        surface: ArrayLike,
+        *,
+        slope: float = 0.0,
+        gravity: float = 9.81,
+        static: Elastoplastic | Smooth | None = None,
+        form: str = "distributed",
+        end_cap: bool = False,
+        floor: Floor | None = None,
+    ) -> None:
+        self.layers = layers_of(medium, form)
+        self.media = tuple(layer.medium for layer in self.layers)
+        self.records = records_of(self.layers, static, gravity)
+        self.profile = profile_of(surface, slope)
+        self.floor = floor_of(floor)
+        self.resultant, self.end_cap = form == "resultant", end_cap
+        self.lines: list[ContactLine] = []
+        self.batches: list[Batch] = []
+        self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
+        self.active = False  # whether anything may touch the surface in this step
+        self.table = self._new_table()  # rows of the history
+
+    # ---- what the medium acts on ----
+
+    def add(self, lines: Sequence[ContactLine]) -> None:
+        """Let the media act on lines, each by those that take its kind of shape.
+
+        Raises
+        ------
+        SceneError
+            No medium takes such shapes, or the list of lines is closed.
+        """
+        self.check_open()
+        self.lines += [self._met(line) for line in lines]
+        self.table = self._new_table()
+
+    def _met(self, line: ContactLine) -> ContactLine:
+        """A line that some medium takes, by the form of this load."""
+        if not any(line.kind in medium.takes for medium in self.media):
+            known = "; ".join(map(what_it_takes, self.media))
+            raise scene_error("bed", f"nothing acts on {WORDS[line.kind]}: {known}")
+        if line.kind == "ball" and not all(layer.whole for layer in self.layers):
+            raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
+        record = line.record.copy()
+        record["cap"] &= self.end_cap
+        record["resultant"] = self.resultant and line.kind in ("round", "flat")
+        return replace(line, record=record)
+
+    def check_open(self) -> None:
+        """Refuse more lines once there are batches of them."""
+        if self.batches:
+            raise scene_error("bed", "it is attached already; name every body before attach()")
+
+    def close(self) -> None:
+        """Form the batches, of lines that the floor or one medium meets on one kind of body; `start` does it too."""
+        for index, kinds, profile, medium, layer in self._meetings():
+            acting = [line for line in self.lines if line.kind in kinds]
+            for dtype in dict.fromkeys(line.stations.dtype for line in acting):
+                lines = [line for line in acting if line.stations.dtype == dtype]
+                columns = [self.table.columns(index, line.body) for line in lines]
+                self.batches.append(Batch(lines, [_in(layer, line) for line in lines], profile, medium, columns))
+        self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
+
+    def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:
+        """Number, kinds of shape, surface, record and layer of the floor's contact, then of all media."""
+        if self.floor is not None:
+            for kind in dict.fromkeys(line.kind for line in self.lines):
+                yield len(self.media), (kind,), self.floor.profile, self.floor.record(kind), None
+        for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
+            yield i, layer.medium.takes, self.profile, record, layer
+
+    def _new_table(self) -> HistoryTable:
+        terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
+        if self.floor is not None:
+            terms, names = [*terms, 1], (*names, FLOOR_TERM)
+        bodies = tuple(dict.fromkeys(line.body for line in self.lines))
+        return HistoryTable(terms, names, bodies, self.floor is not None)
+
+    # ---- steps ----
+
+    def start(self, q: Vector, where: NDArray[np.int64] | None = None, reference: Vector | None = None) -> None:
+        """Begin at the coordinates q: an empty history, and a friction state without any stretched bristle.
+
+        where (m,): places of the bed's coordinates in q and v, where these are a larger system's; reference, of the
+        size of q: what is added to q.
+        """
+        if not self.batches:
+            self.close()
+        self.table.length, self.time = 0, None
+        if reference is None:
+            reference = np.zeros_like(q)
+        for batch in self.batches:
+            batch.start(q, where, reference)
+
+    def force(self, q: Vector, v: Vector, out: Vector) -> Vector:
+        """Add the generalised forces of all active lines to out (m,), and return it."""
+        for batch in self.batches:
+            batch.force(q, v, out)
+        return out
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
+        """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3); the next call overwrites them."""
+        number = 0
+        for batch in self.batches:
+            number = batch.tangent(q, v, factor_q, factor_v, self._triplets, number)
+        return self._triplets[:number]
+
+    def accept(self, t: float, q: Vector, v: Vector) -> None:
+        """End a step at the time t (s) in this state: the friction state follows, the history gets a row."""
+        row = self.table.new_row(t)
+        for batch in self.batches:
+            batch.accept(q, v, row)
+        self.time = t
+
+    def update_active(self, step: float) -> bool:
+        """Choose the lines that may touch the surface in the next step (s), by the last accepted state.
+
+        All lines are active after `start`; whoever never calls this has the same forces, in more time.
+        """
+        self.active = any([batch.update_active(step) for batch in self.batches])
+        return self.active
+
+    def leaning(self, q: Vector) -> float:
+        """Sine of the greatest angle by which a spatial body leans out of the plane."""
+        return max((batch.leaning(q) for batch in self.batches), default=0.0)
+
+    @contextmanager
+    def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:
+        """A state that counts as accepted for as long as the block lasts, and is taken back after it."""
+        length, time = self.table.length, self.time
+        kept = [(batch.anchors.copy(), batch.proximity.copy()) for batch in self.batches]
+        self.accept(t, q, v)
+        try:
+            yield
+        finally:
+            self.table.length, self.time = length, time
+            for batch, state in zip(self.batches, kept, strict=True):
+                batch.anchors[:], batch.proximity[:] = state
+
+    # ---- what is read ----
+
+    @property
+    def history(self) -> LoadHistory:
+        """The steps accepted so far."""
+        immersed = frozenset(one for batch in self.batches for one in batch.immersed())
+        return replace(self.table.history(), immersed=immersed)
+
+    @property
+    def last(self) -> LoadHistory:
+        """The last entry of the history, at no more than the cost of one."""
+        return self.table.last()
+
+    def approach(self) -> Iterator[tuple[float, float]]:
+        """Of each line in each medium, where it was accepted last: its depth (m), and its speed downward (m/s)."""
+        for batch in self.batches:
+            yield from batch.approach()
+
+
+def _in(layer: Layer | None, line: ContactLine) -> NDArray[np.void]:
+    """Record (1,) of a line for a medium in a layer."""
+    record = line.record.copy()
+    if layer is not None:
+        record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom
+    return record

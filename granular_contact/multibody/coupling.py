@@ -1,0 +1,141 @@
+"""A granular load in an Exudyn system: the engine's coordinates in, generalised forces out, steps as they are accepted.
+
+The forces on all bodies are computed in one call and reach them through an `Overlay` on their own nodes. State that
+belongs to a step (the friction state, the work done) is advanced when the engine first asks for a force in the step
+after it, from the engine's own record of where that step started; so a step that the engine rejects and repeats leaves
+no trace.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.bed.contact_lines import Body, ContactLine, beam
+from granular_contact.bed.load import GranularLoad
+from granular_contact.errors import scene_error
+from granular_contact.multibody.bodies import cable_nodes, rigid_node
+from granular_contact.multibody.overlay import Overlay
+
+Vector = NDArray[np.float64]
+LEANING = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
+
+
+class Coupling:
+    """A load on bodies of a system; `load_calls`: how often the engine asked for forces."""
+
+    def __init__(self, mbs: Any, load: GranularLoad) -> None:
+        self.mbs, self.load = mbs, load
+        self.load_calls = 0
+        self.nodes: tuple[int, ...] = ()  # that carry contact lines, once it is attached
+        self._overlay = Overlay(mbs)
+        self._acts = False  # whether forces were sent last
+        self._time: float | None = None  # time of the step for which forces were last asked
+        self._last = np.zeros(0)  # coordinates of the last accepted state
+
+    # ---- before the system is assembled ----
+
+    def body(self, number: Any, name: str | None = None) -> Body:
+        """A rigid body of the system, by its own name unless given; errors as of `bodies.rigid_node`."""
+        node, size = rigid_node(self.mbs, number)
+        own = self.mbs.GetObject(number)["name"]
+        return Body(own if name is None else name, self._overlay.coordinates([node], size)[0])
+
+    def cables(self, elements: Sequence[Any], name: str | None = None, **options: Any) -> list[ContactLine]:
+        """Lines on ANCFCable2D elements, by the name of the first unless given; options and errors as of `beam`."""
+        nodes, lengths = cable_nodes(self.mbs, elements)
+        own = self.mbs.GetObject(elements[0])["name"]
+        if self.load.resultant:
+            options["elements_per_line"] = len(lengths)
+        return beam(own if name is None else name, self._overlay.coordinates(nodes, 4), lengths, **options)
+
+    def attach(self, constant: Mapping[int, ArrayLike]) -> None:
+        """Put the load into the system, and generalised forces (by node number) that act all the time."""
+        self.load.close()
+        self.nodes = tuple(self._overlay.nodes)
+        self._overlay.attach(constant, self._force, self._jacobian)
+
+    # ---- what the engine calls ----
+
+    def _force(self, t: float) -> None:
+        """Set the forces at the system's present state."""
+        self.load_calls += 1
+        if t != self._time:
+            self._begin(t)
+        if not self.load.active and not self._acts:
+            return
+        forces = self._overlay.forces
+        forces[:] = self._overlay.constant
+        if self.load.active:
+            self.load.force(self._q, self._v, forces)
+        self._overlay.send()
+        self._acts = self.load.active
+
+    def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
+        """Tangent at the system's present state, as the engine's sparse matrix."""
+        if t != self._time:
+            self._begin(t)
+        if not self.load.active:
+            return self._overlay.empty
+        # The engine keeps these on the left-hand side, opposite in sign to the force.
+        return self._overlay.matrix(self.load.tangent(self._q, self._v, -factor_q, -factor_v))
+
+    def _begin(self, t: float) -> None:
+        """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""
+        data, start = self.mbs.systemData, exu.ConfigurationType.StartOfStep
+        self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
+        ended, self._time = self._time, t
+        start_time = data.GetTime(start)
+        if t <= start_time:  # the very first evaluation of a solve, before its first step
+            start_time = t
+            later = ended is None or not math.isclose(t, ended, rel_tol=1e-9)  # than a sum of steps comes to
+            elsewhere = later and not np.array_equal(self._q, self._last)  # than where the last one ended
+            self.accept_state(t, self._q, self._v, anew=elsewhere)
+        elif start_time != self.load.time or self.load.table.length == 1:
+            # In the first step bodies may have been moved since forces were first asked.
+            q, v = data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)
+            self.accept_state(start_time, q, v, anew=start_time == self.load.time)
+        if self.load.leaning(self._q) > LEANING:
+            raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
+        self.load.update_active(t - start_time)
+
+    # ---- accepted states ----
+
+    def accept(self) -> None:
+        """Take the current state of the system as accepted; for callers that know it is (a post-step function)."""
+        self.accept_state(*self._present())
+
+    def accept_state(self, t: float, q: Vector, v: Vector, *, anew: bool = False) -> None:
+        """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand.
+
+        q, v: float64 and contiguous, as the engine keeps them; they are read as such, unchecked. anew: whether a new
+        solve begins here, as it does where time goes back: history and friction state are reset.
+        """
+        if t == self.load.time and not anew:
+            return
+        if anew or self.load.time is None or t < self.load.time:
+            self.load.start(q, *self._places())
+        self.load.accept(t, q, v)
+        self._last = q.copy()
+
+    def present(self) -> AbstractContextManager[None]:
+        """The system's current state counts as accepted within; it is taken back afterwards."""
+        if self.load.time is None or not self.mbs.systemData.GetTime() > self.load.time:
+            return nullcontext()
+        return self.load.accepted(*self._present())
+
+    def _present(self) -> tuple[float, Vector, Vector]:
+        data = self.mbs.systemData
+        return data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
+
+    def _places(self) -> tuple[NDArray[np.int64], Vector]:
+        """Places of the overlay's coordinates in the assembled system, and the system's reference coordinates."""
+        data = self.mbs.systemData
+        where = [place for node in self._overlay.nodes for place in data.GetNodeLTGODE2(node)]
+        return np.array(where), data.GetODE2Coordinates(exu.ConfigurationType.Reference)

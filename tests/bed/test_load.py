@@ -1,0 +1,129 @@
+"""The granular load driven by poses and velocities from plain arrays, without an engine."""
+
+from __future__ import annotations
+
+import doctest
+
+import numpy as np
+import pytest
+
+import granular_contact.bed
+from granular_contact import preset
+from granular_contact.bed.contact_lines import Body, ball, outline, polyline
+from granular_contact.bed.load import GranularLoad
+from granular_contact.errors import SceneError
+from granular_contact.laws import probe
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.static_friction import Elastoplastic
+
+SAND, SIZE, SPEED, STEP = preset("poppy_seeds_loose"), 0.1, 0.1, 1e-4
+HALF = 0.5 * SIZE
+PLATE = [[-HALF, 0.0], [HALF, 0.0]]
+# Yields after 1e-5 m, which a plate at 0.1 m/s has behind it after one step; undamped.
+STATIC = Elastoplastic(1e-5, 0.0)
+
+
+def plate_load(**options: object) -> GranularLoad:
+    load = GranularLoad(SAND, 0.0, static=STATIC, **options)  # type: ignore[arg-type]
+    load.add(polyline(Body("plate", [0, 1, 2]), PLATE, width=SIZE))
+    return load
+
+
+def pushed(load: GranularLoad, steps: int, angle: float = 0.0, start: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Drive a plate straight down from a height of `start`; its pose and velocity at the end."""
+    pose, velocity = np.array([0.0, start, angle]), np.array([0.0, -SPEED, 0.0])
+    load.start(pose)
+    load.accept(0.0, pose, velocity)
+    for i in range(1, steps + 1):
+        load.update_active(STEP)
+        pose[1] = start - i * STEP * SPEED
+        load.accept(i * STEP, pose, velocity)
+    return pose, velocity
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, -60.0])
+def test_force_on_a_pushed_plate_is_that_of_the_law(angle: float) -> None:
+    load = plate_load()
+    pose, velocity = pushed(load, 4000, np.radians(angle), HALF)
+    wrench = load.force(pose, velocity, np.zeros(3))
+    # Its middle ends at 10 mm above the surface, its lower end below it: the part in the sand is the probe's.
+    whole = probe.plate(-pose[1], angle, SIZE)
+    expected = probe.force(SAND, whole, velocity).sum(axis=0)
+    # The probe yields after 1e-12 m, the load is 1e-5 m behind; forces are proportional to the depth of the strip.
+    np.testing.assert_allclose(wrench[:2], expected, rtol=1e-9, atol=1e-9)
+    assert (expected[1] > 0.1) == (angle != 0.0)
+    np.testing.assert_allclose(load.history.bodies[-1, 0, :2], wrench[:2], rtol=1e-12)
+
+
+def test_work_of_a_level_plate_is_that_of_a_force_that_grows_with_the_depth() -> None:
+    load = plate_load()
+    pose, velocity = pushed(load, 2000)
+    depth, force = -pose[1], load.force(pose, velocity, np.zeros(3))[1]
+    # The bristle yields within 1e-5 of 2e-2 m, and the force is then proportional to the depth.
+    assert load.history.work[-1] == pytest.approx(-0.5 * force * depth, rel=1e-3)
+    assert load.history.depth[-1] == pytest.approx(depth, rel=1e-12)
+    assert load.history.immersed == {("plate", "flat", SIZE)}
+
+
+def test_wrenches_go_to_the_coordinates_that_a_body_has() -> None:
+    """Two plates far apart, the second of which has its coordinates first; the same in a larger system of a caller."""
+    load = GranularLoad(SAND, 0.0, static=STATIC)
+    load.add(polyline(Body("right", [3, 4, 5]), PLATE, width=SIZE))
+    load.add(polyline(Body("left", [0, 1, 2]), PLATE, width=SIZE))
+    q, v = np.array([-1.0, -0.01, 0.0, 1.0, -0.02, 0.0]), np.tile([0.0, -SPEED, 0.0], 2)
+    load.start(q)
+    # Put down by a millimetre, so that both bristles have yielded.
+    moved = q - 1e-3 * np.tile([0.0, 1.0, 0.0], 2)
+    load.accept(0.0, moved, v)
+    wrenches = load.force(moved, v, np.zeros(6)).reshape(2, 3)
+    for wrench, depth in zip(wrenches, (0.011, 0.021), strict=True):
+        expected = probe.force(SAND, probe.plate(depth, 0.0, SIZE), v[:3]).sum(axis=0)
+        np.testing.assert_allclose(wrench[:2], expected, rtol=1e-9, atol=1e-9)
+
+    where, reference = np.array([7, 1, 2, 8, 4, 5]), np.full(9, 0.5)
+    system, rates = np.full(9, np.nan), np.full(9, np.nan)
+    system[where], rates[where] = q - 0.5, v
+    load.start(system, where, reference)
+    system[where] = moved - 0.5
+    np.testing.assert_allclose(load.force(system, rates, np.zeros(6)).reshape(2, 3), wrenches, atol=1e-9)
+
+
+def test_a_state_taken_back_leaves_no_trace() -> None:
+    load = plate_load(floor=Floor(-0.02, 1e5))
+    pose, velocity = pushed(load, 500)
+    before, force = load.history, load.force(pose, velocity, np.zeros(3))
+    with load.accepted(1.0, pose - [0.1, 0.02, 0.0], velocity):
+        assert len(load.history.time) == len(before.time) + 1
+        assert load.history.floor_work[-1] != 0.0
+    np.testing.assert_array_equal(load.history.work, before.work)
+    np.testing.assert_array_equal(load.force(pose, velocity, np.zeros(3)), force)
+    assert load.last.time[-1] == load.time == before.time[-1]
+
+
+def test_tangent_is_the_derivative_of_the_force() -> None:
+    load = plate_load()
+    pose, velocity = pushed(load, 1000, 0.3, 0.02)
+    pose += [1e-6, 5e-6, 1e-5]  # unloaded by half of what yields
+    found = np.zeros((3, 3))
+    for i, j, value in load.tangent(pose, velocity, 1.0, 0.0):
+        found[int(i), int(j)] += value
+    for j in range(3):
+        step = 1e-7 * np.eye(3)[j]
+        ends = [load.force(pose + s * step, velocity, np.zeros(3)) for s in (-1, 1)]
+        # Over 0.1 um the depth of the edge in the sand changes by 1e-5 of itself; the kernel's own steps are of 10 nm.
+        np.testing.assert_allclose(found[:, j], (ends[1] - ends[0]) / 2e-7, rtol=2e-3, atol=1e-3 * np.abs(found).max())
+
+
+def test_what_cannot_be_is_refused() -> None:
+    load = plate_load()
+    with pytest.raises(SceneError, match="nothing acts on spheres"):
+        load.add(ball(Body("ball", [0, 1, 2]), [0.0, 0.0], 0.01, 0.1))
+    with pytest.raises(SceneError, match="4 coordinates"):
+        outline(Body("box", [0, 1, 2, 3]), [[0, 0], [1, 0], [0, 1]], 0.1)
+    load.start(np.zeros(3))
+    with pytest.raises(SceneError, match="attached already"):
+        load.add(polyline(Body("late", [0, 1, 2]), PLATE, width=SIZE))
+
+
+def test_the_example_of_the_package() -> None:
+    assert doctest.testmod(granular_contact.bed).failed == 0
