@@ -20,6 +20,7 @@ import numpy as np
 
 from granular_contact import preset
 from granular_contact.kernels import batches, kinematics
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import RUN
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
@@ -41,7 +42,7 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     q, v, places = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.column_stack([np.arange(3)] * 2)
     n = len(geometry)
     ends, active, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
-    sand = np.array([[0.0, 0.0]]), medium.record(Elastoplastic(), 9.81), np.zeros((n, 2))
+    sand = np.array([[0.0, 0.0]]), medium_record(medium.record(Elastoplastic(), 9.81)), np.zeros((n, 2))
     group = (q, v, np.zeros(3), active, ends, places, geometry, run, *sand)
     return lambda: batches.force(*group, out), lambda: batches.tangent(*group, 1.0, 1.0, triplets, 0)
 

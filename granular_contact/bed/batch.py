@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from granular_contact.bed.contact_lines import ContactLine
 from granular_contact.kernels import batches as kernels
 from granular_contact.kernels.entry import entry
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
 from granular_contact.laws.kinds import Kind
 
@@ -34,7 +36,7 @@ class Batch:
         columns: Sequence[Vector],
     ) -> None:
         self.lines = lines
-        self.profile, self.medium = profile, medium
+        self.profile, self._own = profile, medium
         self.columns = np.array(columns)
         self.geometry = np.concatenate([line.stations for line in lines])
         self.records = np.concatenate(list(records))
@@ -48,6 +50,11 @@ class Batch:
         self.places = np.column_stack([coordinates, coordinates])
         self._spatial = bool(self.geometry.dtype == SPATIAL_STATION)
         self._compiled = False
+
+    @cached_property
+    def medium(self) -> NDArray[np.void]:
+        """The medium as kernels read it; its law is compiled, the first time on a machine."""
+        return medium_record(self._own, bool(self.records["resultant"].any()))
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""

@@ -15,16 +15,15 @@ from typing import Any
 _HERE = Path(__file__).parent
 
 
-def _drop_stale_cache(folder: Path) -> None:
-    sources = [*folder.glob("*.py"), *(folder.parent / "laws").glob("*.py")]
-    newest = max(source.stat().st_mtime for source in sources)
-    for cached in (folder / "__pycache__").glob("*.nb[ic]"):
+def _drop_stale_cache(*folders: Path) -> None:
+    newest = max(source.stat().st_mtime for folder in folders for source in folder.glob("*.py"))
+    for cached in (file for folder in folders for file in (folder / "__pycache__").glob("*.nb[ic]")):
         with suppress(OSError):  # another process was faster, or the folder is not ours to change
             if cached.stat().st_mtime < newest:
                 cached.unlink()
 
 
-_drop_stale_cache(_HERE)
+_drop_stale_cache(_HERE, _HERE.parent / "laws")
 
 
 def __getattr__(name: str) -> Any:

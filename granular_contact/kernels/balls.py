@@ -12,8 +12,8 @@ from granular_contact.kernels import law
 from granular_contact.kernels.surface import height
 
 
-@njit(cache=True)
-def ball_forces(P, V, anchors, run, profile, m, F, totals):
+@njit(cache=True, no_cfunc_wrapper=True)
+def ball_forces(P, V, anchors, run, profile, medium, F, totals):
     """`law.forces` of a ball."""
     F[:] = 0.0
     x, y = P[0, 0], P[0, 1]
@@ -21,7 +21,7 @@ def ball_forces(P, V, anchors, run, profile, m, F, totals):
     if z <= 0.0:
         return
     f = np.zeros((law.TERMS, 2))
-    law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, m, f)
+    law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, medium, f)
     for term in range(law.TERMS):
         fx, fy = f[term, 0], f[term, 1]
         F[0, 0] += fx
@@ -29,8 +29,3 @@ def ball_forces(P, V, anchors, run, profile, m, F, totals):
         totals[term, 0] += fx
         totals[term, 1] += fy
         totals[term, 2] += x * fy - y * fx
-
-
-def ball_law(dtype: np.dtype) -> None:
-    """Let runs use the law with this record type on balls."""
-    law.provide(law.forces, "m", dtype)(ball_forces)

@@ -28,7 +28,7 @@ from granular_contact.kernels.law import TERMS
 DEEPEST, APPROACH, EVER = 0, 1, 2
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def rooms(ends):
     """Room for the longest line: (stations, 2) seven times, (coordinates,) three times."""
     n, m = 0, 0
@@ -38,7 +38,7 @@ def rooms(ends):
     return np.empty((7, n, 2)), np.empty((3, m))
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def gather(system_q, system_v, reference, places, q, v):
     """Fill q and v with the coordinates at these places of the system."""
     for i in range(places.shape[0]):
@@ -47,7 +47,7 @@ def gather(system_q, system_v, reference, places, q, v):
         v[i] = system_v[at]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def reset_friction(system_q, reference, ends, places, geometry, anchors):
     """Reset the friction state of all lines where the bodies are."""
     room, body = rooms(ends)
@@ -58,7 +58,7 @@ def reset_friction(system_q, reference, ends, places, geometry, anchors):
         one.reset_friction(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def force(system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, out):
     """Add the generalised forces of the active lines to out, the coordinates of the bed."""
     room, body = rooms(ends)
@@ -79,7 +79,7 @@ def force(system_q, system_v, reference, active, ends, places, geometry, lines, 
             out[places[c + i, 1]] += f[i]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def tangent(
     system_q,
     system_v,
@@ -124,7 +124,7 @@ def tangent(
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def accept(
     system_q, system_v, reference, ends, places, geometry, lines, profile, medium, anchors, row, columns, proximity
 ):
@@ -138,12 +138,12 @@ def accept(
         gather(system_q, system_v, reference, places[c : c + m], q, v)
         proximity[r, DEEPEST], proximity[r, APPROACH] = one.accept(
             q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
-            room[0, :n], room[1, :n], room[2, :n], room[3:, :n], totals, row, columns[r],
+            room[0, :n], room[1, :n], room[2, :n], room, totals, row, columns[r],
         )  # fmt: skip
         proximity[r, EVER] = max(proximity[r, EVER], proximity[r, DEEPEST])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def update_active(proximity, step, active):
     """Mark the lines that may touch the surface within a step (s), at four times their speed; whether there are any.
 

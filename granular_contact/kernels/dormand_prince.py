@@ -36,7 +36,7 @@ DENSE = np.array(
 )
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def step(y, h, s, w, k, sigma, totals, end):
     """From y, with k[0] = y' there, fill the slopes k (7, size) and the state `end` after h (s)."""
     for stage in range(1, STAGES):
@@ -47,7 +47,7 @@ def step(y, h, s, w, k, sigma, totals, end):
         rates(end, s, w, sigma, totals, k[stage])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def error(h, k, allowed):
     """Largest estimated error of a step over what is `allowed` (coordinates and rates,) for it."""
     worst = 0.0
@@ -61,7 +61,7 @@ def error(h, k, allowed):
     return worst
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def interpolant(y, h, k, C):
     """Fill C (5, size) with the coefficients of the step as a polynomial in theta = (t - t_0) / h."""
     C[0] = y
@@ -72,7 +72,7 @@ def interpolant(y, h, k, C):
                 C[power + 1] += (h * DENSE[stage, power]) * k[stage]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def inside(C, theta, y):
     """Fill y with the state at theta in [0, 1] of a step; C (any number, size)."""
     y[:] = C[-1]

@@ -16,7 +16,7 @@ TOUCHED, MEAN_SIGN, MEAN_TIME, MEAN_ANGLE, HUB_SIGN, HUB_TIME = 0, 1, 2, 3, 4, 5
 HALVINGS = 48
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def least_margin(C, theta, s, w, y, margin):
     """Smallest margin at theta of a step; y and margin are filled."""
     inside(C, theta, y)
@@ -24,7 +24,7 @@ def least_margin(C, theta, s, w, y, margin):
     return np.min(margin)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def regime_end(C, s, w, stopped):
     """Theta of the first end of a regime in a step, 2 if there is none; marks the components that end it.
 
@@ -65,7 +65,7 @@ def regime_end(C, s, w, stopped):
     return 2.0
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def turning(y, w, which):
     """Mean rate (which = 0) or rate of the hub (which = 1), rad/s."""
     m = w.pendulum[0].modes + 1
@@ -73,7 +73,7 @@ def turning(y, w, which):
     return v[0] if which == 1 else momentum(q, v, w.pendulum[0]) / inertia(q, w.pendulum[0])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def look_for_stop(t, h, C, w, watch):
     """Locate the first zeros of mean rate and hub rate after the touch."""
     y = np.empty(C.shape[1])
@@ -99,7 +99,7 @@ def look_for_stop(t, h, C, w, watch):
             watch[MEAN_ANGLE] = y[0]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def shorten(C, theta):
     """Let the polynomial of a step end at theta of it."""
     factor = 1.0

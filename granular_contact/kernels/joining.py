@@ -1,8 +1,8 @@
-"""A law in plain Python -> what kernels call: a record type, and its forces in place of the stubs of `law`.
+"""A law in plain Python -> what kernels call: a record type, and compiled forces.
 
-numba compiles the functions of a law into the kernels that call them, when it compiles those; what it keeps on disk it
-finds again by the types of the arguments alone. So the record type of a law begins with a field named after the file of
-the law and its content: a law that was changed has another type, wherever its file is.
+What numba keeps of them on disk it finds again by the types of the arguments alone. So the record type of a law begins
+with a field named after the file of the law and its content: a law that was changed has another type, wherever its file
+is.
 """
 
 from __future__ import annotations
@@ -17,15 +17,16 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numba.extending import register_jitable
 from numpy.typing import NDArray
 
-from granular_contact.kernels import balls, law, plates, strips
+from granular_contact.kernels import law, plates
 from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.planar_friction import radial_return
 
-STUBS = {one.__name__: one for one in (law.strip_force, law.cap_force, law.ball_force, law.drag_anchor, plates.stress)}
-PARTS = {"constants", "by_component", *STUBS}  # of a law, that make it another one for the kernels
+FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress")
+PARTS = {"constants", "by_component", *FORCES}  # of a law, that make it another one for the kernels
 FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
 _called: set[FunctionType] = set()
 
@@ -39,24 +40,31 @@ def blank(owner: Any) -> NDArray[np.void]:
 def record_type(owner: Any) -> np.dtype:
     """Record type of a law, which the kernels know from then on.
 
-    owner: class with `constants`, the names of its numbers, and static methods named as STUBS; what it leaves out of
+    owner: class with `constants`, the names of its numbers, and static methods named as FORCES; what it leaves out of
     anchors and static forces follows from `by_component` and from its stress.
     """
     own = [(f"{owner.__name__}_{_content(owner)}", "f8"), *((name, "f8") for name in owner.constants)]
     dtype = np.dtype(own + FRICTION)
-    forces = {name: getattr(owner, name) for name in STUBS if hasattr(owner, name)}
+    forces = {name: getattr(owner, name) for name in FORCES if hasattr(owner, name)}
     if "drag_anchor" not in forces:
         forces["drag_anchor"] = component_return if owner.by_component else radial_return
-    if "stress" in forces:
-        forces.setdefault("strip_force", plates.static_force)
-    for name, function in forces.items():
+    for function in forces.values():
         _let_call_others(function)
-        law.provide(STUBS[name], "m", dtype)(function)
-    if "ball_force" in forces:
-        balls.ball_law(dtype)
-    else:
-        strips.line_law(dtype, caps="cap_force" in forces)
+    if "stress" in forces:
+        law.provide(plates.stress, "m", dtype)(forces.pop("stress"))
+        forces.setdefault("strip_force", plates.static_force)
+    law.LAWS[dtype] = {name: _compiled(function) for name, function in forces.items()}
     return dtype
+
+
+def _compiled(function: Any) -> Any:
+    """As numba compiles it when its address is asked for; kept on disk where the function has a file."""
+    if not isinstance(function, FunctionType):
+        return function
+    try:
+        return njit(cache=True)(function)
+    except RuntimeError:  # of a notebook
+        return njit(function)
 
 
 def _content(owner: Any) -> str:

@@ -127,7 +127,7 @@ def cable_stations(lengths: NDArray[np.float64], strips: int) -> NDArray[np.void
 
 
 @provide(stations, "geometry", RIGID_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _rigid_stations(q, v, geometry, P, V):
     c, s = np.cos(q[2]), np.sin(q[2])
     for i in range(geometry.shape[0]):
@@ -140,7 +140,7 @@ def _rigid_stations(q, v, geometry, P, V):
 
 
 @provide(scatter, "geometry", RIGID_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _rigid_scatter(q, geometry, P, F, out):
     for i in range(P.shape[0]):
         out[0] += F[i, 0]
@@ -149,13 +149,13 @@ def _rigid_scatter(q, geometry, P, F, out):
 
 
 @provide(spacing, "geometry", RIGID_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _rigid_spacing(geometry):
     return 0
 
 
 @provide(stations, "geometry", CABLE_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _cable_stations(q, v, geometry, P, V):
     for i in range(geometry.shape[0]):
         first, shape = geometry[i].first, geometry[i].shape
@@ -169,7 +169,7 @@ def _cable_stations(q, v, geometry, P, V):
 
 
 @provide(scatter, "geometry", CABLE_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _cable_scatter(q, geometry, P, F, out):
     for i in range(P.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:
@@ -181,6 +181,6 @@ def _cable_scatter(q, geometry, P, F, out):
 
 
 @provide(spacing, "geometry", CABLE_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _cable_spacing(geometry):
     return 12  # a node of four coordinates acts on itself and on both of its neighbours

@@ -1,22 +1,25 @@
-"""What a law of resistance provides, and how kernels find it: by the type of the law's record.
+"""What a law of resistance provides, and how kernels call it: by the addresses in the record of a medium.
 
-A law is a record type with its coefficients and functions that stand in for the stubs below where a medium record `m`
-of that type comes in; `joining` makes both of the class of a law. Laws for strips provide strip_force and drag_anchor
-(and cap_force, if they know it) and are joined to a run by `strips.line_law`; laws for balls provide ball_force and
-drag_anchor, and are joined by `balls.ball_law`. A law has up to TERMS terms, told apart in results. Tangents are
-differences of these forces, see `lines.tangent`.
+A law is a record type with its coefficients and compiled functions; `joining` makes both of the class of a law. Laws
+for strips have strip_force and drag_anchor, and cap_force if they know end faces; laws for balls ball_force and
+drag_anchor. A law has up to TERMS terms, told apart in results. Tangents are differences of these forces, see
+`lines.tangent`.
 
-The choice is made when a caller is compiled, from types alone, so one set of kernels serves every law and every kind of
-body, at no cost per call and with numba's cache on disk.
+Kernels know no law: `medium` is a record LAW with the addresses of the law's functions and a copy of its own record,
+and the functions here call what stands there. So kernels are compiled once for all laws, and a law is compiled without
+them. A call by address takes some 10 ns.
 """
 
 from __future__ import annotations
 
 import inspect
+from functools import cache
+from typing import Any
 
 import numpy as np
-from numba import from_dtype
-from numba.extending import overload
+from numba import from_dtype, njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
 
 TERMS = 3
 
@@ -42,44 +45,128 @@ RUN = np.dtype(
     ]
 )
 
+SIZE = 64  # numbers of a law's record, at most
 
-def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+# Addresses of compiled functions, 0 where there is none, and a copy of the law's own record.
+FUNCTIONS = ("forces", "strip_force", "cap_force", "ball_force", "drag_anchor")
+LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), ("own", "f8", (SIZE,))])
+
+_RUN, _NUMBER = from_dtype(RUN), types.float64
+_VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (2, 2, 3))
+OWN = None  # where a law's function takes its own record
+_SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
+    "forces": ((*[_VECTORS] * 3, _RUN, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
+    "strip_force": ((*[_NUMBER] * 14, _RUN, OWN, _ENDS), types.none),
+    "cap_force": ((*[_NUMBER] * 4, _RUN, OWN, _ENDS), types.none),
+    "ball_force": ((*[_NUMBER] * 5, _RUN, OWN, _PAIR), types.none),
+    "drag_anchor": ((*[_NUMBER] * 4, OWN), types.UniTuple(_NUMBER, 2)),
+}
+
+
+def _call(name: str) -> Any:
+    """Function for kernels: (medium, arguments) -> result of what the medium's record has under this name.
+
+    The record of the medium, or the law's own in it, is put among the arguments where the function takes it.
+    """
+    kinds, result = _SIGNATURES[name]
+
+    @intrinsic
+    def call(typing_context, medium, arguments):
+        def generate(context, builder, signature, values):
+            record, given = values
+            at = builder.bitcast(record, cgutils.voidptr_t)
+            passed = [builder.extract_value(given, i) for i in range(len(arguments))]
+            for i, have in enumerate(signature.args[1].types):
+                wanted = [kind for kind in kinds if kind not in (OWN, medium)][i]
+                passed[i] = context.cast(builder, passed[i], have, wanted)
+            if OWN in kinds:
+                passed.insert(kinds.index(OWN), builder.bitcast(_offset(builder, at, "own"), record.type))
+            else:
+                passed.insert(kinds.index(medium), record)
+            types_there = [medium if kind is OWN else kind for kind in kinds]  # any record is a pointer
+            address = builder.load(builder.bitcast(_offset(builder, at, name), cgutils.intp_t.as_pointer()))
+            pointer = context.call_conv.get_function_type(result, types_there).as_pointer()
+            callee = builder.inttoptr(address, pointer)
+            status, value = context.call_conv.call_function(builder, callee, result, types_there, passed)
+            with cgutils.if_unlikely(builder, status.is_error):
+                context.call_conv.return_status_propagate(builder, status)
+            return context.get_dummy_value() if result is types.none else value
+
+        return result(medium, arguments), generate
+
+    return call
+
+
+def _offset(builder: Any, at: Any, field: str) -> Any:
+    return builder.gep(at, [cgutils.intp_t(LAW.fields[field][1])])  # type: ignore[index]
+
+
+_forces, _strip, _cap, _ball, _anchor = (_call(name) for name in _SIGNATURES)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def forces(P, V, anchors, run, profile, medium, F, totals):
+    """Fill F (n, 2) N with the forces at the stations of a run and add to totals (TERMS, 3).
+
+    P (n, 2) m, V (n, 2) m/s: positions and velocities of the stations, world frame, y up; anchors (n, 2) m; run and
+    medium records; profile as in `surface`. totals: of each term the resultant F_x, F_y and the moment about the world
+    origin (N m, counter-clockwise).
+    """
+    _forces(medium, (P, V, anchors, run, profile, F, totals))
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, medium, f):
     """Add the forces on the part of a strip between xi = a and xi = b, as end forces of the strip, to f[term, end, xy].
 
     Forces in N. a < b in [0, 1]: the part that lies in the medium, so that no depth there is negative; z0, z1 end
     depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); stretch of the bristles at both ends
-    (m), see `friction`; run record; m medium record. Depth, velocity and stretch vary linearly along the strip.
+    (m), see `friction`; run record; medium record. Depth, velocity and stretch vary linearly along the strip.
     """
-    raise NotImplementedError
+    _strip(medium, (a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, f))
 
 
-def cap_force(cx, cy, vx, vy, run, m, f):
+@njit(cache=True, no_cfunc_wrapper=True)
+def cap_force(cx, cy, vx, vy, run, medium, f):
     """Add the force on a free end face at end 1 of a strip, which moves with (vx, vy), to f[term, 1, xy] (N)."""
-    raise NotImplementedError
+    if medium.cap_force != 0:
+        _cap(medium, (cx, cy, vx, vy, run, f))
 
 
-def ball_force(z, vx, vy, ex, ey, run, m, f):
+@njit(cache=True, no_cfunc_wrapper=True)
+def ball_force(z, vx, vy, ex, ey, run, medium, f):
     """Add the force at the centre of a ball to f[term, xy] (N).
 
     z depth of its lowest point (m, positive); velocity (m/s) and stretch of the bristle (m) at its centre; run.width is
     its diameter.
     """
-    raise NotImplementedError
+    _ball(medium, (z, vx, vy, ex, ey, run, f))
 
 
-def drag_anchor(px, py, ax, ay, m):
+@njit(cache=True, no_cfunc_wrapper=True)
+def drag_anchor(px, py, ax, ay, medium):
     """Where an anchor at (ax, ay) m is after an accepted step that ended with its station at (px, py) m."""
-    raise NotImplementedError
+    return _anchor(medium, (px, py, ax, ay))
 
 
-def forces(P, V, anchors, run, profile, m, F, totals):
-    """Fill F (n, 2) N with the forces at the stations of a run and add to totals (TERMS, 3).
+LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: compiled functions of a law, by their names in LAW
 
-    P (n, 2) m, V (n, 2) m/s: positions and velocities of the stations, world frame, y up; anchors (n, 2) m; profile
-    as in `surface`. totals: of each term the resultant F_x, F_y and the moment about the world origin (N m,
-    counter-clockwise).
-    """
-    raise NotImplementedError
+
+def record_of(own: np.ndarray, forces: Any) -> np.ndarray:
+    """Record (1,) of LAW for a law's own record (1,) and a compiled way to apply it; compiles what is not yet."""
+    medium = np.zeros(1, LAW)
+    medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
+    for name, function in (LAWS[own.dtype] | {"forces": forces}).items():
+        medium[name] = _address(function, name, from_dtype(own.dtype))
+    return medium
+
+
+@cache
+def _address(function: Any, name: str, own: Any) -> int:
+    arguments = tuple(own if kind is OWN else kind for kind in _SIGNATURES[name][0])
+    function.compile(arguments)
+    compiled = function.overloads[arguments]
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
 
 
 _KNOWN: dict[np.dtype, str] = {}  # record types of laws, with the function that came first

@@ -10,7 +10,7 @@ from numba import njit
 from granular_contact.kernels.immersion import immersed_interval
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def inside(z0, z1, run):
     """Part (a, b) of a strip with end depths z0, z1 (m) that lies in the medium; (0, 0) when none does."""
     if not run.layered:

@@ -5,7 +5,7 @@ Arguments that they share:
     geometry    (n,) station records of `kinematics`
     line        record of `law`
     profile     (k, 2) corners of the surface, see `surface`
-    medium      record of the law
+    medium      record of `law`
     anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`
     P, V, F     (n, 2) room for positions, velocities and forces of the stations
     totals      (TERMS, 3), see `law`
@@ -31,7 +31,7 @@ __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 9
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def drag_anchors(P, anchors, line, profile, m):
     """Move the anchors after an accepted step: dragged along at the ends of strips that are immersed, else free."""
     n = P.shape[0]
@@ -45,14 +45,21 @@ def drag_anchors(P, anchors, line, profile, m):
         before, here = here, after
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def reset_friction(q, geometry, P, V, anchors):
     """Reset the friction state of a body at q: no bristle is stretched."""
-    stations(q, np.zeros_like(q), geometry, P, V)
-    anchors[:] = P
+    stations(q, np.zeros(q.shape[0]), geometry, P, V)
+    release(P, anchors)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
+def release(P, anchors):
+    """Put every anchor at its station."""
+    for i in range(P.shape[0]):
+        anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
 def immersed(P, line, profile):
     """Whether any station is below the surface."""
     some = False
@@ -61,7 +68,7 @@ def immersed(P, line, profile):
     return some
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def upright(P, i):
     """Sine of the angle between the line at station i and the horizontal; 1 for a ball, which has no length."""
     j = i + 1 if i + 1 < P.shape[0] else i - 1
@@ -70,7 +77,7 @@ def upright(P, i):
     return abs(y) / length if length > 0.0 else 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
     stations(q, v, geometry, P, V)
@@ -80,25 +87,26 @@ def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     scatter(q, geometry, P, F, out)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change):
     """Add to change (3,) by how much power (W) and resultant (N) differ from those of F with strips joined in pairs.
 
-    room (4, n, 2) to work in.
+    room (7, n, 2), of which the last four are to work in.
     """
     n = 0
     for i in range(P.shape[0]):
         if geometry[i].kept:
-            room[0, n], room[1, n], room[2, n] = P[i], V[i], anchors[i]
+            for xy in range(2):
+                room[3, n, xy], room[4, n, xy], room[5, n, xy] = P[i, xy], V[i, xy], anchors[i, xy]
             n += 1
     if n == P.shape[0] or line.resultant:
         return
     line.turn *= 2.0
-    forces(room[0, :n], room[1, :n], room[2, :n], line, profile, medium, room[3, :n], np.zeros((TERMS, 3)))
+    forces(room[3, :n], room[4, :n], room[5, :n], line, profile, medium, room[6, :n], np.zeros((TERMS, 3)))
     line.turn *= 0.5
     for i in range(n):
-        x, y = room[3, i]
-        change[0] += x * room[1, i, 0] + y * room[1, i, 1]
+        x, y = room[6, i, 0], room[6, i, 1]
+        change[0] += x * room[4, i, 0] + y * room[4, i, 1]
         change[1] += x
         change[2] += y
     for i in range(P.shape[0]):
@@ -107,9 +115,9 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
         change[2] -= F[i, 1]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, row, columns):
-    """End of a step: the anchors follow; power, depth, speed and totals go into a history row; room (4, n, 2).
+    """End of a step: the anchors follow; power, depth, speed and totals go into a history row; room (7, n, 2).
 
     Returns the line's depth (m, negative above the surface) and the greatest speed at which a station approaches the
     surface (m/s).
@@ -128,7 +136,7 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
             row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0] - beside), max(row[RIGHT], P[i, 0] + beside)
     row[DEPTH] = max(row[DEPTH], deepest)
     if deepest <= 0.0:
-        anchors[:] = P
+        release(P, anchors)
         return deepest, speed
     totals[:] = 0.0
     forces(P, V, anchors, line, profile, medium, F, totals)
@@ -144,7 +152,7 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
     return deepest, speed
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by differences.
 
@@ -156,10 +164,12 @@ def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out
     force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
     if not immersed(P, line, profile):
         return
-    q_there, v_there = q.copy(), v.copy()
+    q_there, v_there, greatest = np.empty(size), np.empty(size), 1.0
+    for j in range(size):
+        q_there[j], v_there[j], greatest = q[j], v[j], max(greatest, abs(q[j]))
     largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
     d = min(1e-8 / largest_q, 1e-6 / largest_v)
-    d = max(d, 1e-12 * max(1.0, np.abs(q).max()) / max(largest_q, 1e-6 * largest_v))
+    d = max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
     apart = 0 if line.resultant else spacing(geometry)
     together = size if apart == 0 else apart
     for first in range(min(together, size)):

@@ -27,7 +27,7 @@ MODAL_STATION = np.dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,
 
 
 @provide(stations, "geometry", MODAL_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _modal_stations(q, v, geometry, P, V):
     c, s = math.cos(q[0]), math.sin(q[0])
     for i in range(geometry.shape[0]):
@@ -44,7 +44,7 @@ def _modal_stations(q, v, geometry, P, V):
 
 
 @provide(scatter, "geometry", MODAL_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _modal_scatter(q, geometry, P, F, out):
     c, s = math.cos(q[0]), math.sin(q[0])
     for i in range(P.shape[0]):

@@ -33,7 +33,7 @@ class World(NamedTuple):
     anchors: Any
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def aim(P, pivot, modes, sigma, anchors):
     """Put the anchors where the stretch of every bristle is its direction, (2,) in [-1, 1].
 
@@ -50,7 +50,7 @@ def aim(P, pivot, modes, sigma, anchors):
             anchors[i, 1] = y - sigma[1]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def load(q, v, sigma, w, totals, Q):
     """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
     pendulum = w.pendulum[0]
@@ -68,7 +68,7 @@ def load(q, v, sigma, w, totals, Q):
         scatter(q, geometry, P, F, Q)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def drag(q, v, w):
     """Let the anchors follow after an accepted step."""
     for r in range(w.runs.shape[0]):

@@ -16,7 +16,7 @@ from granular_contact.kernels.slip import hold, slip_bias, slip_rows, slip_veloc
 BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def rates(y, s, w, sigma, totals, dy):
     """Fill dy with y', sigma with the directions of the static force, totals (3, 3) with the forces of the medium."""
     m = w.pendulum[0].modes + 1
@@ -39,7 +39,7 @@ def rates(y, s, w, sigma, totals, dy):
     dy[2 * m + 1] = damping_power(v, w.pendulum[0])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def margins(y, s, w, margin):
     """Fill margin with how far each component is from the end of its regime: negative beyond it."""
     m = w.pendulum[0].modes + 1
@@ -58,7 +58,7 @@ def margins(y, s, w, margin):
         margin[c] = slipping if s[c] != 0.0 else 1.0 + BOUND_SLACK - abs(sigma[c])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def follow(y, s, w):
     """Above the surface the regime is the direction of motion."""
     m = w.pendulum[0].modes + 1
@@ -70,7 +70,7 @@ def follow(y, s, w):
             s[c] = np.sign(g[c])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def violation(y, s, open_, w):
     """How badly a regime contradicts itself, 0 if it does not.
 
@@ -93,7 +93,7 @@ def violation(y, s, open_, w):
     return worst
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def decide(y, s, stopped, w):
     """Choose the regime to go on with, in s, where some components stopped or sticking ones passed their bound.
 
@@ -123,7 +123,7 @@ def decide(y, s, stopped, w):
     halt(y, s, w)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def halt(y, s, w):
     """Take the last round-off of speed from the components that stick: q' less M^-1 J^T (J M^-1 J^T)^-1 g."""
     m = w.pendulum[0].modes + 1

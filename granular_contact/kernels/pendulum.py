@@ -42,7 +42,7 @@ PENDULUM = np.dtype(
 )
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def inertia(q, pendulum):
     """M_11 (kg m2): moment of inertia about the pivot, with the deflection."""
     total = pendulum.J
@@ -51,7 +51,7 @@ def inertia(q, pendulum):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def momentum(q, v, pendulum):
     """Angular momentum about the pivot (kg m2/s), clockwise."""
     total = inertia(q, pendulum) * v[0]
@@ -60,7 +60,7 @@ def momentum(q, v, pendulum):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def own_forces(q, v, pendulum, h):
     """Fill h (n + 1,): generalised forces of inertia, gravity, elasticity and internal damping."""
     cos, sin = math.cos(q[0]), math.sin(q[0])
@@ -74,7 +74,7 @@ def own_forces(q, v, pendulum, h):
     h[0] = -growth * v[0] + pendulum.g * (pendulum.S_e * cos - static * sin)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def accelerate(q, f, pendulum):
     """Replace generalised forces f (n + 1,) by the accelerations M^-1 f."""
     reduced, rest = inertia(q, pendulum), f[0]
@@ -87,7 +87,7 @@ def accelerate(q, f, pendulum):
         f[1 + i] = (f[1 + i] - pendulum.c[i] * f[0]) / pendulum.m
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def damping_power(v, pendulum):
     """Power of the internal damping (W), never positive."""
     power = 0.0

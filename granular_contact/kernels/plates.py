@@ -34,7 +34,7 @@ def stress(tx, ty, ux, uy, m):
     raise NotImplementedError
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def leading(tx, ty, ux, uy, side):
     """Factor g in [0, 1] of an element of an outline; 1 on a thin plate (side 0)."""
     if side == 0:
@@ -42,7 +42,7 @@ def leading(tx, ty, ux, uy, side):
     return min(1.0, max(0.0, side * (tx * uy - ty * ux) / EDGE))
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def tangent_at(tx, ty, turn, xi):
     """Unit tangent at xi of a strip with the chord t that turns by `turn` (rad) from end to end."""
     if turn == 0.0:
@@ -51,7 +51,7 @@ def tangent_at(tx, ty, turn, xi):
     return c * tx - s * ty, s * tx + c * ty
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
     """Add the static term to f[STATIC]; arguments as in `law.strip_force`."""
     length = math.hypot(cx, cy)

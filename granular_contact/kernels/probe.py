@@ -1,13 +1,20 @@
-"""Forces of a law on one run in a given motion, outside any simulation: for figures, studies and tests."""
+"""Forces of a law on one line in a given motion, outside any simulation: for figures, studies and tests."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import forces
 
 
-@njit(cache=True)
-def probe(P, V, anchors, run, profile, medium, F, totals):
-    """`law.forces` for records (1,) of run and medium."""
-    forces(P, V, anchors, run[0], profile, medium[0], F, totals)
+def probe(P: Any, V: Any, anchors: Any, line: Any, profile: Any, own: Any, F: Any, totals: Any) -> None:
+    """`law.forces` for records (1,) of a line and of the law."""
+    _probe(P, V, anchors, line, profile, medium_record(own), F, totals)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _probe(P, V, anchors, line, profile, medium, F, totals):
+    forces(P, V, anchors, line[0], profile, medium[0], F, totals)

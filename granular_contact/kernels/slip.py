@@ -25,7 +25,7 @@ from granular_contact.kernels.surface import depth
 NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def middle(q, w):
     """Run and place along its stations of the middle of the immersed segment, and whether there is any.
 
@@ -49,7 +49,7 @@ def middle(q, w):
     return run, place, False
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def slip_velocity(q, v, w, g):
     """Fill g with the velocity components that the static law looks at; whether anything is immersed."""
     r, place, immersed = middle(q, w)
@@ -64,7 +64,7 @@ def slip_velocity(q, v, w, g):
     return immersed
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def slip_rows(q, w, J):
     """Fill J (components, n + 1), so that g = J q'."""
     if q.shape[0] == 1:
@@ -83,7 +83,7 @@ def slip_rows(q, w, J):
         F[i, c], F[i + 1, c] = 0.0, 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def slip_bias(q, v, w, bias):
     """Fill bias with J' q', by central differences along the motion; the middle itself moves along the link."""
     bias[:] = 0.0
@@ -97,7 +97,7 @@ def slip_bias(q, v, w, bias):
         bias[c] = (ahead[c] - behind[c]) / (2.0 * time)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def solve_small(A, b, count):
     """Solution (2,) of the leading count x count part of A x = b; beyond all bounds where friction can't act."""
     x = np.zeros(2)
@@ -113,7 +113,7 @@ def solve_small(A, b, count):
     return x
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def hold(q, v, h, s, w, sigma):
     """Fill sigma from the directions s, where 0 stands for a component that sticks: its multiplier is found.
 

@@ -27,7 +27,7 @@ def spatial_stations(planar: NDArray[np.void]) -> NDArray[np.void]:
     return made
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def jacobian(e0, e1, e2, e3, r, J):
     """Fill J (2, 4) with the derivatives of the x and y components of A(e) r by e; linear in e."""
     J[0, 0] = 2.0 * (e0 * r.x - e3 * r.y + e2 * r.z)
@@ -41,7 +41,7 @@ def jacobian(e0, e1, e2, e3, r, J):
 
 
 @provide(stations, "geometry", SPATIAL_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _spatial_stations(q, v, geometry, P, V):
     J = np.empty((2, 4))
     for i in range(geometry.shape[0]):
@@ -56,7 +56,7 @@ def _spatial_stations(q, v, geometry, P, V):
 
 
 @provide(scatter, "geometry", SPATIAL_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _spatial_scatter(q, geometry, P, F, out):
     J = np.empty((2, 4))
     for i in range(P.shape[0]):
@@ -70,6 +70,6 @@ def _spatial_scatter(q, geometry, P, F, out):
 
 
 @provide(spacing, "geometry", SPATIAL_STATION)
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _spatial_spacing(geometry):
     return 0

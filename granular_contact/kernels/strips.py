@@ -18,7 +18,7 @@ from granular_contact.kernels.layers import inside
 from granular_contact.kernels.surface import depth
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def collect(f, i, P, F, totals):
     """Add the end forces f[term, end, xy] of strip i to the station forces F and to the totals."""
     for end in range(2):
@@ -32,8 +32,8 @@ def collect(f, i, P, F, totals):
             totals[term, 2] += x * fy - y * fx
 
 
-@njit(cache=True)
-def distributed_forces(P, V, anchors, run, profile, m, F, totals):
+@njit(cache=True, no_cfunc_wrapper=True)
+def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
     """Integrate the law strip by strip."""
     f = np.zeros((law.TERMS, 2, 2))
     F[:] = 0.0
@@ -48,17 +48,17 @@ def distributed_forces(P, V, anchors, run, profile, m, F, totals):
         law.strip_force(
             a, b, z0, z1, P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1], V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1],
             P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],
-            P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], run, m, f,
+            P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], run, medium, f,
         )  # fmt: skip
         collect(f, i, P, F, totals)
     if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
         f[:] = 0.0
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
-        law.cap_force(cx, cy, V[last, 0], V[last, 1], run, m, f)
+        law.cap_force(cx, cy, V[last, 0], V[last, 1], run, medium, f)
         collect(f, last - 1, P, F, totals)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def immersed_segment(Z):
     """First and last immersed point of a run with depths Z (n,) m as positions i + xi along its stations.
 
@@ -76,7 +76,7 @@ def immersed_segment(Z):
     return first, last
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def halfway(P, first, last):
     """Middle, by length along the stations P (n, 2) m, of what lies between two positions i + xi; a position."""
     lengths = np.zeros(P.shape[0] - 1)
@@ -93,7 +93,7 @@ def halfway(P, first, last):
     return last
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def at(A, position):
     """Linear interpolation of the rows of A (n, 2) at position i + xi along the stations."""
     i = min(int(position), A.shape[0] - 2)
@@ -101,8 +101,8 @@ def at(A, position):
     return (1.0 - xi) * A[i, 0] + xi * A[i + 1, 0], (1.0 - xi) * A[i, 1] + xi * A[i + 1, 1]
 
 
-@njit(cache=True)
-def resultant_forces(P, V, anchors, run, profile, m, F, totals):
+@njit(cache=True, no_cfunc_wrapper=True)
+def resultant_forces(P, V, anchors, run, profile, medium, F, totals):
     """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
     F[:] = 0.0
     Z = np.empty(P.shape[0])
@@ -122,9 +122,9 @@ def resultant_forces(P, V, anchors, run, profile, m, F, totals):
     f = np.zeros((law.TERMS, 2, 2))
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
     z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
-    law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, run, m, f)
+    law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, run, medium, f)
     if run.cap and Z[-1] > 0.0:
-        law.cap_force(x1 - x0, y1 - y0, vx, vy, run, m, f)
+        law.cap_force(x1 - x0, y1 - y0, vx, vy, run, medium, f)
     xi = middle - i
     for term in range(law.TERMS):
         for xy in range(2):
@@ -132,24 +132,3 @@ def resultant_forces(P, V, anchors, run, profile, m, F, totals):
             f[term, 0, xy] = (1.0 - xi) * total
             f[term, 1, xy] = xi * total
     collect(f, i, P, F, totals)
-
-
-@njit(cache=True)
-def strip_forces(P, V, anchors, run, profile, m, F, totals):
-    """`law.forces` in the form that the run asks for."""
-    if run.resultant:
-        resultant_forces(P, V, anchors, run, profile, m, F, totals)
-    else:
-        distributed_forces(P, V, anchors, run, profile, m, F, totals)
-
-
-@njit(cache=True)
-def _no_cap_force(cx, cy, vx, vy, run, m, f):
-    pass
-
-
-def line_law(dtype: np.dtype, caps: bool = True) -> None:
-    """Let runs use the law with this record type on strips; caps: whether it provides forces on end faces."""
-    if not caps:
-        law.provide(law.cap_force, "m", dtype)(_no_cap_force)
-    law.provide(law.forces, "m", dtype)(strip_forces)

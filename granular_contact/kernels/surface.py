@@ -8,7 +8,7 @@ from __future__ import annotations
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def height(profile, x):
     """Height (m) and slope (-) of the surface at x (m)."""
     last = profile.shape[0] - 1
@@ -25,7 +25,7 @@ def height(profile, x):
     return profile[low, 1] + slope * (x - profile[low, 0]), slope
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def depth(profile, x, y):
     """Depth (m, positive below the surface, measured vertically) of a point."""
     return height(profile, x)[0] - y

@@ -67,7 +67,7 @@ def motion(bodies: int) -> Motion:
     return Motion(*(np.zeros(shape) for shape in shapes))
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def place(angles, rates, bodies, motion):
     """Fill pose, twist, lever and arm."""
     pose, twist, lever, arm = motion.pose, motion.twist, motion.lever, motion.arm
@@ -93,7 +93,7 @@ def place(angles, rates, bodies, motion):
         twist[i, 0], twist[i, 1], twist[i, 2] = vx - rate * dy, vy + rate * dx, rate
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def accelerate(rates, bodies, motion, alpha):
     """Fill alpha (n,) with the angular accelerations (rad/s2) from the forces on the bodies."""
     joint, lever, arm, force = motion.joint, motion.lever, motion.arm, motion.force

@@ -12,10 +12,9 @@ from granular_contact.bed.contact_lines import Body
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.of_scene import lines_of, load_of
 from granular_contact.kernels.kinematics import RIGID_STATION
-from granular_contact.kernels.law import RUN
+from granular_contact.kernels.law import LAW, RUN
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
-from granular_contact.laws.lee_marghitu import LeeMarghitu
 from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.scene.reach import dips
 from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
@@ -111,7 +110,7 @@ def _sand(load: GranularLoad | None) -> tuple[NDArray[Any], ...]:
     if load is None:
         flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
         nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, RIGID_STATION), np.zeros(0, RUN)
-        medium, numbers = LeeMarghitu.blank(), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
+        medium, numbers = np.zeros(1, LAW), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
         return np.zeros(0, dtype=bool), *nothing, flat, medium, *numbers
     (batch,) = load.batches  # of one medium on bodies of one kind, or the scene was refused
     return (

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.kernels.law import RUN
+from granular_contact.kernels.forces import medium_record
+from granular_contact.kernels.law import LAW, RUN
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
 from granular_contact.kernels.pendulum import PENDULUM
-from granular_contact.laws.lee_marghitu import LeeMarghitu
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.reduced.model import Bar, Model
 
@@ -39,7 +39,7 @@ def world(reduced: Model) -> World:
     record = _pendulum(reduced)
     record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
     static = AIMED if reduced.method.static == "true_sign" else scene.static
-    medium = scene.media[0].record(static, scene.gravity) if scene.media else LeeMarghitu.blank()
+    medium = medium_record(scene.media[0].record(static, scene.gravity)) if scene.media else np.zeros(1, LAW)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors = np.zeros((starts[-1], 2))
     return World(record, np.concatenate(geometry), starts, np.concatenate(runs), profile, medium, anchors)

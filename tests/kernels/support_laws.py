@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from granular_contact.kernels import law
+from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.albert import Albert
 from granular_contact.laws.allen import Allen
 from granular_contact.laws.bingham import Bingham
@@ -113,19 +114,19 @@ def strip_force(s: Strip, record: NDArray[np.void]) -> Array:
     z0, z1 = -s.P[:, 1]
     f = np.zeros((law.TERMS, 2, 2))
     run = run_record(s.width, s.side, turn=s.turn)
-    _strip(*below(z0, z1), z0, z1, s.P[1] - s.P[0], s.V, s.e, run, record, f)
+    _strip(*below(z0, z1), z0, z1, s.P[1] - s.P[0], s.V, s.e, run, medium_record(record), f)
     return f
 
 
 def ball_force(z: float, v: Array, e: Array, record: NDArray[np.void]) -> Array:
     """Forces f[term, xy] on a ball."""
     f = np.zeros((law.TERMS, 2))
-    _ball(z, v, e, run_record(DIAMETER, mass=MASS), record, f)
+    _ball(z, v, e, run_record(DIAMETER, mass=MASS), medium_record(record), f)
     return f
 
 
 def dragged(p: Array, anchor: Array, record: NDArray[np.void]) -> Array:
-    return np.array(_drag(p, anchor, record))
+    return np.array(_drag(p, anchor, medium_record(record)))
 
 
 def element(beta: float, gamma: float, depth: float = 1.0, speed: float = 1.0, side: int = 0) -> Strip:

@@ -10,6 +10,7 @@ import pytest
 from support_slow import Link, kernel, medium
 
 from granular_contact.kernels import friction, lines, planar_friction
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.friction import drag_component
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -152,7 +153,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
     for i, x in enumerate(path):
         P = P0 + np.array([x, 0.0])
         force[i] = kernel(P, V, link, record, anchors)[0][:, 0].sum()
-        lines.drag_anchors(P, anchors, RUN, LEVEL, record[0])
+        lines.drag_anchors(P, anchors, RUN, LEVEL, medium_record(record)[0])
     # Closed expression of the bound, round-off (stretches of 1e-5 m next to positions of 1e-2 m: 1e-13).
     assert np.abs(force).max() == pytest.approx(bound, rel=1e-11)
     done = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(path)))
@@ -167,7 +168,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
 def test_anchors_are_free_above_the_surface() -> None:
     P = np.array([[0.0, 0.2], [0.1, 0.1], [0.2, -0.1]])
     anchors = np.full((3, 2), 0.5)
-    lines.drag_anchors(P, anchors, RUN, LEVEL, PLASTIC)
+    lines.drag_anchors(P, anchors, RUN, LEVEL, medium_record(medium(static=Elastoplastic(U_Y, 0.0)))[0])
     # The first is where its station is: no strip beside it is in the sand. The upper end of the strip that pierces the
     # surface is dragged along as its lower end is; round-off of 0.1 m.
     np.testing.assert_allclose(anchors, [P[0], P[1] + U_Y, P[2] + U_Y], atol=1e-15)

@@ -9,6 +9,7 @@ import pytest
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
 from granular_contact.kernels import kinematics, lines, spatial
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.kinematics import cable_stations, hermite, rigid_stations
 
 LENGTHS = np.array([0.1, 0.07, 0.12])
@@ -108,11 +109,11 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     run["width"], surface = 0.01, float(P[:, 1].mean())
     F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, surface), medium(TWO_WAYS, TRUE_SIGN))
     out, row = np.zeros(size), np.zeros(lines.FIRST + 13)
-    level, sand = np.array([[0.0, surface]]), medium(TWO_WAYS, TRUE_SIGN)
+    level, sand = np.array([[0.0, surface]]), medium_record(medium(TWO_WAYS, TRUE_SIGN))
     args, totals_too = (geometry, run[0], level, sand[0], anchors, *np.zeros((3, n, 2))), np.zeros((3, 3))
     lines.force(q, v, *args, totals_too, out)
     columns = lines.FIRST + np.array([0, 1, 10])
-    depth, speed = lines.accept(q, v, *args, np.zeros((4, n, 2)), totals_too, row, columns)
+    depth, speed = lines.accept(q, v, *args, np.zeros((7, n, 2)), totals_too, row, columns)
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
     assert row[lines.FIRST] == pytest.approx(out @ v, rel=1e-12)

@@ -1,51 +1,46 @@
-"""Every law has a record type of its own, or it is refused where it is joined to the kernels."""
+"""Kernels call the functions of a law by their addresses in the record of a medium."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 from numba import njit
-from support_laws import (
-    ALL_LAWS,
-    BAR_LAWS,
-    SOFT,
-    SURFACE_LAWS,
-    G,
-)
+from support_laws import ALL_LAWS, BAR_LAWS, SCALAR_LAWS, SOFT, G, label, run_record
 
 from granular_contact.kernels import law
-from granular_contact.laws.albert import Albert
+from granular_contact.kernels.forces import medium_record
+from granular_contact.kernels.probe import probe
+
+LEVEL = np.zeros((1, 2))
 
 
-def test_no_record_begins_with_another() -> None:
-    # Kernels find a law by its record type, and numba takes a record for any other whose fields it begins with.
-    fields = {str(m.record(SOFT, G).dtype.descr)[1:-1] for m in ALL_LAWS}
-    assert len(fields) == len({type(m) for m in SURFACE_LAWS + BAR_LAWS}) + 1
-    assert not any(a != b and a.startswith(b) for a in fields for b in fields)
+@pytest.mark.parametrize("medium", ALL_LAWS, ids=label)
+def test_a_medium_holds_the_record_of_its_law(medium: object) -> None:
+    own = medium.record(SOFT, G)
+    record = medium_record(own)
+    np.testing.assert_array_equal(record["own"].view(np.uint8).ravel()[: own.nbytes], own.view(np.uint8))
+    assert own.nbytes <= record["own"].nbytes
+    on_balls = medium in SCALAR_LAWS
+    assert (record["ball_force"][0] != 0, record["strip_force"][0] != 0) == (on_balls, not on_balls)
+    assert record["forces"][0] != 0 != record["drag_anchor"][0]
+    assert (record["cap_force"][0] != 0) == (medium is BAR_LAWS[0])
 
 
-@njit
-def return_nothing(px, py, ax, ay, m):  # noqa: ARG001
-    return ax, ay
+def test_functions_are_those_of_the_record() -> None:
+    """A pressure (Pa) that resists with the depth of the lower end, and an anchor that stays."""
+    own_type = np.dtype([("pressure", "f8")])
 
+    @njit
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):  # noqa: ARG001
+        f[1, 0, 1] += m.pressure * run.width * (b - a) * max(z0, z1)
 
-ALBERT = Albert.blank().dtype.descr
+    @njit
+    def drag_anchor(px, py, ax, ay, m):  # noqa: ARG001
+        return ax, ay
 
-
-@pytest.mark.parametrize("fields", [[*ALBERT, ("more", "f8")], ALBERT[:-1], ALBERT[:1]])
-def test_a_record_that_begins_like_another_is_refused(fields: list[tuple[str, str]]) -> None:
-    before = dict(law._KNOWN)
-    with pytest.raises(TypeError) as caught:
-        law.provide(law.drag_anchor, "m", np.dtype(fields))(return_nothing)
-    words = str(caught.value)
-    assert "test_law_records.return_nothing" in words
-    assert "granular_contact.laws.albert." in words or "granular_contact.kernels." in words
-    assert "begin alike" in words
-    assert before == law._KNOWN
-
-
-def test_a_record_of_its_own_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(law, "_KNOWN", dict(law._KNOWN))
-    own = np.dtype([("own_number", "f8"), *ALBERT])
-    law.provide(law.drag_anchor, "m", own)(return_nothing)
-    assert law._KNOWN[own].endswith("return_nothing")
+    law.LAWS[own_type] = {"strip_force": strip_force, "drag_anchor": drag_anchor}
+    P, F, totals = np.array([[0.0, 0.1], [0.3, -0.3]]), np.zeros((2, 2)), np.zeros((law.TERMS, 3))
+    probe(P, np.zeros((2, 2)), P, run_record(0.02), LEVEL, np.array([(50.0,)], own_type), F, totals)
+    assert F[0, 1] == pytest.approx(50.0 * 0.02 * 0.75 * 0.3, rel=1e-14)
+    np.testing.assert_allclose(totals[1], [0.0, F[0, 1], 0.0], rtol=1e-14)
+    assert not totals[[0, 2]].any()

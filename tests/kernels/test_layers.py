@@ -8,6 +8,7 @@ from support_laws import BAR_LAWS, SOFT, SURFACE_LAWS, Array, G, label
 from support_slow import fitted_order
 
 from granular_contact.kernels import law, strips
+from granular_contact.kernels.forces import medium_record
 
 LEVEL = np.array([[0.0, 0.0]])
 
@@ -20,7 +21,7 @@ def layered(top: float, bottom: float, width: float = 0.01) -> np.ndarray:
 
 def forces(P: Array, V: Array, anchors: Array, run: np.ndarray, record: np.ndarray, profile: Array = LEVEL) -> Array:
     F, totals = np.zeros_like(P), np.zeros((law.TERMS, 3))
-    strips.distributed_forces(P, V, anchors, run[0], profile, record[0], F, totals)
+    strips.distributed_forces(P, V, anchors, run[0], profile, medium_record(record)[0], F, totals)
     # What reaches the stations is what is in the totals.
     np.testing.assert_allclose(F.sum(axis=0), totals[:, :2].sum(axis=0), atol=1e-12 * max(1.0, np.abs(F).max()))
     return F

@@ -9,6 +9,7 @@ import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label
 
 from granular_contact.kernels import kinematics, law, lines, spatial
+from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
@@ -66,7 +67,7 @@ class Sand:
         anchors = np.zeros((n, 2))
         lines.reset_friction(self.q, self.geometry, *np.zeros((2, n, 2)), anchors)
         anchors += rng.uniform(0.2, 0.7, (n, 2)) * YIELD * rng.choice([-1.0, 1.0], (n, 2))
-        self.around = (self.geometry, run[0], LEVEL, record[0], anchors, *np.zeros((3, n, 2)))
+        self.around = (self.geometry, run[0], LEVEL, medium_record(record)[0], anchors, *np.zeros((3, n, 2)))
 
     def force(self, q: Array, v: Array) -> Array:
         out = np.zeros(q.size)
