@@ -103,7 +103,7 @@ def test_a_state_taken_back_leaves_no_trace() -> None:
 def test_tangent_is_the_derivative_of_the_force() -> None:
     load = plate_load()
     pose, velocity = pushed(load, 1000, 0.3, 0.02)
-    pose += [1e-6, 5e-6, 1e-5]  # unloaded by half of what yields
+    pose += [1e-6, 6e-6, 1e-5]  # unloaded by more than half of what yields: at the half the law has a kink
     found = np.zeros((3, 3))
     for i, j, value in load.tangent(pose, velocity, 1.0, 0.0):
         found[int(i), int(j)] += value
