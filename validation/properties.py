@@ -121,13 +121,13 @@ def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
     own = track(results, tree, scene.least_way)
     again = _Again(own, folder, scene.least_way)
     found["images"] = {name: again.off(image, tree, name == "mirror image") for name, image in IMAGES.items()}
-    found["half"] = again.off(lambda one: images.finer(one, 2.0), tree)
+    found["half"] = again.off(lambda one: images.finer(one, 2.0), tree, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", 2e-4)
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(MOST_STEPS / steps))))
     found["steps"] = again.off(lambda one: images.finer(one, most), tree)
     found["space"] = again.off(lambda one: images.divided(images.finer(one, 4.0), STRIPS, ELEMENTS), tree)
     if (other := again.run(images.chosen, tree)) is not None:
-        found["numbers"] = summaries_apart(results, other, own.way, max(scene.length, 1e-3))
+        found["numbers"] = summaries_apart(results, other, own, max(scene.length, 1e-3))
         found["other_warned"] = bool(_doubts(other))
     return Found(**found)
 
@@ -167,13 +167,16 @@ class _Again:
             return None
         return results if results.status.code in GOOD else None
 
-    def off(self, image: images.Image, tree: Any, mirror: bool = False) -> float:
-        """How far the scene is from this form of it; infinite where the form alone is refused."""
+    def off(self, image: images.Image, tree: Any, mirror: bool = False, silent: bool = False) -> float:
+        """How far the scene is from this form of it; infinite where the form alone is refused.
+
+        silent: only where the form carries no warning.
+        """
         try:
             results = self.run(image, tree)
         except GranularContactError:
             return math.inf
-        if results is None:
+        if results is None or (silent and _doubts(results)):
             return math.nan
         return apart(self.own, track(results, image(tree), self.least_way), mirror)
 

@@ -5,7 +5,9 @@ All the scheme knows of a step h is the acceleration at its ends, a_0 and a_1. L
 Smooth motion. The scheme lets a vary over the step as its coefficient beta says; were it to vary linearly, beta would
 be 1/6. So positions are off by |beta - 1/6| h^2 |a_1 - a_0| (Zienkiewicz and Xie, 1991). Velocities are off by
 h^3 a''/12, which adds up over the steps to h^2 a'/12 = h |a_1 - a_0| / 12. The speed with which both put positions off
-is held below accuracy V: positions are then off by no more than about `accuracy` times the way.
+is held below accuracy v with the speed v, or accuracy V / SLOWED where that is more: positions are then off by no more
+than about `accuracy` times the way. With V in place of v a body that goes on turning or sliding slowly after its impact
+would keep, all that time, an error that is small beside the speed of the impact only.
 
 Jumps of the force (a flat touch, a bristle that is stretched in 5 us). Nothing tells when in the step it came, and the
 scheme gives it half of the step: velocities are off by up to h |J| / 2. J is what the change a_1 - a_0 has of the
@@ -30,6 +32,7 @@ SAFETY, MOST, LEAST = 0.85, 2.0, 0.2
 KEEP = 0.8, 1.25  # within these factors of the last step its Jacobian serves, and no longer one is taken
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
+SLOWED = 4.0
 SLOWEST = 0.02  # of the speed that such a swing has; below it what starts from rest counts as moving so fast
 
 
@@ -83,9 +86,11 @@ class StepControl:
         other = self.change - self.slope * step
         jump = self._greatest(np.where(np.abs(self.change) < np.abs(other), self.change, other))
         beta = abs(self.solver.newmarkBeta - 1.0 / 6.0)
-        drift = step * (beta * float(np.abs(self.change).max()) + self._greatest(self.change) / 12.0)
-        kick = 0.5 * step * jump * min(1.0, 2.0 * speed / fastest)
-        need: float = max(math.sqrt(drift / (self.accuracy * fastest)), kick / (self.accuracy * fastest))
+        whole = self._greatest(self.change)
+        drift = step * (beta * float(np.abs(self.change).max()) + whole / 12.0) / fastest
+        slow = step * (beta + 1.0 / 12.0) * whole / max(speed, fastest / SLOWED)
+        kick = 0.5 * step * jump * min(1.0, 2.0 * speed / fastest) / fastest
+        need: float = max(math.sqrt(max(drift, slow) / self.accuracy), kick / self.accuracy)
         return need if math.isfinite(need) else math.inf
 
     def _greatest(self, change: Vector) -> float:

@@ -52,8 +52,8 @@ def test_accuracy_bounds_the_error_and_costs_fewer_steps() -> None:
         assert errors[-1] < accuracy * WAY
     assert errors[1] < 0.5 * errors[0]
     fixed = simulate("pendulum", *TO_40_MS, "solver.step_s=5e-4")
-    # Of 80 fixed steps' error (9 um), with not many more: half of these follow the bending of the link.
-    assert simulate("pendulum", *TO_40_MS, "solver.accuracy=1e-3").summary["cost"]["steps"] < 100
+    # Of 80 fixed steps' error (9 um), with not many more: most of these follow the bending of the link.
+    assert simulate("pendulum", *TO_40_MS, "solver.accuracy=1e-3").summary["cost"]["steps"] < 130
     assert errors[0] < tip_error(fixed, reference, fixed["time_s"])
 
 
@@ -66,7 +66,7 @@ def test_accuracy_bounds_the_error_of_a_free_link(medium: str, angle: float) -> 
     for accuracy in (1e-2, 1e-3):
         results = simulate("free_link", *more, f"solver.accuracy={accuracy}")
         assert tip_error(results, reference, results["time_s"]) < accuracy * way
-        assert results.summary["cost"]["steps"] < 110  # of 250 of the default step
+        assert results.summary["cost"]["steps"] < 130  # of 250 of the default step
 
 
 def test_steps_of_joined_bodies_shrink_no_more_than_the_accuracy_asks() -> None:
@@ -85,6 +85,32 @@ def test_steps_of_joined_bodies_shrink_no_more_than_the_accuracy_asks() -> None:
         assert tip_error(one, reference, one["time_s"]) < accuracy * way
         # The balance is of second order in the steps, as the error is; at 1e-4 it was 2e-2 while steps went astray.
         assert one.summary["energy"]["imbalance_relative"] < 3.0 * accuracy
+
+
+# A steel disc that strikes flat sand: it stops after 50 ms in the plane, and turns on about itself for 40 ms more.
+DISC = """
+model:
+  name: disc
+  bodies: {disc: {type: rigid, density_kg_m3: 7700, shapes: [{type: disc, diameter_m: 0.064, thickness_m: 0.059}]}}
+  joints: {fall: {type: free, parent: ground, child: disc}}
+bed: {height_m: -0.032}
+medium: rft3d_sand
+initial: {joints: {fall: {vx_m_s: 0.52, vy_m_s: -2.03}}}
+solver: {end_time_s: 0.12, rest_time_s: null}
+output: {bodies: all}
+"""
+
+
+def test_accuracy_bounds_the_error_of_a_slow_rest_of_the_motion() -> None:
+    """0.8 of the accuracy when written; 2.7 where the speed of the impact alone says what an error is beside."""
+    reference = simulate(DISC, "solver.step_s=2e-5")
+    rim = {"disc_x_m": 1.0, "disc_y_m": 1.0, "disc_orientation_deg": np.radians(0.032)}
+    way = 0.032  # m: the centre 18 mm, the rim 14
+    for accuracy in (9e-3, 8e-3, 5e-3, 2e-3):
+        chosen = simulate(DISC, f"solver.accuracy={accuracy}")
+        for column, lever in rim.items():
+            there = np.interp(chosen["time_s"], reference["time_s"], reference[column])
+            assert lever * np.abs(chosen[column] - there).max() < accuracy * way
 
 
 def test_accuracy_bounds_what_a_jump_of_the_force_does() -> None:

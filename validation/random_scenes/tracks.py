@@ -104,21 +104,37 @@ def numbers(summary: Tree, prefix: str = "") -> Iterator[tuple[str, float]]:
             yield f"{prefix}{key}", float(value)
 
 
-def summaries_apart(one: Any, other: Any, way: float, size: float) -> tuple[float, str]:
-    """Greatest difference of two summaries, over what such a number can be at most in the run; with its key."""
+def summaries_apart(one: Any, other: Any, own: Track, size: float) -> tuple[float, str]:
+    """Greatest difference of two summaries, over what such a number can be at most in the run; with its key.
+
+    own: the track of the first; size (m) of what turns. An instant is told by what happens: where it is another one, it
+    is off by no more than what moves between the two. That of a maximum is left out: two peaks may be equally high.
+    """
     mine, theirs = dict(numbers(one.summary)), dict(numbers(other.summary))
     end = max(float(one["time_s"][-1]), float(other["time_s"][-1]))
     energies = [abs(value) for key, value in mine.items() if key.endswith("_J")]
     scales = {
         "_J": max(energies, default=0.0),
-        "_m_s": way / end,
-        "_m": way,
-        "_deg": math.degrees(way / size),
+        "_m_s": own.way / end,
+        "_m": own.way,
+        "_deg": math.degrees(own.way / size),
         "_s": end,
     }
     worst = 0.0, ""
     for key in mine.keys() & theirs.keys():
+        if key.startswith("max_") and key.endswith("time_s"):
+            continue
         scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
         scale = max(scale, 0.0 if scale else abs(theirs[key]), 1e-300)
-        worst = max(worst, (abs(mine[key] - theirs[key]) / scale, key))
+        off = abs(mine[key] - theirs[key]) / scale
+        if key.endswith("time_s"):
+            off = min(off, moved(own, mine[key], theirs[key]))
+        worst = max(worst, (off, key))
     return worst
+
+
+def moved(track: Track, begin: float, end: float) -> float:
+    """Greatest distance of anything between two instants (s), over the way."""
+    instants = np.clip([begin, end], track.time[0], track.time[-1])
+    first, last = _between(track, instants)
+    return float(np.abs(last - first).max()) / track.way
