@@ -44,7 +44,7 @@ def run(
     inspect : callable, optional
         Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
     compiling : callable, optional
-        Called with a sentence when kernels have to be compiled, which is the case once for each law and installation.
+        Called with a sentence when kernels have to be compiled, which is the case the first time in an installation.
 
     Raises
     ------

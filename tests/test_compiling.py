@@ -79,7 +79,7 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     with announced(told.append, "a sum"):
         assert told == []
         kernel(1.0)
-        assert told == ["compiling a sum; this takes up to a minute, once for each law and installation"]
+        assert told == ["compiling a sum; this takes up to half a minute, the first time in an installation"]
         kernel(1)
         assert len(told) == 1
     told.clear()
@@ -97,7 +97,8 @@ def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_pat
     code = f"from granular_contact.cli import main; main({[*run, '--out', str(tmp_path / 'out')]!r})"
     first, second = (in_a_process(code, tmp_path / "cache") for _ in range(2))
     words = (
-        "compiling the law lee_marghitu for round bars; this takes up to a minute, once for each law and installation\n"
+        "compiling the law lee_marghitu for round bars; "
+        "this takes up to half a minute, the first time in an installation\n"
     )
     assert (first.stderr, second.stderr) == (words, "")
     assert [", compiling included" in done.stdout for done in (first, second)] == [True, False]

@@ -33,7 +33,7 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
         def on_start(self, event: Any) -> None:  # noqa: ARG002
             if not self.told:
                 self.told = True
-                say(f"compiling {what}; this takes up to a minute, once for each law and installation")
+                say(f"compiling {what}; this takes up to half a minute, the first time in an installation")
 
         def on_end(self, event: Any) -> None:
             pass
