@@ -153,7 +153,15 @@ LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: compiled functions 
 
 
 def record_of(own: np.ndarray, forces: Any) -> np.ndarray:
-    """Record (1,) of LAW for a law's own record (1,) and a compiled way to apply it; compiles what is not yet."""
+    """Record (1,) of LAW for a law's own record (1,) and a compiled way to apply it; compiles what is not yet.
+
+    Raises
+    ------
+    TypeError
+        The law has too many numbers.
+    """
+    if own.nbytes > 8 * SIZE:
+        raise TypeError(f"got a law with {len(own.dtype)} numbers, allowed are {SIZE}: {own.dtype.names}")
     medium = np.zeros(1, LAW)
     medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
     for name, function in (LAWS[own.dtype] | {"forces": forces}).items():
