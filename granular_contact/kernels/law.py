@@ -161,7 +161,7 @@ def record_of(own: np.ndarray, forces: Any) -> np.ndarray:
         The law has too many numbers.
     """
     if own.nbytes > 8 * SIZE:
-        raise TypeError(f"got a law with {len(own.dtype)} numbers, allowed are {SIZE}: {own.dtype.names}")
+        raise TypeError(f"got a law with the numbers {own.dtype.names}, allowed are {SIZE} of 8 bytes")
     medium = np.zeros(1, LAW)
     medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
     for name, function in (LAWS[own.dtype] | {"forces": forces}).items():
