@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numba import from_dtype, njit, types
 from numba.core import cgutils
+from numba.core.errors import TypingError
 from numba.extending import intrinsic, overload
 
 TERMS = 3
@@ -72,6 +73,9 @@ def _call(name: str) -> Any:
 
     @intrinsic
     def call(typing_context, medium, arguments):
+        if medium != from_dtype(LAW):  # a law's own record, say, which has no addresses
+            raise TypingError(f"got {medium} for a medium, allowed is a record of LAW")
+
         def generate(context, builder, signature, values):
             record, given = values
             at = builder.bitcast(record, cgutils.voidptr_t)

@@ -19,6 +19,7 @@ from pydantic import TypeAdapter
 
 from granular_contact.config import schema
 from granular_contact.kernels import law, lines
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.probe import probe
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
@@ -65,7 +66,7 @@ class State:
     def accepted(self) -> State:
         """The state after its step was accepted: the anchors follow."""
         anchors = self.anchors.copy()
-        lines.drag_anchors(self.P, anchors, self.run[0], self.profile, self.record[0])
+        lines.drag_anchors(self.P, anchors, self.run[0], self.profile, medium_record(self.record)[0])
         return replace(self, anchors=anchors)
 
     def rested(self) -> State:
