@@ -17,6 +17,7 @@ from granular_contact import preset
 from granular_contact.bed.contact_lines import ELEMENTS_PER_LINE
 from granular_contact.errors import SceneError
 from granular_contact.kernels import kinematics, lines, strips
+from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -294,7 +295,7 @@ def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
         anchors = P.copy() if anchors is None else anchors
         strips.distributed_forces(P, V, anchors, run[0], profile, bed.load.records[0][0], F, np.zeros((3, 3)))
         power[i] = (F * V).sum()
-        lines.drag_anchors(P, anchors, run[0], profile, bed.load.records[0][0])
+        lines.drag_anchors(P, anchors, run[0], profile, medium_record(bed.load.records[0])[0])
     return power
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from support_properties import COMMON, Array, State, floors, states
 
 from granular_contact.kernels import kinematics, law, lines
+from granular_contact.kernels.forces import medium_record
 
 SOFT = states(COMMON, yields=(1e-3, 1e-1))
 D = 1e-8  # s: `lines.tangent` moves positions by at most 10 nm and velocities by 1 um/s
@@ -26,7 +27,7 @@ def rigid(body: State) -> tuple[Array, Array, tuple]:
     arm = float((turns**2).sum())
     rate = float((turns * (body.V - body.V.mean(axis=0))).sum()) / arm if arm > 0.0 else 3.0
     run = body.run[0]
-    around = (geometry, run, body.profile, body.record[0], body.anchors, *np.zeros((3, n, 2)))
+    around = (geometry, run, body.profile, medium_record(body.record)[0], body.anchors, *np.zeros((3, n, 2)))
     return np.array([*center, 0.0]), np.array([*body.V.mean(axis=0), rate]), around
 
 
