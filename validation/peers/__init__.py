@@ -16,9 +16,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.bar_statics import component_return
+from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.immersion import immersed_interval
-from granular_contact.kernels.law import RUN, strip_force
+from granular_contact.kernels.law import RUN, drag_anchor, strip_force
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic
 
@@ -51,7 +51,8 @@ ROOT_INERTIA = (  # RB1 and RB2 about the pivot, kg m^2
 BAR = np.zeros(1, RUN)
 BAR["width"] = DIAMETER
 BAR = BAR[0]
-SAND = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1)).record(Elastoplastic(1e-5, 1e-3), GRAVITY)[0]
+SAND_LAW = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1))
+SAND = medium_record(SAND_LAW.record(Elastoplastic(1e-5, 1e-3), GRAVITY))[0]
 
 
 class Path(NamedTuple):
@@ -102,5 +103,5 @@ def follow(points, anchors, surface, m):
             sticks = sticks or points[k, 1] < surface
         x, y = points[i, 0], points[i, 1]
         if sticks:
-            x, y = component_return(x, y, anchors[i, 0], anchors[i, 1], m)
+            x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
         anchors[i, 0], anchors[i, 1] = x, y
