@@ -89,5 +89,5 @@ def test_a_floor_gives_back_no_more_than_it_took(body: State, rng: Random) -> No
     # step^2 / 2 a step; the damper only takes.
     lengths = np.linalg.norm(np.diff(body.P, axis=0), axis=1).sum() if body.kind != "ball" else body.run["width"][0]
     legs = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    slope = float(body.record["floor_stiffness"][0]) * lengths
+    slope = float(body.record["stiffness"][0]) * lengths
     assert work <= 0.5 * slope * float((legs**2).sum()) / steps * (1 + 1e-9) + 1e-15
