@@ -85,13 +85,17 @@ class StepControl:
         fastest = max(speed, self.speed)
         other = self.change - self.slope * step
         jump = self._greatest(np.where(np.abs(self.change) < np.abs(other), self.change, other))
-        beta = abs(self.solver.newmarkBeta - 1.0 / 6.0)
         whole = self._greatest(self.change)
-        drift = step * (beta * float(np.abs(self.change).max()) + whole / 12.0) / fastest
-        slow = step * (beta + 1.0 / 12.0) * whole / max(speed, fastest / SLOWED)
+        drift = step * (self._beta * float(np.abs(self.change).max()) + whole / 12.0) / fastest
+        slow = step * (self._beta + 1.0 / 12.0) * whole / max(speed, fastest / SLOWED)
         kick = 0.5 * step * jump * min(1.0, 2.0 * speed / fastest) / fastest
         need: float = max(math.sqrt(max(drift, slow) / self.accuracy), kick / self.accuracy)
         return need if math.isfinite(need) else math.inf
+
+    @property
+    def _beta(self) -> float:
+        """Coefficient of the scheme, apart from that of an acceleration that varies linearly over a step."""
+        return abs(float(self.solver.newmarkBeta) - 1.0 / 6.0)
 
     def _greatest(self, change: Vector) -> float:
         """Greatest size of changes (m,) of bodies' accelerations, of links' means."""
@@ -118,7 +122,9 @@ class StepControl:
         A step that came to a bend of a prescribed motion and were refused would leave its error to the next ones: what
         positions ask for they make up for in one step, with a force that grows as steps shrink.
         """
-        most = 2.0 * SAFETY * self.accuracy * self.speed  # as of a jump, of which half acts
+        jump = 2.0 * SAFETY * self.accuracy * self.speed  # half of it acts
+        smooth = SAFETY**2 * self.accuracy * max(self.now, self.speed / SLOWED) / (self._beta + 1.0 / 12.0)
+        most = min(jump, smooth)
         for signal, arm in self.motions:
             now = signal.acceleration(t)
             while step > self.solver.it.minStepSize:

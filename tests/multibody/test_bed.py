@@ -289,13 +289,14 @@ def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     geometry = kinematics.rigid_stations(np.array([[-HALF, 0.0], [HALF, 0.0]]), 16)
     run, power, anchors = np.zeros(1, lines.RUN), np.zeros(len(table)), None
     run["width"], profile = DIAMETER, np.array([[0.0, surface]])
+    medium = medium_record(bed.load.records[0])[0]
     P, V, F = (np.zeros((17, 2)) for _ in range(3))
     for i, state in enumerate(table):
         kinematics._rigid_stations(state[1:4] + START, state[4:7], geometry, P, V)
         anchors = P.copy() if anchors is None else anchors
-        strips.distributed_forces(P, V, anchors, run[0], profile, bed.load.records[0][0], F, np.zeros((3, 3)))
+        strips.distributed_forces(P, V, anchors, run[0], profile, medium, F, np.zeros((3, 3)))
         power[i] = (F * V).sum()
-        lines.drag_anchors(P, anchors, run[0], profile, medium_record(bed.load.records[0])[0])
+        lines.drag_anchors(P, anchors, run[0], profile, medium)
     return power
 
 
