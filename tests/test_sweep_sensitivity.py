@@ -57,7 +57,7 @@ def test_too_few_points_are_told(tmp_path):
     for count, told in ((2, True), (8, True), (512, False)):
         sweep = design(tmp_path, count, (1.0, 2.0))
         found = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
-        said = sensitivity.doubts(found[0])
+        said = sensitivity.warnings(found[0])
         assert bool(said) == told
         sensitivity.write(found, tmp_path, figures=False)
         with (tmp_path / "sensitivity.csv").open(encoding="utf-8") as file:
@@ -74,7 +74,7 @@ def test_too_few_points_are_told(tmp_path):
 def test_what_makes_indices_doubtful(first, total, width, why):
     ends = np.array([[0.0], [width]])
     one = sensitivity.Indices(OUTPUT, KEYS[:1], np.array([first]), np.array([total]), ends, ends)
-    found = sensitivity.doubt(one, 0)
+    found = sensitivity.imprecision(one, 0)
     assert why in found
     assert bool(found) == bool(why)
 

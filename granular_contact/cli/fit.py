@@ -21,7 +21,7 @@ from granular_contact.cli.common import (
     reason,
     worker_count,
 )
-from granular_contact.cli.fit_options import wanted
+from granular_contact.cli.fit_options import requested_fit
 
 if TYPE_CHECKING:
     from granular_contact.studies.fit import Fit
@@ -57,13 +57,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    asked = wanted(chosen)
+    request = requested_fit(chosen)
     folder = output_folder(chosen.out, f"{Path(chosen.files[0]).stem}_fit", "fit")
 
     from granular_contact.studies.fit import fit, prepare, write
-    from granular_contact.studies.sweep.pool import cores
+    from granular_contact.studies.sweep.processes import cores
 
-    problem = prepare(asked)
+    problem = prepare(request)
     with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:
         found = fit(problem, chosen.workers or cores(), progress)
     try:

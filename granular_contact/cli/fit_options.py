@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _HERE = tree.Position("fit", None)
 
 
-def wanted(chosen: argparse.Namespace) -> Specification:
+def requested_fit(chosen: argparse.Namespace) -> Specification:
     """Specification of the files and options chosen; ConfigError with all that is wrong with them."""
     from granular_contact.studies.fit import load_specification, specification
 

@@ -119,7 +119,7 @@ def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
             "" if "exudyn" in sys.modules else ", and it is not imported"
         )
     for system, trajectory in solved:
-        from granular_contact.multibody.explain import left_out
+        from granular_contact.multibody.omissions import left_out
 
         yield from left_out(system, trajectory)
 

@@ -30,8 +30,8 @@ from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
     from granular_contact.config.schema.sweep import Sample
-    from granular_contact.studies.sweep import Crew, Row
-    from granular_contact.studies.sweep.part import Part
+    from granular_contact.studies.sweep import Row, WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint
     from granular_contact.studies.sweep.sensitivity import Indices
 
 HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
@@ -61,54 +61,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.sweep import CrewError, FolderRefused
+    from granular_contact.studies.sweep import FolderRefused, WorkerPoolError
 
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
     try:
-        with _crew(chosen, folder) as crew:
-            return _with_crew(chosen, folder, crew)
-    except (CrewError, FolderRefused) as error:
+        with _pool(chosen, folder) as pool:
+            return _with_pool(chosen, folder, pool)
+    except (WorkerPoolError, FolderRefused) as error:
         complain(str(error))
         return FAULTY_INPUT
 
 
-def _crew(chosen: argparse.Namespace, folder: Path) -> Crew:
-    from granular_contact.studies.sweep import Crew
-    from granular_contact.studies.sweep.pool import prepare
+def _pool(chosen: argparse.Namespace, folder: Path) -> WorkerPool:
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.processes import prepare
 
     if chosen.scheduler is None:
         prepare()  # while the file is read
-        return Crew(chosen.workers)
-    from granular_contact.studies.sweep.cluster import cluster_crew
+        return WorkerPool(chosen.workers)
+    from granular_contact.studies.sweep.cluster import cluster_pool
 
-    return cluster_crew(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
+    return cluster_pool(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
 
 
-def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
+def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact import scene
-    from granular_contact.studies.sweep import CrewError, table
-    from granular_contact.studies.sweep.part import finished, opened
+    from granular_contact.studies.sweep import WorkerPoolError, table
+    from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
     from granular_contact.studies.sweep.runner import faults
 
-    sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, crew=crew))
-    if finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
+    sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, pool=pool))
+    if is_finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
         return _nothing_to_do(folder, chosen.quiet)
     try:
-        with opened(sweep, folder, chosen.plots, chosen.restart) as part:
+        with open_checkpoint(sweep, folder, chosen.plots, chosen.restart) as checkpoint:
             try:
-                return _run(chosen, sweep, crew, part, folder)
+                return _run(chosen, sweep, pool, checkpoint, folder)
             except BaseException as error:
-                crew.dismiss()
-                kept = _kept(part, len(sweep.cases))
+                pool.shutdown()
+                kept = _kept(checkpoint, len(sweep.cases))
                 if kept and isinstance(error, KeyboardInterrupt):
-                    table.write(sweep, part.journal, part.folder)
+                    table.write(sweep, checkpoint.journal, checkpoint.folder)
                     complain(f"interrupted; {kept}")
                     return INTERRUPTED
-                if kept and isinstance(error, OSError | CrewError):
+                if kept and isinstance(error, OSError | WorkerPoolError):
                     complain(f"the sweep can't go on: {reason(error)}; {kept}")
                     return FAULTY_INPUT
                 if not kept or isinstance(error, ConfigError):
-                    part.discard()
+                    checkpoint.discard()
                 raise
     except OSError as error:
         complain(f"the sweep can't go on, or can't be saved in {folder}: {reason(error)}")
@@ -128,37 +128,37 @@ def _nothing_to_do(folder: Path, quiet: bool) -> int:
     return FAILED if failed else FINE
 
 
-def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folder: Path) -> int:
-    from granular_contact.studies.sweep import CrewError, run, sensitivity, table
+def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+    from granular_contact.studies.sweep import WorkerPoolError, run, sensitivity, table
 
     count, begin = len(sweep.cases), time.perf_counter()
-    if part.done and not chosen.quiet:
-        print(f"going on in {part.folder}: {len(part.done)} of {count} cases are there", flush=True)
-    rows = run(sweep, crew, done=part.done, journal=part.journal, cases_folder=part.cases)
+    if checkpoint.done and not chosen.quiet:
+        print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} cases are there", flush=True)
+    rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, cases_folder=checkpoint.cases)
     asked = False
-    with progress(sys.stderr, count, len(part.done), chosen.quiet) as advance, closing(rows):
+    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
         for row in rows:
             if sweep.sample is not None and not asked and not row.failed:
                 _ask_for_outputs(sweep.sample, row, chosen.file)
                 asked = True
             advance()
-    if missing := count - len(part.journal):
-        raise CrewError(f"{missing} rows did not reach {part.folder}")
-    table.write(sweep, part.journal, part.folder)
-    found = sensitivity.of_sweep(sweep, part.journal)
+    if missing := count - len(checkpoint.journal):
+        raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
+    table.write(sweep, checkpoint.journal, checkpoint.folder)
+    found = sensitivity.of_sweep(sweep, checkpoint.journal)
     if found:
-        sensitivity.write(found, part.folder, figures=sweep.base.output.figures)
-    failed = _show(sweep, part.journal, chosen.quiet)
-    part.finish()
+        sensitivity.write(found, checkpoint.folder, figures=sweep.base.output.figures)
+    failed = _show(sweep, checkpoint.journal, chosen.quiet)
+    checkpoint.finish()
     if not chosen.quiet:
         _show_sensitivity(found)
-        taken, new = time.perf_counter() - begin, count - len(part.done)
+        taken, new = time.perf_counter() - begin, count - len(checkpoint.done)
         speed = f" ({new / taken:.3g} per s)" if new and taken > 0.0 else ""
         print(f"{sweep.name}: {count} of {count} cases in {taken:.2f} s{speed}, saved in {folder}")
     for one in found:
         if one.refused:
             complain(f"no Sobol indices of {one.output}: {one.refused}")
-        for words in sensitivity.doubts(one):
+        for words in sensitivity.warnings(one):
             complain(f"warning: {words}")
     if failed:
         complain(f"{failed} of {count} cases failed; saved in {folder}")
@@ -174,11 +174,13 @@ def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
             raise ConfigError([Fault(file, None, "sample.outputs", message)])
 
 
-def _kept(part: Part, count: int) -> str:
+def _kept(checkpoint: Checkpoint, count: int) -> str:
     """What an unfinished sweep leaves, in words; empty if that is nothing."""
-    saved = len(part.journal)
+    saved = len(checkpoint.journal)
     return (
-        f"{saved} of {count} cases are kept in {part.folder}, and the same command goes on from there" if saved else ""
+        f"{saved} of {count} cases are kept in {checkpoint.folder}, and the same command goes on from there"
+        if saved
+        else ""
     )
 
 

@@ -15,14 +15,14 @@ from granular_contact.config import overrides as setting
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
+from granular_contact.config.deprecated import renewed
 from granular_contact.config.messages import faults_of, is_foreign, kind_of
-from granular_contact.config.older import renewed
+from granular_contact.config.provenance import restated_each
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.chain import names
 from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.sizes import too_large
-from granular_contact.config.standing import restated_each
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.scalars import resolve

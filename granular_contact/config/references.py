@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from granular_contact.config.messages import got, kind_of
-from granular_contact.config.standing import restated
+from granular_contact.config.provenance import restated
 from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault

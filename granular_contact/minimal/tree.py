@@ -16,8 +16,8 @@ from granular_contact.kernels.law import LAW, RUN
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
 from granular_contact.multibody.system import RigidHandle, System
-from granular_contact.scene.reach import dips
 from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
+from granular_contact.scene.workspace import can_be_immersed
 
 
 class Numbers:
@@ -76,7 +76,7 @@ def _granular_load(scene: Scene, bodies: list[RigidBody]) -> GranularLoad | None
     load, strips = load_of(scene), scene.load.strips_per_rigid_part
     for i, body in enumerate(bodies):
         for shape in body.shapes:
-            if dips(scene.bed, body, shape):
+            if can_be_immersed(scene.bed, body, shape):
                 load.add(lines_of(Body(body.name, 3 * i + np.arange(3)), shape, strips))
     load.close()
     return load if load.lines else None

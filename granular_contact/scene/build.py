@@ -11,16 +11,16 @@ import numpy as np
 from granular_contact.config import schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError
+from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import connections
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import closed, redundant
-from granular_contact.scene.reducible import check_reducible
+from granular_contact.scene.minimal_support import check_minimal
+from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
-from granular_contact.scene.suited import unsuited
-from granular_contact.scene.treelike import check_treelike
 from granular_contact.scene.types import (
     FASTEST,
     Drive,
@@ -86,12 +86,12 @@ def _built(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
     )
-    if faults := [*_beyond_numbers(scene), *unsuited(scene, scenario)]:
+    if faults := [*_beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
     if isinstance(scene.method, Reduced):
-        check_reducible(scene, scene.method.modes)
+        check_reduced(scene, scene.method.modes)
     elif scene.method is not None:
-        check_treelike(scene)
+        check_minimal(scene)
     elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
     return scene

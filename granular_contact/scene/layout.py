@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.scene.types import Motion, Tether, Vector, rotation, turned
+from granular_contact.scene.types import Motion, Vector, WorkspaceBound, rotation, turned
 
 GROUND = "ground"
 ZERO = np.zeros(2)
@@ -123,27 +123,27 @@ def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> t
     return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)
 
 
-def tethers(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, Tether]:
+def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, WorkspaceBound]:
     """How far from where it hangs on the ground each body can get, whatever the joints do.
 
     frames: of the bodies at the start. There is no end behind sliders and free joints. What is welded moves with the
     body that it is welded to.
     """
-    held: dict[str, Tether] = {}
+    held: dict[str, WorkspaceBound] = {}
     fixed = {GROUND}
     for _, joint in _joints_outward(model):
         parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
         rigidly = isinstance(joint, schema.Weld) and is_rigid(model, joint.child) and is_rigid(model, parent)
         if parent in fixed:
-            tether = Tether(frames[parent].world(on_parent), on_child, 0.0)
+            workspace = WorkspaceBound(frames[parent].world(on_parent), on_child, 0.0)
             fixed |= {joint.child} if rigidly else set()
         elif rigidly:
-            tether = held[parent]
-            tether = replace(tether, point=frames[joint.child].local(frames[parent].world(tether.point)))
+            workspace = held[parent]
+            workspace = replace(workspace, point=frames[joint.child].local(frames[parent].world(workspace.point)))
         else:
-            tether = Tether(held[parent].root, on_child, held[parent].reach(on_parent))
+            workspace = WorkspaceBound(held[parent].root, on_child, held[parent].radius(on_parent))
         no_end = isinstance(joint, schema.Slider | schema.Free)
-        held[joint.child] = replace(tether, length=math.inf) if no_end else tether
+        held[joint.child] = replace(workspace, length=math.inf) if no_end else workspace
     return held
 
 
@@ -170,11 +170,11 @@ def _weld_groups(model: schema.Model) -> list[list[str]]:
 
 @dataclass(frozen=True)
 class Layout:
-    """A model laid out: the pose and tether of every body, groups of rigid bodies that are welded together."""
+    """A model laid out: the pose of every body and the bound of its workspace, groups of rigid bodies that are welded together."""
 
     model: schema.Model
     pose: Pose
-    tethers: dict[str, Tether]
+    workspace_bounds: dict[str, WorkspaceBound]
     groups: list[list[str]]
 
     @property
@@ -205,4 +205,4 @@ class Layout:
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
     """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
     placed = pose(model, states, ground_angle)
-    return Layout(model, placed, tethers(model, placed.frames), _weld_groups(model))
+    return Layout(model, placed, workspace_bounds(model, placed.frames), _weld_groups(model))

@@ -68,18 +68,18 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Tether:
-    """Where a body hangs: its point (2,) m in its frame is at most `length` (m) away from a root that stays in place.
+class WorkspaceBound:
+    """Bound of where a body can get: its `point` (2,) m, body frame, stays within `length` (m) of a fixed `root`.
 
-    root: (2,) m, world frame, the joint on the ground behind which the body comes.
+    root: (2,) m, world frame, the joint on the ground that carries the body, directly or through other bodies.
     """
 
     root: Vector
     point: Vector
     length: float
 
-    def reach(self, point: Vector) -> float:
-        """Greatest distance (m) from the root that a point (2,) of the body can get."""
+    def radius(self, point: Vector) -> float:
+        """Greatest distance (m) between the root and a point (2,) of the body."""
         return self.length + float(np.linalg.norm(point - self.point))
 
 
@@ -92,7 +92,7 @@ class RigidBody:
     inertia: float
     shapes: tuple[Shape, ...]
     motion: Motion
-    tether: Tether
+    workspace: WorkspaceBound
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class FlexibleLink:
     axial_damping: float
     elements: int
     motion: Motion
-    tether: Tether
+    workspace: WorkspaceBound
     free: bool
 
     @property

@@ -14,7 +14,7 @@ from support_fit import CONFIG, NOISE, RIGID, TRUE, fitted, four, measure, near,
 from granular_contact.errors import SolveError
 from granular_contact.studies.fit import fit
 from granular_contact.studies.fit.solve import DIED, Start, starting_points
-from granular_contact.studies.sweep import pool
+from granular_contact.studies.sweep import processes
 
 ALL = "\n".join(f"  {key}: {{start: {1.3 * value}}}" for key, value in TRUE.items())
 # Beyond four standard errors normal noise takes an estimate once in 16 000 times; the seeds are fixed anyway.
@@ -220,7 +220,7 @@ class Dying(ThreadPoolExecutor):
 def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, deaths: int) -> None:
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run("starts: 2"))
-    monkeypatch.setattr(pool, "local_processes", Dying)
+    monkeypatch.setattr(processes, "local_processes", Dying)
     monkeypatch.setattr(Dying, "lives", deaths)
     if deaths == 4:  # both starts, and both again
         with pytest.raises(SolveError, match="every starting point; at the first: the process died"):
@@ -236,7 +236,7 @@ def test_a_start_whose_process_died_is_told(recovered) -> None:
 
 
 def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> None:
-    from granular_contact.studies.fit import tracks
+    from granular_contact.studies.fit import responses
 
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run())
@@ -245,7 +245,7 @@ def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> N
         raise SolveError("no such luck")
 
     for run in made.runs:
-        run.simulator._tracks.clear()
-    monkeypatch.setattr(tracks, "run", fails)
+        run.simulator._responses.clear()
+    monkeypatch.setattr(responses, "run", fails)
     with pytest.raises(SolveError, match="every starting point; at the first: no such luck"):
         fit(made)

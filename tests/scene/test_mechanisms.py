@@ -245,8 +245,8 @@ def test_a_chain_is_bodies_and_hinges() -> None:
 
 
 def test_no_end_to_where_a_slider_or_a_free_body_can_get() -> None:
-    assert all(body.tether.length == math.inf for body in scene_of(LEG).rigid)
-    assert all(body.tether.length < 1.0 for body in scene_of(CHAIN).rigid)
+    assert all(body.workspace.length == math.inf for body in scene_of(LEG).rigid)
+    assert all(body.workspace.length < 1.0 for body in scene_of(CHAIN).rigid)
 
 
 def test_reduced_models_refuse_what_they_have_not() -> None:

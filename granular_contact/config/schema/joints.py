@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, model_validator
 
-from granular_contact.config.schema.older import Renewed
+from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Tagged, refusal
 
 

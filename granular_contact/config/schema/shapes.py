@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.older import Renewed
+from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.values.strict import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
 

@@ -14,7 +14,7 @@ from granular_contact.studies.fit import noise
 from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.parameters import Choice
 from granular_contact.studies.fit.problem import Problem
-from granular_contact.studies.fit.tracks import ModelFailed
+from granular_contact.studies.fit.responses import ModelFailed
 
 Vector = NDArray[np.float64]
 
@@ -150,7 +150,7 @@ def unused(problem: Problem, choices: Sequence[Choice]) -> Iterator[Fault]:
         if not any(_moves(problem, j, side, at, times, floors) for side in (1.0, -1.0)):
             columns = ", ".join(problem.columns)
             words = f"moves none of {columns} in any run, so it can't be found from these data; leave it out"
-            yield choice.wanted.position.fault((choice.parameter.label,), words)
+            yield choice.request.position.fault((choice.parameter.label,), words)
 
 
 def _moves(problem: Problem, j: int, side: float, at: Vector, times: list[Vector], floors: Vector) -> bool:

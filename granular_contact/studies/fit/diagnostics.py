@@ -24,7 +24,7 @@ MOST_COMPARED = 50  # runs
 LEAST_ROUNDING = 0.5  # share of rounding in the noise from which on it is told
 
 
-def doubts(problem: Problem, f: Sequence[Vector], sigma: Vector) -> list[str]:
+def data_warnings(problem: Problem, f: Sequence[Vector], sigma: Vector) -> list[str]:
     """Sentences for residuals f, (n, columns) of each run in units of the noise sigma (columns,) of the problem."""
     return [
         *_outliers(problem, f),

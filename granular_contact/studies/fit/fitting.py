@@ -59,7 +59,7 @@ class Fit:
             found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")
         if not self.solution.converged:
             found.append("the fit did not settle: try more starts, narrower bounds or fewer parameters")
-        found += [*self.goodness.doubts, *self.uncertainty.words]
+        found += [*self.goodness.warnings, *self.uncertainty.words]
         found += media_of_runs.words(self.problem, self.values)
         count = len(self.solution.starts)
         if count > 1 and self.agreeing == 1:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from granular_contact.studies.fit import noise
-from granular_contact.studies.fit.diagnostics import OUTLIER, doubts, outliers, rounded
+from granular_contact.studies.fit.diagnostics import OUTLIER, data_warnings, outliers, rounded
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import degrees_of_freedom
@@ -51,7 +51,7 @@ class Goodness:
     """status: `fits` or `misfit`; words: why; ljung_box: probability that noise is so correlated; outliers: values
     farther than four times the noise from the model, as a share of all.
 
-    without_outliers: the reduced chi-square of the others. doubts: what else speaks against the errors.
+    without_outliers: the reduced chi-square of the others. warnings: what else speaks against the errors.
     """
 
     status: Literal["fits", "misfit"]
@@ -62,7 +62,7 @@ class Goodness:
     ljung_box: float
     outliers: float
     without_outliers: float
-    doubts: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def goodness(problem: Problem, solution: Solution) -> Goodness:
@@ -88,7 +88,7 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
         ljung_box=probability,
         outliers=outliers(blocks),
         without_outliers=float(np.sum(inside**2)) / max(len(inside) - free, 1),
-        doubts=tuple(doubts(problem, blocks, solution.sigma)),
+        warnings=tuple(data_warnings(problem, blocks, solution.sigma)),
     )
 
 

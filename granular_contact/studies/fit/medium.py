@@ -10,7 +10,7 @@ from granular_contact.results import Results
 from granular_contact.studies.fit.fitting import Fit
 from granular_contact.studies.fit.media_of_runs import MEDIUM, carrier, fitted
 from granular_contact.studies.fit.problem import Run
-from granular_contact.studies.fit.tracks import Key
+from granular_contact.studies.fit.responses import Key
 
 PROVENANCE = "fitted"
 

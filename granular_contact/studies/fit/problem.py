@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.studies.fit.measurements import Measured
-from granular_contact.studies.fit.tracks import Key, Simulator
+from granular_contact.studies.fit.responses import Key, Simulator
 
 Vector = NDArray[np.float64]
 Loss = Literal["soft_l1", "linear"]
@@ -75,7 +75,7 @@ class Run:
     def at(self, x: Vector, time: Vector) -> Vector:
         """Model values (n, columns) at times (n,) s of the measurement, for parameters x (parameters,)."""
         offset = self.offset if self.offset_index is None else x[self.offset_index]
-        return self.simulator.track(tuple(float(x[i]) for i in self.acting)).at(time - offset)
+        return self.simulator.response(tuple(float(x[i]) for i in self.acting)).at(time - offset)
 
 
 @dataclass(frozen=True)

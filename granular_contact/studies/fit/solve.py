@@ -16,7 +16,7 @@ from granular_contact.errors import SolveError
 from granular_contact.studies.fit import noise
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Loss, Problem
-from granular_contact.studies.fit.tracks import ModelFailed
+from granular_contact.studies.fit.responses import ModelFailed
 
 Vector = NDArray[np.float64]
 # Told after each starting point how many are done, and of how many.
@@ -114,7 +114,7 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
     A start whose process dies is tried once more in another one: it may have been killed from outside. Never in this
     one, which would die of it as well.
     """
-    from granular_contact.studies.sweep.pool import local_processes
+    from granular_contact.studies.sweep.processes import local_processes
 
     lost: list[int] = []
     with local_processes(workers) as pool:

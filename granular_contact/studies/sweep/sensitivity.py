@@ -43,7 +43,7 @@ class Indices:
     refused: str = ""
 
 
-def doubt(one: Indices, i: int) -> str:
+def imprecision(one: Indices, i: int) -> str:
     """Why the indices of an input are not known well enough to be used; empty if they are."""
     if one.refused:
         return ""
@@ -60,9 +60,9 @@ def doubt(one: Indices, i: int) -> str:
     return f"too few points, {why}: take a greater count"
 
 
-def doubts(one: Indices) -> list[str]:
+def warnings(one: Indices) -> list[str]:
     """Of each input whose indices are not known well enough, a sentence."""
-    named = ((name, doubt(one, i)) for i, name in enumerate(one.inputs))
+    named = ((name, imprecision(one, i)) for i, name in enumerate(one.inputs))
     return [f"Sobol indices of {one.output} to {name}: {why}" for name, why in named if why]
 
 
@@ -167,4 +167,4 @@ def _cells(one: Indices, i: int) -> list[str]:
         return [one.output, one.inputs[i], *[""] * 6, one.refused]
     first, total = one.first_interval[:, i], one.total_interval[:, i]
     numbers = one.first[i], first[0], first[1], one.total[i], total[0], total[1]
-    return [one.output, one.inputs[i], *(repr(float(value)) for value in numbers), doubt(one, i)]
+    return [one.output, one.inputs[i], *(repr(float(value)) for value in numbers), imprecision(one, i)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from granular_contact.config import tree
-from granular_contact.config.schema.older import SUCCESSORS, successor
+from granular_contact.config.schema.deprecated import SUCCESSORS, successor
 
 Path = tuple[str, ...]
 

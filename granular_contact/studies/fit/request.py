@@ -13,7 +13,7 @@ from granular_contact.studies.fit.problem import Loss
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ParameterRequest:
     """A parameter as asked for."""
 
     key: tuple[str, ...]
@@ -27,7 +27,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class RunWanted:
+class RunRequest:
     """One run as asked for. columns: measured name -> header and place.
 
     offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found.
@@ -41,7 +41,7 @@ class RunWanted:
     overrides: tuple[Override, ...] = ()
     columns: Mapping[str, tuple[str, Position]] = field(default_factory=dict)
     offset: float | tuple[float, float, float] = 0.0
-    parameters: tuple[Wanted, ...] = ()
+    parameters: tuple[ParameterRequest, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class Specification:
     """A fit as asked for. noise: measured name -> value and place."""
 
     name: str
-    runs: tuple[RunWanted, ...]
-    parameters: tuple[Wanted, ...]
+    runs: tuple[RunRequest, ...]
+    parameters: tuple[ParameterRequest, ...]
     common: tuple[Override, ...]
     noise: Mapping[str, tuple[float, Position]]
     loss: Loss

@@ -9,7 +9,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.scene.build import LEAST_BOW
-from granular_contact.scene.reach import dips
+from granular_contact.scene.workspace import can_be_immersed
 
 # What is imported only where it is used, and for what.
 PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "nothing is drawn"), ("scipy", "no use"))
@@ -57,7 +57,7 @@ def _bed(system: System) -> Iterator[str]:
     for handle in system.rigid.values():
         shapes = handle.body.shapes
         out = [shape for shape in shapes if not shape.in_sand]
-        far = [shape for shape in shapes if shape.in_sand and not dips(scene.bed, handle.body, shape)]
+        far = [shape for shape in shapes if shape.in_sand and not can_be_immersed(scene.bed, handle.body, shape)]
         for spared, why in ((far, "cannot reach the surface"), (out, "meet no medium (in_sand: false)")):
             if spared:
                 yield f"load on {handle.body.name}: {len(spared)} of its {len(shapes)} shapes {why}"

@@ -13,7 +13,7 @@ CAN = (
 )
 
 
-def check_treelike(scene: Scene) -> None:
+def check_minimal(scene: Scene) -> None:
     """Refuse a scene that minimal coordinates are not for.
 
     Raises

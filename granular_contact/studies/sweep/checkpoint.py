@@ -43,7 +43,7 @@ class FolderRefused(GranularContactError):
 
 
 @dataclass(frozen=True)
-class Part:
+class Checkpoint:
     """A work folder that is open. done: cases that had a row when it was opened; cases: folder for their results."""
 
     folder: Path
@@ -71,13 +71,13 @@ class Part:
         _remove(self.folder)
 
 
-def part_of(target: Path) -> Path:
+def work_folder(target: Path) -> Path:
     """The work folder of a target; a symbolic link is followed first."""
     target = target.resolve()
     return target.with_name(f"{target.name}.part")
 
 
-def finished(sweep: Sweep, target: Path, cases: bool) -> bool:
+def is_finished(sweep: Sweep, target: Path, cases: bool) -> bool:
     """Whether `target` holds this sweep already, with results of its cases if these are asked for.
 
     Raises
@@ -99,7 +99,7 @@ def finished(sweep: Sweep, target: Path, cases: bool) -> bool:
 
 
 @contextmanager
-def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Part]:
+def open_checkpoint(sweep: Sweep, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Checkpoint]:
     """The work folder of a sweep, made or found again, and kept from other processes meanwhile.
 
     cases: whether each case gets a results folder. restart: throw away what there is.
@@ -111,7 +111,7 @@ def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = Fals
     OSError
         The disk refuses, or something else is in the way.
     """
-    folder = part_of(target)
+    folder = work_folder(target)
     report.check_target(folder, "sweep")
     begun: dict[str, Any] = {"versions": versions(), "plots": cases}
     fresh = not (folder / JOURNAL / _BEGUN).exists()
@@ -131,7 +131,7 @@ def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = Fals
         place = folder / CASES if cases else None
         if place is not None:
             _keep_only(place, {sweep.cases[i].name for i in done})
-        yield Part(folder, target.resolve(), journal, done, place)
+        yield Checkpoint(folder, target.resolve(), journal, done, place)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ CAN = (
 )
 
 
-def check_reducible(scene: Scene, modes: int) -> None:
+def check_reduced(scene: Scene, modes: int) -> None:
     """Refuse a scene that can't be reduced to so many modes.
 
     Raises
