@@ -173,7 +173,7 @@ def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> S
 
 
 def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
-    """`node` with what its media say of their numbers put right where overrides changed some, see `standing`."""
+    """`node` with the provenance of its media corrected where overrides changed numbers, see `config.provenance`."""
 
     def media(one: tree.Node, held: tree.Node | None) -> tree.Node:
         return one if held is None else _under(one, "medium", partial(restated_each, tree.child(held, "medium")))

@@ -59,7 +59,7 @@ class Tree:
 
 
 def tree(scene: Scene) -> Tree:
-    """Set up a scene that `scene.treelike` allows."""
+    """Set up a scene that `scene.minimal_support` allows."""
     joints = outward(scene.connections)
     bodies = [body for joint in joints for body in scene.rigid if body.name == joint.child]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}

@@ -170,7 +170,7 @@ def _weld_groups(model: schema.Model) -> list[list[str]]:
 
 @dataclass(frozen=True)
 class Layout:
-    """A model laid out: the pose of every body and the bound of its workspace, groups of rigid bodies that are welded together."""
+    """A model laid out: pose and workspace bound of every body, groups of rigid bodies that are welded together."""
 
     model: schema.Model
     pose: Pose

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from granular_contact.config.schema.joints import PLURAL, SINGULAR
 from granular_contact.errors import scene_error
 from granular_contact.scene.types import Scene
 
@@ -29,12 +30,12 @@ def check_minimal(scene: Scene) -> None:
 def _mechanism(scene: Scene) -> Iterator[str]:
     if scene.links:
         yield f"{scene.links[0].name} is flexible"
-    others: dict[str, list[str]] = {}
+    others: dict[tuple[str, str], list[str]] = {}
     for joint in scene.connections:
         if joint.closes or joint.kind != "hinge":
-            others.setdefault("loop" if joint.closes else joint.kind, []).append(joint.name)
-    for kind, names in others.items():
-        one, many = (f"is a {kind}", f"are of the kind {kind}") if kind != "loop" else ("closes a loop", "close loops")
+            words = f"is {SINGULAR[joint.kind]}", f"are {PLURAL[joint.kind]}"
+            others.setdefault(("closes a loop", "close loops") if joint.closes else words, []).append(joint.name)
+    for (one, many), names in others.items():
         yield f"{_named(names)} {one if len(names) == 1 else many}"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.errors import scene_error
 from granular_contact.scene.types import Connection, FlexibleLink, Reduced, RigidBody, Scene
 
@@ -56,7 +57,7 @@ def _joints(scene: Scene) -> Iterator[str]:
         child, fits = _reduces(scene, joint)
         if not fits:
             where = "the ground" if joint.parent is None else joint.parent
-            yield f"{joint.name} is a {joint.kind} between {where} and {child}"
+            yield f"{joint.name} is {SINGULAR[joint.kind]} between {where} and {child}"
 
 
 def _extras(scene: Scene) -> Iterator[str]:

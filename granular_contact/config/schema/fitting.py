@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
 from granular_contact.config.schema.initial import KEYS, Initial
+from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
 from granular_contact.config.schema.structure import GROUND
@@ -32,7 +33,7 @@ def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive
             continue
         given = {key for key in start.model_fields_set if getattr(start, key) is not None}
         for key in sorted(given - set(KEYS[kind])):
-            yield (*path, key), f"{name} is a {kind}; allowed are {', '.join(KEYS[kind])}"
+            yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(KEYS[kind])}"
         if start.angle_deg is not None and initial.impact_angle_deg is not None and joints[name].parent == GROUND:
             yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
 
@@ -73,10 +74,10 @@ def drive_faults(
                 f"{name} closes a loop; a motion drives a joint of the tree: make one of them the closure instead",
             )
         elif kind not in TARGETS.values():
-            yield path, f"{name} is a {kind}, which can't be driven; allowed are hinges and sliders"
+            yield path, f"{name} is {SINGULAR[kind]}, which can't be driven; allowed are hinges and sliders"
         elif kind != TARGETS[key]:
             allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)
-            yield (*path, key), f"{name} is a {kind}; a drive of a {kind} has one of the keys {allowed}"
+            yield (*path, key), f"{name} is {SINGULAR[kind]}; a drive of {SINGULAR[kind]} has one of the keys {allowed}"
     for name in signals:
         if name not in used:
             yield ("signals", name), "no drive follows it; a drive names it where it has its signal"

@@ -1,5 +1,8 @@
 """Schema of joints: how two bodies move against each other in the plane, and what acts between them there.
 
+Each type has two names, ours and that of robotics: hinge or revolute, slider or prismatic, weld or fixed, free or
+floating. Scenarios have ours.
+
 The coordinate of a joint is what its column in the results shows. All angles turn clockwise (see models/README.md):
 that of a hinge is the child's below the x axis of the parent, on the ground below the horizontal. A slider grows along
 its axis.
@@ -14,6 +17,13 @@ from pydantic import AfterValidator, model_validator
 
 from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Tagged, refusal
+
+# The words of robotics for types of joints, and ours.
+SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
+# One and several joints of a type in messages.
+SINGULAR = {"hinge": "a hinge", "slider": "a slider", "weld": "a weld", "free": "a free joint"}
+PLURAL = {"hinge": "hinges", "slider": "sliders", "weld": "welds", "free": "free joints"}
+_SameName = AfterValidator(lambda name: SYNONYMS.get(name, name))
 
 
 def _points_somewhere(axis: tuple[float, float]) -> tuple[float, float]:
@@ -68,7 +78,7 @@ class HingeFriction(Strict):
 class HingeClosure(_Ends):
     """The child turns about the normal of the plane."""
 
-    type: Literal["hinge"]
+    type: Annotated[Literal["hinge", "revolute"], _SameName]
     spring: HingeSpring | None = None
     damping_Nm_s_per_rad: NotNegative = 0.0
     stops: HingeStops | None = None
@@ -85,7 +95,7 @@ class Hinge(HingeClosure):
 class Weld(_Ends, Renewed):
     """The child is held at a fixed angle."""
 
-    type: Literal["weld"]
+    type: Annotated[Literal["weld", "fixed"], _SameName]
     home_deg: float = 0.0
     """The angle of the child, clockwise, from the x axis of the parent."""
 
@@ -125,7 +135,7 @@ class SliderFriction(Strict):
 class SliderClosure(_Ends, Renewed):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
-    type: Literal["slider"]
+    type: Annotated[Literal["slider", "prismatic"], _SameName]
     axis: Annotated[Point, AfterValidator(_points_somewhere)] = (1.0, 0.0)
     """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
     home_deg: float = 0.0
@@ -146,16 +156,21 @@ class Slider(SliderClosure):
 class Free(_Ends):
     """The child moves freely in the plane; where it starts is said by `initial.joints` of the run."""
 
-    type: Literal["free"]
+    type: Annotated[Literal["free", "floating"], _SameName]
 
     @model_validator(mode="after")
     def _on_the_ground(self) -> Free:
         if self.parent != "ground":
-            raise refusal([(("parent",), f"got {self.parent!r}; a free body has the parent ground")])
+            raise refusal([(("parent",), f"got {self.parent!r}; a free joint has the parent ground")])
         return self
 
 
-JOINTS: dict[str, type[Strict]] = {"hinge": Hinge, "weld": Weld, "slider": Slider, "free": Free}
+def _by_name(**types: type[Strict]) -> dict[str, type[Strict]]:
+    """Classes by both names of each type."""
+    return types | {synonym: types[name] for synonym, name in SYNONYMS.items() if name in types}
+
+
+JOINTS = _by_name(hinge=Hinge, weld=Weld, slider=Slider, free=Free)
 Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
-CLOSURES: dict[str, type[Strict]] = {"hinge": HingeClosure, "weld": Weld, "slider": SliderClosure}
+CLOSURES = _by_name(hinge=HingeClosure, weld=Weld, slider=SliderClosure)
 Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]
