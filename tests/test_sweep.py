@@ -28,7 +28,7 @@ from granular_contact.results import Results
 from granular_contact.studies import sweep
 from granular_contact.studies.sweep import Row, table
 from granular_contact.studies.sweep import local_processes as local
-from granular_contact.studies.sweep.runner import FEW, faults
+from granular_contact.studies.sweep.runner import MOST_CHECKED_HERE, faults
 from granular_contact.studies.sweep.worker import _flat, simulate
 
 
@@ -414,7 +414,7 @@ def test_faults_of_many_cases_are_those_of_few(tmp_path):
     path = write(
         tmp_path, f"vary:\n  {ANGLE}: {{from: 60, to: 100, count: 41}}\n  {SPEED}: {{from: 1, to: 9, count: 12}}\n"
     )
-    assert FEW < 41 * 12
+    assert MOST_CHECKED_HERE < 41 * 12
     with pytest.raises(ConfigError) as alone:
         load_sweep(path, probe=scene.build)
     assert len(alone.value.faults) == 10  # of 91 to 100 degrees

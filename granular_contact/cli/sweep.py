@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
 MOST_SHOWN = 40  # rows; the rest is in the table
-MOST_KEYS, WIDEST = 4, 20  # keys that vary, and letters of a value, in the shown rows
+MOST_KEYS, MOST_LETTERS = 4, 20  # keys that vary, and letters of a value, in the shown rows
 # Summary key, heading, factor, format.
 _SHOWN = (
     ("stopping_time_s", "stop ms", 1e3, ".2f"),
@@ -229,7 +229,7 @@ def _short_names(keys: Sequence[str]) -> list[str]:
 def _value(value: Any) -> str:
     """A value of a case in a cell."""
     text = f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value)
-    return text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}..."
+    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 3]}..."
 
 
 def _numbers(summary: dict[str, Any]) -> Iterator[str]:

@@ -14,7 +14,7 @@ from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Vector
 
-REACH = 1e-5  # m, or rad, of differences
+DIFFERENCE_STEP = 1e-5  # m, or rad, of differences
 
 
 class Balance:
@@ -73,9 +73,9 @@ class Balance:
         here, total = self._added(q, multipliers, np.zeros(n))
         for i in range(n):
             moved = q.copy()
-            moved[i] += REACH
+            moved[i] += DIFFERENCE_STEP
             there, total = self._added(moved, multipliers, total)
-            found[:, i] = (there - here) / REACH
+            found[:, i] = (there - here) / DIFFERENCE_STEP
         self.data.SetODE2Coordinates(q)
         return found
 

@@ -74,7 +74,7 @@ def settings(scene: Scene) -> Any:
         newton.absoluteTolerance = max(newton.absoluteTolerance, _coordinate_noise(scene))
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True
-        if _rigid_but_in_name(scene):
+        if _elastic_forces_below_round_off(scene):
             newton.useModifiedNewton = False
             radius = OF_UNRESOLVED
     t.generalizedAlpha.spectralRadius = radius if solver.spectral_radius is None else solver.spectral_radius
@@ -100,6 +100,6 @@ def _coordinate_noise(scene: Scene) -> float:
     )
 
 
-def _rigid_but_in_name(scene: Scene) -> bool:
+def _elastic_forces_below_round_off(scene: Scene) -> bool:
     """Whether the noise exceeds the forces of the scene themselves, so that its accelerations are noise, too."""
     return _noise(scene) > 1e-3 * scene.force_scale

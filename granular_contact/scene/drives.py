@@ -12,7 +12,7 @@ from granular_contact.errors import Fault
 from granular_contact.scene import signals
 from granular_contact.scene.types import Drive
 
-FEWEST = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
+FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
 
 
 def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
@@ -47,11 +47,10 @@ def _without_jumps(
     if spec.smooth_s is None:
         faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []
         return signal
-    least = FEWEST * solver.step_s
+    least = FEWEST_STEPS * solver.step_s
     if solver.accuracy is None and spec.smooth_s < least:
-        words = (
-            f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST} times solver.step_s, or solver.accuracy"
-        )
+        words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, "
+            f"{FEWEST_STEPS} times solver.step_s, or solver.accuracy"
         faults.append(Fault("", None, f"drives.{name}.smooth_s", words))
     return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
 

@@ -16,9 +16,9 @@ from granular_contact.scene.types import Drive, Vector, rotation, turned
 
 Mask = NDArray[np.bool_]
 # A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.
-GAP, TILT = 1e-4, math.radians(0.01)
+LARGEST_GAP, LARGEST_TILT = 1e-4, math.radians(0.01)
 RANK_TOLERANCE = 1e-9  # of the largest singular value
-_STEPS = 8  # in which a loop is led from home to where the run wants it
+_CONTINUATION_STEPS = 8  # in which a loop is led from home to where the run wants it
 
 
 class Loops:
@@ -126,7 +126,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     x = loops.close(home, np.ones(len(home), dtype=bool))
     if placed.any():
         first = x
-        for share in np.linspace(0.0, 1.0, _STEPS + 1)[1:]:
+        for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:]:
             x = np.where(placed, first + share * (wanted - first), x)
             x = loops.close(x, ~placed)
         faults += _open(loops, x, "at the start")
@@ -164,10 +164,12 @@ def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
         gap = loops.gaps(name, placed)
         turn = 0.0 if isinstance(joint, schema.HingeClosure) else abs(float(gap[-1]))
         distance = float(np.linalg.norm(gap if isinstance(joint, schema.HingeClosure) else gap[:-1]))
-        if distance > GAP or turn > TILT:
+        if distance > LARGEST_GAP or turn > LARGEST_TILT:
             words = f"the loop does not close {when}: {joint.parent} and {joint.child} are {distance:.4g} m"
-            words += f" and {math.degrees(turn):.4g} deg" if turn > TILT else ""
-            words += f" apart there; allowed are {GAP:g} m" + (f" and {math.degrees(TILT):g} deg" if turn else "")
+            words += f" and {math.degrees(turn):.4g} deg" if turn > LARGEST_TILT else ""
+            words += f" apart there; allowed are {LARGEST_GAP:g} m" + (
+                f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""
+            )
             faults.append(Fault("", None, f"model.closures.{name}", words))
     return faults
 

@@ -8,7 +8,7 @@ from granular_contact.config.schema.joints import PLURAL, SINGULAR
 from granular_contact.errors import scene_error
 from granular_contact.scene.types import Scene
 
-CAN = (
+SUPPORTED = (
     "minimal coordinates are for trees of rigid bodies that hang on the ground by hinges alone, in one medium, "
     "without drives, springs, dampers, stops or friction in them"
 )
@@ -24,7 +24,7 @@ def check_minimal(scene: Scene) -> None:
     """
     obstacles = [*_mechanism(scene), *_extras(scene), *_bed(scene)]
     if obstacles:
-        raise scene_error("method", f"{', and '.join(obstacles)}: {CAN}")
+        raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
 
 def _mechanism(scene: Scene) -> Iterator[str]:

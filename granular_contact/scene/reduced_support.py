@@ -10,7 +10,7 @@ from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.errors import scene_error
 from granular_contact.scene.types import Connection, FlexibleLink, Reduced, RigidBody, Scene
 
-CAN = (
+SUPPORTED = (
     "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
     "link, welded to that body by its root, in one medium with a level surface"
 )
@@ -28,7 +28,7 @@ def check_reduced(scene: Scene, modes: int) -> None:
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
-        raise scene_error("method", f"{', and '.join(obstacles)}: {CAN}")
+        raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
 
 def _media(scene: Scene) -> Iterator[str]:

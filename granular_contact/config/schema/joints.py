@@ -11,9 +11,10 @@ its axis.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema, core_schema
 
 from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Tagged, refusal
@@ -23,7 +24,17 @@ SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floati
 # One and several joints of a type in messages.
 SINGULAR = {"hinge": "a hinge", "slider": "a slider", "weld": "a weld", "free": "a free joint"}
 PLURAL = {"hinge": "hinges", "slider": "sliders", "weld": "welds", "free": "free joints"}
-_SameName = AfterValidator(lambda name: SYNONYMS.get(name, name))
+
+
+class _OrSynonym:
+    """Marks the type of a joint: its synonym is accepted, and replaced by the name."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of both words."""
+        del handler
+        (name,) = get_args(source)
+        words = [name, *(synonym for synonym, of in SYNONYMS.items() if of == name)]
+        return core_schema.no_info_after_validator_function(lambda _: name, core_schema.literal_schema(words))
 
 
 def _points_somewhere(axis: tuple[float, float]) -> tuple[float, float]:
@@ -78,7 +89,7 @@ class HingeFriction(Strict):
 class HingeClosure(_Ends):
     """The child turns about the normal of the plane."""
 
-    type: Annotated[Literal["hinge", "revolute"], _SameName]
+    type: Annotated[Literal["hinge"], _OrSynonym()]
     spring: HingeSpring | None = None
     damping_Nm_s_per_rad: NotNegative = 0.0
     stops: HingeStops | None = None
@@ -95,7 +106,7 @@ class Hinge(HingeClosure):
 class Weld(_Ends, Renewed):
     """The child is held at a fixed angle."""
 
-    type: Annotated[Literal["weld", "fixed"], _SameName]
+    type: Annotated[Literal["weld"], _OrSynonym()]
     home_deg: float = 0.0
     """The angle of the child, clockwise, from the x axis of the parent."""
 
@@ -135,7 +146,7 @@ class SliderFriction(Strict):
 class SliderClosure(_Ends, Renewed):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
-    type: Annotated[Literal["slider", "prismatic"], _SameName]
+    type: Annotated[Literal["slider"], _OrSynonym()]
     axis: Annotated[Point, AfterValidator(_points_somewhere)] = (1.0, 0.0)
     """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
     home_deg: float = 0.0
@@ -156,7 +167,7 @@ class Slider(SliderClosure):
 class Free(_Ends):
     """The child moves freely in the plane; where it starts is said by `initial.joints` of the run."""
 
-    type: Annotated[Literal["free", "floating"], _SameName]
+    type: Annotated[Literal["free"], _OrSynonym()]
 
     @model_validator(mode="after")
     def _on_the_ground(self) -> Free:

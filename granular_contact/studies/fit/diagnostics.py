@@ -17,9 +17,12 @@ Vector = NDArray[np.float64]
 OUTLIER = 4.0  # times the noise
 MOST_OUTLIERS = 0.1  # of all values: more are no exceptions
 MOST_LINES = 6  # that are named
-SMALL = 0.5  # of the noise that was given: residuals that doubt it
-UNLIKELY = 1e-3  # probability of residuals as small
-ALIKE, SURE = 0.5, 4.0  # correlation of what is not independent; in units of what chance gives, at least
+SMALL_RESIDUAL = 0.5  # of the noise that was given: residuals that doubt it
+LEAST_PROBABILITY = 1e-3  # probability of residuals as small
+LEAST_CORRELATION, LEAST_SIGNIFICANCE = (
+    0.5,
+    4.0,
+)  # correlation of what is not independent; in units of what chance gives, at least
 MOST_COMPARED = 50  # runs
 LEAST_ROUNDING = 0.5  # share of rounding in the noise from which on it is told
 
@@ -62,7 +65,7 @@ def _small(problem: Problem, f: Sequence[Vector]) -> Iterator[str]:
         if given is not None:
             own = _of_column(problem, f, name)
             total, rms = float(np.sum(own**2)), float(np.sqrt(np.mean(own**2)))
-            if rms < SMALL and chi2.cdf(total, max(len(own) - len(problem.parameters), 1)) < UNLIKELY:
+            if rms < SMALL_RESIDUAL and chi2.cdf(total, max(len(own) - len(problem.parameters), 1)) < LEAST_PROBABILITY:
                 yield f"residuals of {name} are {rms:.2g} of the noise that was given, {given:.3g}: is its unit right?"
 
 
@@ -151,4 +154,4 @@ def _correlation(one: Vector, other: Vector) -> float:
 
 def _most(rows: int) -> float:
     """Correlation that noise of so many rows does not have: differences of it have 1.5 times its variance."""
-    return max(ALIKE, SURE * float(np.sqrt(1.5 / rows)))
+    return max(LEAST_CORRELATION, LEAST_SIGNIFICANCE * float(np.sqrt(1.5 / rows)))

@@ -11,7 +11,7 @@ from granular_contact.studies.fit import media_of_runs
 from granular_contact.studies.fit.goodness import Goodness, goodness
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Problem
-from granular_contact.studies.fit.solve import DIED, NOTHING, SAME, Progress, Solution, solve
+from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, solve
 from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
 
 Vector = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Fit:
     def agreeing(self) -> int:
         """How many starts came to the best end, or as good as there."""
         costs = np.array([start.cost for start in self.solution.starts])
-        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME) + NOTHING * len(self.solution.residuals)))
+        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME_COST) + NEGLIGIBLE_COST * len(self.solution.residuals)))
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -23,8 +23,8 @@ from granular_contact.studies.fit.uncertainty import degrees_of_freedom
 
 Vector = NDArray[np.float64]
 
-UNLIKELY = 1e-3  # probability below which residuals are taken for no noise
-LARGE = 2.0  # times the roughness of the data: residuals of no noise
+LEAST_PROBABILITY = 1e-3  # probability below which residuals are taken for no noise
+LARGE_RESIDUAL = 2.0  # times the roughness of the data: residuals of no noise
 MOST_LAGS = 10
 
 
@@ -159,10 +159,10 @@ def _size_words(columns: Sequence[ColumnFit], free: int) -> Iterator[str]:
     for one in columns:
         if one.reduced_chi_square is not None:
             degrees = max(one.rows - free, 1)
-            if chi2.sf(one.reduced_chi_square * degrees, degrees) < UNLIKELY:
+            if chi2.sf(one.reduced_chi_square * degrees, degrees) < LEAST_PROBABILITY:
                 times = np.sqrt(one.reduced_chi_square)
                 yield f"residuals of {one.column} are {times:.3g} times the noise that was given, {one.noise:.3g}"
-        elif one.roughness is not None and one.noise > LARGE * one.roughness:
+        elif one.roughness is not None and one.noise > LARGE_RESIDUAL * one.roughness:
             yield (
                 f"residuals of {one.column} ({one.noise:.3g}) are {_times(one.noise, one.roughness)} what the data "
                 "change by from row to row"
@@ -174,7 +174,7 @@ def _times(large: float, small: float) -> str:
 
 
 def _order_words(probability: float, series: Sequence[Vector]) -> Iterator[str]:
-    if probability < UNLIKELY:
+    if probability < LEAST_PROBABILITY:
         shown = f"p = {probability:.1g}" if probability > 1e-300 else "p < 1e-300"
         yield (
             f"residuals follow each other from row to row (Durbin-Watson {_durbin_watson(series):.2f}, 2 for noise; "

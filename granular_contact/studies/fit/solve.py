@@ -23,13 +23,13 @@ Vector = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 MOST_EVALUATIONS = 60
-ROUNDS = 8  # of weights and parameters in turn
-SETTLED = 1e-3  # relative change of the noise that ends them
-ROUGHLY, FINELY = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
-FAR = 1e6  # residual of parameters for which the model fails
-SAME = 0.02  # relative difference of cost between starts that came to the same end
+MOST_ROUNDS = 8  # of weights and parameters in turn
+NOISE_TOLERANCE = 1e-3  # relative change of the noise that ends them
+COARSE_TOLERANCE, FINE_TOLERANCE = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
+FAILED_RESIDUAL = 1e6  # residual of parameters for which the model fails
+SAME_COST = 0.02  # relative difference of cost between starts that came to the same end
 DIED = "the process died"
-NOTHING = 1e-7  # cost for each value of data that are met but for the errors of the computation
+NEGLIGIBLE_COST = 1e-7  # cost for each value of data that are met but for the errors of the computation
 
 
 @dataclass(frozen=True)
@@ -137,14 +137,14 @@ def descend(problem: Problem, point: Vector) -> Start:
     spread = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
     try:
         problem.model(point, problem.times())
-        found = minimise(problem, point, spread, "linear", ROUGHLY, rough=True)
+        found = minimise(problem, point, spread, "linear", COARSE_TOLERANCE, rough=True)
     except ModelFailed as error:
         return Start(point, np.inf, str(error))
     return Start(found.x, float(found.cost))
 
 
 def minimise(
-    problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINELY, rough: bool = False
+    problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINE_TOLERANCE, rough: bool = False
 ) -> Any:
     """`scipy.optimize.least_squares` of residuals in units of sigma (columns,); raises ModelFailed."""
     data, weights, times = problem.data(), 1.0 / sigma[problem.column_of()], problem.times()
@@ -153,7 +153,7 @@ def minimise(
         try:
             return (problem.model(scaled, times) - data) * weights
         except ModelFailed:
-            return np.full(len(data), FAR)
+            return np.full(len(data), FAILED_RESIDUAL)
 
     return least_squares(
         residuals,
@@ -162,7 +162,7 @@ def minimise(
         bounds=problem.bounds,
         x_scale="jac",
         loss=loss,
-        f_scale=noise.CUT,
+        f_scale=noise.LOSS_SCALE,
         ftol=tolerance,
         xtol=tolerance,
         gtol=tolerance,
@@ -176,12 +176,12 @@ def _refined(problem: Problem, point: Vector, starts: tuple[Start, ...]) -> Solu
     residuals = problem.data() - problem.model(point, problem.times())
     sigma = estimate_noise(problem, residuals, column, floors)
     settled = False
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         found = minimise(problem, point, sigma, problem.loss)
         point = found.x
         residuals = problem.data() - problem.model(point, problem.times())
         new = estimate_noise(problem, residuals, column, floors)
-        settled = bool(np.all(np.abs(new - sigma) <= SETTLED * sigma))
+        settled = bool(np.all(np.abs(new - sigma) <= NOISE_TOLERANCE * sigma))
         sigma = new
         if settled:
             break

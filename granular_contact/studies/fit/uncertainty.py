@@ -18,11 +18,13 @@ Vector = NDArray[np.float64]
 Direction = tuple[float, dict[str, float]]
 Directions = tuple[Direction, ...]
 
-LEVEL = 0.95
-LOOSE = 0.10  # relative error from which on a parameter counts as not determined
-CLOSE = 0.95  # correlation of parameters that are hard to tell apart
-LEAST = 1e-9  # of the largest singular value: less is nothing
-UNTOLD = 100.0  # half width of an interval, as a power of e or in lengths of the scale, that says nothing any more
+CONFIDENCE_LEVEL = 0.95
+LARGE_RELATIVE_ERROR = 0.10  # relative error from which on a parameter counts as not determined
+HIGH_CORRELATION = 0.95  # correlation of parameters that are hard to tell apart
+LEAST_SINGULAR_VALUE = 1e-9  # of the largest singular value: less is nothing
+LARGEST_HALF_WIDTH = (
+    100.0  # half width of an interval, as a power of e or in lengths of the scale, that says nothing any more
+)
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
     known = np.isfinite(deviation)
     product = np.outer(deviation, deviation)
     correlation = np.divide(covariance, product, out=np.full_like(product, np.nan), where=np.outer(known, known))
-    quantile = float(student.ppf(0.5 + 0.5 * LEVEL, degrees_of_freedom(problem)))
+    quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE_LEVEL, degrees_of_freedom(problem)))
     estimates = tuple(
         _estimate(p, float(s), float(d), quantile, int(b))
         for p, s, d, b in zip(problem.parameters, solution.scaled, deviation, solution.at_bound, strict=True)
@@ -106,7 +108,7 @@ def _covariance(problem: Problem, solution: Solution) -> Vector:
         left, singular, right = np.linalg.svd(rows[:, moved] / length[moved], full_matrices=False)
         # Of rows = left S right, A is rows^T rows, and B the same with each row weighted by pull / slope.
         middle = left.T @ (left * (pull / slope)[column][:, None])
-        outer = right.T / np.maximum(singular, LEAST * singular[0])
+        outer = right.T / np.maximum(singular, LEAST_SINGULAR_VALUE * singular[0])
         inside = outer @ middle @ outer.T / np.outer(length[moved], length[moved])
         covariance[np.ix_(moved, moved)] = inside
     return covariance
@@ -131,7 +133,7 @@ def _slopes_and_pulls(problem: Problem, solution: Solution) -> tuple[Vector, Vec
 def _estimate(parameter: Parameter, scaled: float, deviation: float, quantile: float, bound: int) -> Estimate:
     value = parameter.value(scaled)
     reach = quantile * deviation
-    if reach > UNTOLD:
+    if reach > LARGEST_HALF_WIDTH:
         low, high = (0.0 if parameter.log else -np.inf), np.inf
     else:
         low, high = (_unbounded(parameter, scaled + sign * reach) for sign in (-1, 1))
@@ -178,7 +180,7 @@ def _bound_words(estimates: Sequence[Estimate], covariance: Vector) -> Iterator[
             continue
         side, bound = ("upper", one.parameter.high) if one.at_bound > 0 else ("lower", one.parameter.low)
         scaled = one.parameter.scaled(one.value)
-        if _relative(one.parameter, scaled) * np.sqrt(covariance[j, j]) > LOOSE:
+        if _relative(one.parameter, scaled) * np.sqrt(covariance[j, j]) > LARGE_RELATIVE_ERROR:
             why = "the data do not hold it back, as they hardly determine it"
         else:
             why = "the data ask for a value beyond it: widen the bounds, or doubt the model"
@@ -200,9 +202,9 @@ def _words(directions: Directions) -> Iterator[str]:
 
 
 def _members(direction: Direction) -> dict[str, float]:
-    """Parameters that a direction makes uncertain by more than `LOOSE`, and by how much (relative)."""
+    """Parameters that a direction makes uncertain by more than `LARGE_RELATIVE_ERROR`, and by how much (relative)."""
     size, parts = direction
-    return {label: size * abs(part) for label, part in parts.items() if size * abs(part) > LOOSE}
+    return {label: size * abs(part) for label, part in parts.items() if size * abs(part) > LARGE_RELATIVE_ERROR}
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -214,7 +216,7 @@ def _close_words(problem: Problem, correlation: Vector, directions: Directions) 
     named = [set(_members(direction)) for direction in directions]
     for i, one in enumerate(problem.parameters):
         for j, other in enumerate(problem.parameters[:i]):
-            close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= CLOSE
+            close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= HIGH_CORRELATION
             if close and not any({one.label, other.label} <= names for names in named):
                 yield f"{other.label} and {one.label} are hard to tell apart: correlation {correlation[i, j]:+.3f}"
 

@@ -16,7 +16,7 @@ from granular_contact.studies.sweep.worker import Job, Simulate, Task, check, er
 
 CHUNK_SECONDS = 0.5  # long against the 2 ms that it takes to hand over a chunk, short against a sweep
 LARGEST_CHUNK = 256
-FEW = 400  # cases that are checked sooner here than workers are started
+MOST_CHECKED_HERE = 400  # cases that are checked sooner here than workers are started
 _DIED = "the process died; run this case alone to see why, it may need more memory than there is"
 
 Work = Future[tuple[list[bytes], float]]
@@ -24,7 +24,7 @@ Work = Future[tuple[list[bytes], float]]
 
 def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, pool: WorkerPool) -> list[Fault]:
     """Faults of cases as `case_faults` gives them, found by the workers where there are many."""
-    if len(cases) <= FEW:
+    if len(cases) <= MOST_CHECKED_HERE:
         return case_faults(sweep, cases, probe)
     job, size = Job(sweep, simulate).packed(), max(64, len(cases) // (8 * pool.count))
     found: list[Fault] = []

@@ -20,8 +20,8 @@ from granular_contact.studies.sweep.journal import Row
 CONFIDENCE = 0.95
 RESAMPLES = 999
 MOST_NAMED = 3  # cases
-WIDEST = 0.5  # interval of an index that says something
-ASTRAY = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
+WIDEST_INTERVAL = 0.5  # interval of an index that says something
+INDEX_TOLERANCE = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
 Vector = NDArray[np.float64]
@@ -49,11 +49,11 @@ def imprecision(one: Indices, i: int) -> str:
         return ""
     width = max(float(np.ptp(ends[:, i])) for ends in (one.first_interval, one.total_interval))
     first, total = float(one.first[i]), float(one.total[i])
-    if not width <= WIDEST:  # or it is no number at all
+    if not width <= WIDEST_INTERVAL:  # or it is no number at all
         why = f"an interval {width:.2g} wide"
-    elif max(-first, -total, first - 1.0, total - 1.0) > ASTRAY:
+    elif max(-first, -total, first - 1.0, total - 1.0) > INDEX_TOLERANCE:
         why = "an index outside 0 to 1"
-    elif first - total > ASTRAY:
+    elif first - total > INDEX_TOLERANCE:
         why = "a first order above the total"
     else:
         return ""
