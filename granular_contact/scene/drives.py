@@ -49,8 +49,8 @@ def _without_jumps(
         return signal
     least = FEWEST_STEPS * solver.step_s
     if solver.accuracy is None and spec.smooth_s < least:
-        words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, "
-            f"{FEWEST_STEPS} times solver.step_s, or solver.accuracy"
+        words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST_STEPS} times solver.step_s"
+        words += ", or solver.accuracy"
         faults.append(Fault("", None, f"drives.{name}.smooth_s", words))
     return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
 

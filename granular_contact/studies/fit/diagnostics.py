@@ -1,4 +1,4 @@
-"""What speaks against the errors of a fit though its residuals may look like noise: each in a sentence."""
+"""Checks of the data of a fit: what makes its standard errors unreliable, each in a sentence."""
 
 from __future__ import annotations
 
@@ -17,12 +17,10 @@ Vector = NDArray[np.float64]
 OUTLIER = 4.0  # times the noise
 MOST_OUTLIERS = 0.1  # of all values: more are no exceptions
 MOST_LINES = 6  # that are named
-SMALL_RESIDUAL = 0.5  # of the noise that was given: residuals that doubt it
-LEAST_PROBABILITY = 1e-3  # probability of residuals as small
-LEAST_CORRELATION, LEAST_SIGNIFICANCE = (
-    0.5,
-    4.0,
-)  # correlation of what is not independent; in units of what chance gives, at least
+SMALL_RESIDUAL = 0.5  # of the noise that was given: smaller residuals contradict it
+LEAST_PROBABILITY = 1e-3  # of residuals as small as these
+LEAST_CORRELATION = 0.5  # of measurements that are not independent
+LEAST_SIGNIFICANCE = 4.0  # of that correlation, in units of what chance gives
 MOST_COMPARED = 50  # runs
 LEAST_ROUNDING = 0.5  # share of rounding in the noise from which on it is told
 

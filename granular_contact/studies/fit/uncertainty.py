@@ -19,12 +19,10 @@ Direction = tuple[float, dict[str, float]]
 Directions = tuple[Direction, ...]
 
 CONFIDENCE_LEVEL = 0.95
-LARGE_RELATIVE_ERROR = 0.10  # relative error from which on a parameter counts as not determined
+LARGE_RELATIVE_ERROR = 0.10  # from this standard error on a parameter counts as not determined
 HIGH_CORRELATION = 0.95  # correlation of parameters that are hard to tell apart
-LEAST_SINGULAR_VALUE = 1e-9  # of the largest singular value: less is nothing
-LARGEST_HALF_WIDTH = (
-    100.0  # half width of an interval, as a power of e or in lengths of the scale, that says nothing any more
-)
+LEAST_SINGULAR_VALUE = 1e-9  # relative to the largest one: less is round-off
+LARGEST_HALF_WIDTH = 100.0  # of an interval, in powers of e or lengths of the scale: wider ones say nothing
 
 
 @dataclass(frozen=True)
