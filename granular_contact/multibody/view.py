@@ -16,7 +16,7 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.frames import instants, resample
-from granular_contact.scene.types import Motion, Vector, rotation
+from granular_contact.scene.types import InitialMotion, Vector, rotation
 
 MOST_FRAMES, PERIOD = 501, 0.04  # s
 STEEL, SAND = [0.56, 0.70, 0.80, 1.0], [0.85, 0.75, 0.55, 0.6]
@@ -84,7 +84,7 @@ def _is_ground(mbs: Any, number: int) -> bool:
     return bool(mbs.GetObject(number)["objectType"] == "Ground")
 
 
-def _solids(outline: Outline, motion: Motion) -> list[Any]:
+def _solids(outline: Outline, motion: InitialMotion) -> list[Any]:
     """What an outline is in space, in the frame of the body that had this pose."""
     points = (outline.points - motion.position) @ rotation(motion.angle)
     radius = outline.diameter / 2

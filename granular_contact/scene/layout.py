@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.scene.types import Motion, Vector, WorkspaceBound, rotation, turned
+from granular_contact.scene.types import InitialMotion, Vector, WorkspaceBound, rotation, turned
 
 GROUND = "ground"
 ZERO = np.zeros(2)
@@ -182,10 +182,10 @@ class Layout:
         """Frames of all bodies, the ground among them."""
         return self.pose.frames
 
-    def motion(self, name: str, frame: Frame) -> Motion:
+    def motion(self, name: str, frame: Frame) -> InitialMotion:
         """Pose and velocity of a frame that moves with a body."""
         twist = self.pose.twists[name]
-        return Motion(frame.origin, frame.angle, twist.at(frame.origin), twist.rate)
+        return InitialMotion(frame.origin, frame.angle, twist.at(frame.origin), twist.rate)
 
     @cached_property
     def _joined(self) -> dict[str, list[Vector]]:

@@ -58,7 +58,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Motion:
+class InitialMotion:
     """Initial pose and velocity of a body's frame: position (2,) m, angle rad, velocity (2,) m/s, rate rad/s."""
 
     position: Vector
@@ -91,7 +91,7 @@ class RigidBody:
     mass: float
     inertia: float
     shapes: tuple[Shape, ...]
-    motion: Motion
+    motion: InitialMotion
     workspace: WorkspaceBound
 
 
@@ -113,7 +113,7 @@ class FlexibleLink:
     bending_damping: float
     axial_damping: float
     elements: int
-    motion: Motion
+    motion: InitialMotion
     workspace: WorkspaceBound
     free: bool
 
@@ -351,7 +351,7 @@ def rotation(angle: float) -> NDArray[np.float64]:
     return np.array([[c, -s], [s, c]])
 
 
-def place(motion: Motion, point: Vector) -> Vector:
+def place(motion: InitialMotion, point: Vector) -> Vector:
     """World position (2,) m of a body-frame point at the initial pose."""
     placed: Vector = motion.position + rotation(motion.angle) @ point
     return placed

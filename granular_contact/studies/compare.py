@@ -42,7 +42,7 @@ EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how ma
 
 
 @dataclass(frozen=True)
-class Model:
+class Candidate:
     """One way to compute the config: its name and the overrides that select it."""
 
     name: str
@@ -57,7 +57,7 @@ class Row:
     that both have. None where either run has no such number.
     """
 
-    model: Model
+    model: Candidate
     results: Results
     seconds: float
     stopping_time: float | None
@@ -107,7 +107,7 @@ class Comparison:
 
 def models(
     path: str | PathLike[str], modes: Sequence[int], elements: Sequence[int], overrides: Sequence[str]
-) -> list[Model]:
+) -> list[Candidate]:
     """The models of a comparison, cheapest kind first, the finest beam last.
 
     Raises
@@ -132,14 +132,14 @@ def models(
     if faults:
         raise ConfigError(faults)
     reduced = [
-        Model(
+        Candidate(
             "rigid" if n == 0 else f"{n} mode{'s' if n > 1 else ''}",
             (f"method={{reduced: {{modes: {n}, static: elastoplastic}}}}",),
         )
         for n in sorted(set(modes))
     ]
     beams = [
-        Model(
+        Candidate(
             f"FE, {n} element{'s' if n > 1 else ''}",
             ("method=engine", *(f"model.bodies.{link}.flexible.elements={n}" for link in links)),
         )
@@ -183,7 +183,7 @@ def compare(
     return Comparison(rows, tolerance)
 
 
-def _row(model: Model, results: Results, seconds: float, reference: Results, start: float) -> Row:
+def _row(model: Candidate, results: Results, seconds: float, reference: Results, start: float) -> Row:
     def relative(key: str, origin: float = 0.0) -> float | None:
         mine, exact = results.summary[key], reference.summary[key]
         if mine is None or exact is None or exact == origin:

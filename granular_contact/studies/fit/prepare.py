@@ -17,7 +17,7 @@ from granular_contact.studies.fit import checks
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
 from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
-from granular_contact.studies.fit.problem import OFFSET, Parameter, Problem, Run
+from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.request import RunRequest, Specification
 from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
 
@@ -156,7 +156,7 @@ def _problem(
         else:
             offset = one.offset
         simulator.early = source.early
-        runs.append(Run(one.name, simulator, source.measured, acting, offset, offset_index))
+        runs.append(MeasuredRun(one.name, simulator, source.measured, acting, offset, offset_index))
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
     return Problem(
         request.name,

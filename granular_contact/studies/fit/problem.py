@@ -59,7 +59,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Run:
+class MeasuredRun:
     """A measured run and its model. acting: indices of the problem's parameters, in the order of the simulator's keys.
 
     offset: model time is measured time less this (s), or less the parameter of index `offset_index`.
@@ -86,7 +86,7 @@ class Problem:
     """
 
     name: str
-    runs: tuple[Run, ...]
+    runs: tuple[MeasuredRun, ...]
     parameters: tuple[Parameter, ...]
     noise: dict[str, float | None]
     loss: Loss = "soft_l1"
