@@ -182,7 +182,7 @@ def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
     if (speed := found.get("forward_speed_second_half_m_s")) is not None:
         yield f"  forward speed   {speed:.4f} m/s in the second half"
     if (cost := found.get("cost_of_transport")) is not None:
-        yield f"  transport cost  {cost:.3g} of weight times way"
+        yield f"  transport cost  {cost:.3g} of weight times distance"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
         yield f"  energy          {imbalance:.1e} of it unaccounted for"
     yield f"  wall time       {elapsed}"

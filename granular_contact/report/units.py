@@ -26,9 +26,9 @@ _WORDS = {
     "max_depth_m": "largest depth",
     "max_deflection_m": "largest deflection",
     "solve_s": "solve time",
-    "stopping_time_relative": "off by",
-    "travel_relative": "travel off by",
-    "deflection_relative": "off by",
+    "stopping_time_relative": "error of stopping time",
+    "travel_relative": "error of travel",
+    "deflection_relative": "error of deflection",
     "angle_rms_deg": "rms difference of angle",
     "deflection_rms_m": "rms difference of deflection",
 }

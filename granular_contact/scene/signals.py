@@ -203,8 +203,8 @@ def jumps(signal: Signal) -> tuple[Jump, ...]:
     a, b, c, d = np.array(signal.coefficients).T
     before = np.concatenate([[0.0], b + steps * (2.0 * c + steps * 3.0 * d)])
     after = np.concatenate([b, [0.0]])
-    way = np.diff([*a, signal.value(signal.times[-1])])  # cubics may be at rest at every instant of the table
-    least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(way / steps).max())
+    changes = np.diff([*a, signal.value(signal.times[-1])])  # cubics may be at rest at every instant of the table
+    least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(changes / steps).max())
     found = zip(signal.times, before.tolist(), after.tolist(), strict=True)
     return tuple(Jump(*one) for one in found if abs(one[2] - one[1]) > least)
 

@@ -287,9 +287,9 @@ class Scene:
 
     @cached_property
     def least_way(self) -> float:
-        """Way (m) up to which nothing counts as moved: 1e-4 of the size, or ten yield displacements of the bristles.
+        """Path length (m) below which nothing counts as moved: 1e-4 of the size, or ten yield displacements.
 
-        What lies in sand and only leans on its bristles moves by some of these.
+        A body that lies in sand moves by some yield displacements without slipping.
         """
         static = self.static
         return max(1e-4 * self.length, 10.0 * static.yield_displacement if isinstance(static, Elastoplastic) else 0.0)

@@ -43,7 +43,7 @@ EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how ma
 
 @dataclass(frozen=True)
 class Candidate:
-    """One way to compute the config: its name and the overrides that select it."""
+    """A model that may compute the config: its name and the overrides that select it."""
 
     name: str
     overrides: tuple[str, ...]
@@ -86,7 +86,7 @@ class Comparison:
         last = self.rows[-1]
         if last.results.status.code not in FINISHED:
             why = last.results.status.message
-            return f"{last.model.name} did not come to its end, so there is nothing to measure by: {why}"
+            return f"{last.model.name} did not reach its end, so there is no reference: {why}"
         candidates = sorted(self.rows[:-1], key=lambda row: row.seconds)
         good = [row for row in candidates if row.within(self.tolerance)]
         limit, finest = f"{100 * self.tolerance:g} %", self.rows[-1].model.name
@@ -96,7 +96,7 @@ class Comparison:
             cost = f"{1e3 * best.seconds:.3g} ms ({finest}: {1e3 * self.rows[-1].seconds:.3g} ms)"
             motion = (
                 f"Cheapest within {limit} in stopping time and travel: {best.model.name}, "
-                f"{100 * worst:.2g} % off in {cost}"
+                f"error {100 * worst:.2g} % in {cost}"
             )
         else:
             motion = f"No model is within {limit} of {finest} in stopping time and travel"
@@ -262,7 +262,7 @@ def write(comparison: Comparison, directory: Path, figures: bool = True) -> None
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:
-    """What the table does not tell: the verdict, by what measure, and what to doubt."""
+    """What the table does not say: the verdict, how it was measured, and the warnings."""
     reference = comparison.rows[-1].results
     return {
         "name": reference.name,

@@ -1,4 +1,4 @@
-"""Motion over time: angle and rate of every hinge; of a free body, the way of its tip."""
+"""Motion over time: angle and rate of every hinge; of a free body, the path of its tip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_NAMED = 6  # curves with a name and a colour of their own
 
 
 def motion(results: Results) -> Figure:
-    """Angle and angular rate of every hinge (of a free body: the way of its tip), over time."""
+    """Angle and angular rate of every hinge (of a free body: the path of its tip), over time."""
     figure, (upper, lower), time = stacked(results, 88.0, (1, 1))
     hinges = hinges_of(results)
     if hinges:
