@@ -49,7 +49,7 @@ class BedLayer(Strict):
 
 
 class Bed(Strict):
-    """Where the medium lies. Its surface is free and stays as it is: no craters, no heaps."""
+    """Where the medium lies. Its free surface does not change: no craters, no heaps."""
 
     height_m: float | None = None
     """Height of the surface above the ground joint at x = 0; null: so that the mechanism touches it at the start."""
@@ -60,9 +60,9 @@ class Bed(Strict):
     depth_m: Positive | None = None
     """Of the level floor below the surface at x = 0; null: none."""
     floor: FloorContact | None = None
-    """null: the floor is reported when it is reached, and carries nothing."""
+    """null: a warning when the floor is reached, but no force."""
     container_x_m: Point | None = None
-    """Left and right wall; a run that leaves them is told so, they carry nothing."""
+    """Left and right wall; a body beyond them gives a warning, but the walls exert no force."""
     layers: Annotated[tuple[BedLayer, ...], Listed] = ()
     """Below the medium of the scenario, which then lies on top, from the highest to the deepest."""
 

@@ -62,7 +62,7 @@ class HingeSpring(Strict):
 
 
 class HingeStops(Strict):
-    """Ends of the range, as springs beyond them: stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+    """Ends of the range: springs beyond them, stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
 
     lower_deg: float
     upper_deg: float
@@ -77,13 +77,13 @@ class HingeStops(Strict):
 
 
 class HingeFriction(Strict):
-    """Dry friction that holds still: an elastic bristle which slips."""
+    """Dry friction that can hold a load at rest: an elastic bristle that slips."""
 
     torque_Nm: Positive
     slip_deg: Positive = 0.01
-    """Turn at which it slips."""
+    """Angle at which it slips."""
     damping_time_s: NotNegative = 1e-3
-    """Of the bristle, so that it does not ring."""
+    """Damping time of the bristle, which suppresses its vibration."""
 
 
 class HingeClosure(_Ends):
@@ -119,7 +119,7 @@ class SliderSpring(Strict):
 
 
 class SliderStops(Strict):
-    """Ends of the range, as springs beyond them: stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
+    """Ends of the range: springs beyond them, stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
 
     lower_m: float
     upper_m: float
@@ -134,13 +134,13 @@ class SliderStops(Strict):
 
 
 class SliderFriction(Strict):
-    """Dry friction that holds still: an elastic bristle which slips."""
+    """Dry friction that can hold a load at rest: an elastic bristle that slips."""
 
     force_N: Positive
     slip_m: Positive = 1e-5
     """Displacement at which it slips."""
     damping_time_s: NotNegative = 1e-3
-    """Of the bristle, so that it does not ring."""
+    """Damping time of the bristle, which suppresses its vibration."""
 
 
 class SliderClosure(_Ends, Renewed):
@@ -165,7 +165,7 @@ class Slider(SliderClosure):
 
 
 class Free(_Ends):
-    """The child moves freely in the plane; where it starts is said by `initial.joints` of the run."""
+    """The child moves freely in the plane; `initial.joints` of the run gives its initial state."""
 
     type: Annotated[Literal["free"], _OrSynonym()]
 
