@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.bed.strip_error import travelled
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.recorder import levers
@@ -66,12 +67,8 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     energy = np.sum(momentum * v[2:], axis=1)
     kick = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
     rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
-    velocity = off = most = 0.0
-    for step, one, factor in zip(steps[1:, 0], kick * fastest[2:], np.exp(-steps[1:, 0] * rate), strict=True):
-        velocity = velocity * factor + one
-        off += step * velocity
-        most = max(most, abs(off))
-    return most / math.sqrt(3.0)
+    kicks, fade = (kick * fastest[2:])[:, None], np.exp(-steps[1:, 0] * rate)
+    return travelled(steps[1:, 0], kicks, fade) / math.sqrt(3.0)
 
 
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
