@@ -10,63 +10,88 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from granular_contact.config.add_law import add_law as add_law
-    from granular_contact.config.load import load as load
-    from granular_contact.laws.albert import Albert as Albert
-    from granular_contact.laws.allen import Allen as Allen
-    from granular_contact.laws.bingham import Bingham as Bingham
-    from granular_contact.laws.drft import Drft as Drft
-    from granular_contact.laws.floor import Floor as Floor
-    from granular_contact.laws.hill import Hill as Hill
-    from granular_contact.laws.katsuragi_durian import KatsuragiDurian as KatsuragiDurian
-    from granular_contact.laws.law import Law as Law
-    from granular_contact.laws.layer import Layer as Layer
-    from granular_contact.laws.lee_marghitu import LeeMarghitu as LeeMarghitu
-    from granular_contact.laws.lee_marghitu import VerticalResistance as VerticalResistance
-    from granular_contact.laws.linear_depth import LinearDepth as LinearDepth
-    from granular_contact.laws.poncelet import Poncelet as Poncelet
-    from granular_contact.laws.rft import Rft as Rft
-    from granular_contact.laws.rft import RftCoefficients as RftCoefficients
-    from granular_contact.laws.rft3d import Rft3d as Rft3d
-    from granular_contact.laws.static_friction import Elastoplastic as Elastoplastic
-    from granular_contact.laws.static_friction import Smooth as Smooth
-    from granular_contact.laws.tsimring_volfson import TsimringVolfson as TsimringVolfson
-    from granular_contact.multibody.bed import GranularBed as GranularBed
-    from granular_contact.run import run as simulate  # noqa: F401
-    from granular_contact.scene.build import build as build
-    from granular_contact.scene.media import preset as preset
-    from granular_contact.studies.sweep.calls import sweep as sweep
+    from granular_contact.config.add_law import add_law
+    from granular_contact.config.load import load
+    from granular_contact.laws.albert import Albert
+    from granular_contact.laws.allen import Allen
+    from granular_contact.laws.bingham import Bingham
+    from granular_contact.laws.drft import Drft
+    from granular_contact.laws.floor import Floor
+    from granular_contact.laws.hill import Hill
+    from granular_contact.laws.katsuragi_durian import KatsuragiDurian
+    from granular_contact.laws.law import Law
+    from granular_contact.laws.layer import Layer
+    from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
+    from granular_contact.laws.linear_depth import LinearDepth
+    from granular_contact.laws.poncelet import Poncelet
+    from granular_contact.laws.rft import Rft, RftCoefficients
+    from granular_contact.laws.rft3d import Rft3d
+    from granular_contact.laws.static_friction import Elastoplastic, Smooth
+    from granular_contact.laws.tsimring_volfson import TsimringVolfson
+    from granular_contact.multibody.bed import GranularBed
+    from granular_contact.run import run as simulate
+    from granular_contact.scene.build import build
+    from granular_contact.scene.media import preset
+    from granular_contact.studies.sweep.calls import sweep
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
 _HOMES = {
-    "add_law": "config.add_law",
-    "build": "scene.build",
-    "load": "config.load",
-    "preset": "scene.media",
-    "simulate": "run",
-    "sweep": "studies.sweep.calls",
-    "GranularBed": "multibody.bed",
-    "Elastoplastic": "laws.static_friction",
-    "Smooth": "laws.static_friction",
-    "Floor": "laws.floor",
-    "Law": "laws.law",
-    "Layer": "laws.layer",
-    "Albert": "laws.albert",
-    "Allen": "laws.allen",
-    "Bingham": "laws.bingham",
-    "Drft": "laws.drft",
-    "Hill": "laws.hill",
-    "KatsuragiDurian": "laws.katsuragi_durian",
-    "LeeMarghitu": "laws.lee_marghitu",
-    "LinearDepth": "laws.linear_depth",
-    "Poncelet": "laws.poncelet",
-    "Rft": "laws.rft",
-    "Rft3d": "laws.rft3d",
-    "RftCoefficients": "laws.rft",
-    "TsimringVolfson": "laws.tsimring_volfson",
-    "VerticalResistance": "laws.lee_marghitu",
+    "Albert": ("granular_contact.laws.albert", "Albert"),
+    "Allen": ("granular_contact.laws.allen", "Allen"),
+    "Bingham": ("granular_contact.laws.bingham", "Bingham"),
+    "Drft": ("granular_contact.laws.drft", "Drft"),
+    "Elastoplastic": ("granular_contact.laws.static_friction", "Elastoplastic"),
+    "Floor": ("granular_contact.laws.floor", "Floor"),
+    "GranularBed": ("granular_contact.multibody.bed", "GranularBed"),
+    "Hill": ("granular_contact.laws.hill", "Hill"),
+    "KatsuragiDurian": ("granular_contact.laws.katsuragi_durian", "KatsuragiDurian"),
+    "Law": ("granular_contact.laws.law", "Law"),
+    "Layer": ("granular_contact.laws.layer", "Layer"),
+    "LeeMarghitu": ("granular_contact.laws.lee_marghitu", "LeeMarghitu"),
+    "LinearDepth": ("granular_contact.laws.linear_depth", "LinearDepth"),
+    "Poncelet": ("granular_contact.laws.poncelet", "Poncelet"),
+    "Rft": ("granular_contact.laws.rft", "Rft"),
+    "Rft3d": ("granular_contact.laws.rft3d", "Rft3d"),
+    "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
+    "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
+    "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
+    "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
+    "add_law": ("granular_contact.config.add_law", "add_law"),
+    "build": ("granular_contact.scene.build", "build"),
+    "load": ("granular_contact.config.load", "load"),
+    "preset": ("granular_contact.scene.media", "preset"),
+    "simulate": ("granular_contact.run", "run"),
+    "sweep": ("granular_contact.studies.sweep.calls", "sweep"),
 }
-__all__ = sorted(_HOMES)
+
+__all__ = [
+    "Albert",
+    "Allen",
+    "Bingham",
+    "Drft",
+    "Elastoplastic",
+    "Floor",
+    "GranularBed",
+    "Hill",
+    "KatsuragiDurian",
+    "Law",
+    "Layer",
+    "LeeMarghitu",
+    "LinearDepth",
+    "Poncelet",
+    "Rft",
+    "Rft3d",
+    "RftCoefficients",
+    "Smooth",
+    "TsimringVolfson",
+    "VerticalResistance",
+    "add_law",
+    "build",
+    "load",
+    "preset",
+    "simulate",
+    "sweep",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -74,5 +99,5 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    home = import_module(f"{__name__}.{_HOMES[name]}")
-    return getattr(home, "run" if name == "simulate" else name)
+    module, attribute = _HOMES[name]
+    return getattr(import_module(module), attribute)

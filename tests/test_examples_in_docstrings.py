@@ -8,7 +8,7 @@ from importlib import import_module
 import pytest
 from support_runs import ROOT
 
-MODULES = (
+MODULES = ("config.add_law", "scene.media")
     "config.add_law",
     "config.load",
     "config.schema.scenario",

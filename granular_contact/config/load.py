@@ -61,33 +61,19 @@ class Loaded(NamedTuple):
 
 
 def load(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Loaded:
-    """Read, resolve and check the config of a run.
+    """Read, resolve and check one config.
 
     Parameters
     ----------
-    path : str or path
+    path
         YAML file.
-    overrides : sequence of str, optional
-        Values to replace, `dotted.key=value` each. Those that name a model or medium are applied first.
-
-    Returns
-    -------
-    Loaded
-        `scenario`, the checked config with every default, and `sources`, which knows the file and line of every key.
+    overrides
+        `dotted.key=value` each, applied once model and medium are in place; those that name the model or medium before.
 
     Raises
     ------
     ConfigError
         With every fault found, sorted by file and line.
-
-    Examples
-    --------
-    >>> from granular_contact import load
-    >>> scenario, sources = load("configs/pendulum.yaml", ["initial.impact_speed_rad_s=8"])
-    >>> scenario.initial.impact_speed_rad_s
-    8.0
-    >>> sources.locate("initial.impact_angle_deg")
-    Position(file='configs/pendulum.yaml', line=8)
     """
     path = Path(path)
     faults: list[Fault] = []

@@ -1,10 +1,10 @@
 """The pendulum in a few coordinates: the angle of a rigid root, and modes of the one flexible link clamped to it.
 
-model     Scene -> ModalPendulum: what can be reduced, parts seen from the pivot
+model     Scene -> Model: what can be reduced, parts seen from the pivot
 modes     clamped-free modes and their integrals
-world     ModalPendulum -> records and stations for the kernels
+world     Model -> records and stations for the kernels
 marching  a solve under way, with the project's stepper or one of scipy's
-solve     ModalPendulum -> Trajectory: from regime to regime of the static law
+solve     Model -> Trajectory: from regime to regime of the static law
 observe   Trajectory -> the columns that the engine's runs have
 
 Equations: `kernels.pendulum`; the true sign and its regimes: `kernels.slip`; the medium is that of the engine.

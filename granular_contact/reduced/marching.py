@@ -12,7 +12,7 @@ from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.lines import reset_friction
 from granular_contact.kernels.modal_motion import decide, follow, rates
-from granular_contact.reduced.model import ModalPendulum
+from granular_contact.reduced.model import Model
 from granular_contact.reduced.world import world
 from granular_contact.scene.types import Vector
 
@@ -26,7 +26,7 @@ MOST_STILL = 1e-5  # of the speed of the scene
 class March:
     """State of a solve, as `kernels.march` keeps it up to date; the arrays are explained there."""
 
-    def __init__(self, model: ModalPendulum) -> None:
+    def __init__(self, model: Model) -> None:
         solver, method = model.scene.solver, model.method
         self.model = model
         self.size = method.modes + 1

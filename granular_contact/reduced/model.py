@@ -1,4 +1,4 @@
-"""Scene -> ModalPendulum: the pendulum in modal coordinates, or a refusal of what is no such pendulum."""
+"""Scene -> Model: the pendulum in modal coordinates, or a refusal of what is no such pendulum."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Bar:
 
 
 @dataclass(frozen=True)
-class ModalPendulum:
+class Model:
     """The pendulum: coordinates q_1 (rad) and q_{1+i} (m), n + 1 of them.
 
     others: shapes that meet no sand, points as seen from the pivot; view: how it is seen from there; turn: angle of the
@@ -84,7 +84,7 @@ class ModalPendulum:
         return self.modes.shape(places[:, 0] - bar.start[0])
 
 
-def model(scene: Scene, method: Reduced) -> ModalPendulum:
+def model(scene: Scene, method: Reduced) -> Model:
     """Reduce a scene.
 
     Raises
@@ -110,7 +110,7 @@ def model(scene: Scene, method: Reduced) -> ModalPendulum:
     speed = reach * abs(root.motion.rate) + math.sqrt(abs(scene.gravity) * reach)
     start = np.zeros(2 * (method.modes + 1) + 2)
     start[0], start[method.modes + 1] = -axis, -root.motion.rate
-    return ModalPendulum(
+    return Model(
         scene, method, link, modes, bars, others, view, axis - root.motion.angle, reach, max(speed, 1e-6), start
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.laws.law import term_names
-from granular_contact.reduced.model import Bar, ModalPendulum
+from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
 from granular_contact.results import Outline, energy, series
 from granular_contact.results.interpolation import Track
@@ -18,9 +18,9 @@ POINTS = 17  # on a bent link in pictures
 ALL = slice(None)
 
 
-def observe(model: ModalPendulum, trajectory: Trajectory) -> Observation:
+def observe(model: Model, trajectory: Trajectory) -> Observation:
     """What results hold of a run."""
-    seen, scene, pin = Kinematics(model, trajectory), model.scene, model.scene.pivot
+    seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
     assert pin is not None  # or the scene was refused
     return Observation(
         scene=scene,
@@ -40,12 +40,12 @@ def observe(model: ModalPendulum, trajectory: Trajectory) -> Observation:
         reach=seen.reach(),
         stop=lambda _: _stop(model, trajectory),
         outlines=seen.outlines,
-        pictures=lambda at: pictures(lambda sampled: Kinematics(model, sampled).outlines, trajectory, at),
+        pictures=lambda at: pictures(lambda sampled: Motion(model, sampled).outlines, trajectory, at),
         more={"static_turns": trajectory.turns},
     )
 
 
-def _stop(model: ModalPendulum, trajectory: Trajectory) -> Stop | None:
+def _stop(model: Model, trajectory: Trajectory) -> Stop | None:
     """When the mean rate first came to zero after the touch, as it was located on the way, with the pivot's angle."""
     time, angle, hub_time = trajectory.stop
     if np.isnan(time):
@@ -53,10 +53,10 @@ def _stop(model: ModalPendulum, trajectory: Trajectory) -> Stop | None:
     return Stop(time, angle + model.turn, None if np.isnan(hub_time) else hub_time)
 
 
-class Kinematics:
+class Motion:
     """Reads positions, rates and energies out of a trajectory; (n,) and (n, 2) arrays over its instants."""
 
-    def __init__(self, model: ModalPendulum, trajectory: Trajectory) -> None:
+    def __init__(self, model: Model, trajectory: Trajectory) -> None:
         self.model, self.scene, self.trajectory = model, model.scene, trajectory
         self.mass = trajectory.world.pendulum[0]
         self.angle, self.rate = trajectory.q[:, 0], trajectory.v[:, 0]

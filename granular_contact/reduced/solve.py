@@ -1,4 +1,4 @@
-"""ModalPendulum -> Trajectory: integrate from regime to regime of the static law, to rest or to the end."""
+"""Model -> Trajectory: integrate from regime to regime of the static law, to rest or to the end."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
-from granular_contact.reduced.model import ModalPendulum
+from granular_contact.reduced.model import Model
 from granular_contact.results import Cost, Progress, Status
 from granular_contact.results.ending import ended
 from granular_contact.scene.types import Vector
@@ -42,7 +42,7 @@ class Trajectory:
     world: World
 
 
-def solve(model: ModalPendulum, progress: Progress | None = None) -> Trajectory:
+def solve(model: Model, progress: Progress | None = None) -> Trajectory:
     """Run a model to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept."""
     march = (March if model.method.integrator == OWN else ScipyMarch)(model)
     turns: list[float] = []
@@ -93,7 +93,7 @@ def _integrate(march: March, turns: list[float], progress: Progress | None) -> i
             progress(march.time, solver.end_time_s)
 
 
-def _status(model: ModalPendulum, march: March, code: int) -> Status:
+def _status(model: Model, march: March, code: int) -> Status:
     solver, t = model.scene.solver, march.time
     if code == CHATTERING:
         return Status(

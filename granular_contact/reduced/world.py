@@ -1,4 +1,4 @@
-"""ModalPendulum -> World: records and stations as the kernels read them."""
+"""Model -> World: records and stations as the kernels read them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
 from granular_contact.kernels.pendulum import PENDULUM
 from granular_contact.laws.static_friction import Elastoplastic
-from granular_contact.reduced.model import Bar, ModalPendulum
+from granular_contact.reduced.model import Bar, Model
 
 # The true sign is aimed, not computed from a bristle: see `kernels.modal_load`.
 AIMED = Elastoplastic(yield_displacement=1.0, damping_time=0.0)
@@ -19,7 +19,7 @@ STILL = 1e-10  # what counts as no speed, of the speed of the scene
 STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 
 
-def world(reduced: ModalPendulum) -> World:
+def world(reduced: Model) -> World:
     """Mass properties, and stations, runs and medium of all that can reach the surface."""
     scene = reduced.scene
     geometry, runs = [np.zeros(0, MODAL_STATION)], [np.zeros(0, RUN)]
@@ -45,7 +45,7 @@ def world(reduced: ModalPendulum) -> World:
     return World(record, np.concatenate(geometry), starts, np.concatenate(runs), profile, medium, anchors)
 
 
-def _pendulum(reduced: ModalPendulum) -> NDArray[np.void]:
+def _pendulum(reduced: Model) -> NDArray[np.void]:
     """Inertia, static moments, stiffness and damping ."""
     record = np.zeros(1, PENDULUM)
     n = reduced.method.modes
@@ -73,7 +73,7 @@ def _pendulum(reduced: ModalPendulum) -> NDArray[np.void]:
     return record
 
 
-def _reaches(reduced: ModalPendulum, bar: Bar) -> bool:
+def _reaches(reduced: Model, bar: Bar) -> bool:
     """Whether a part can get below the surface, however the pendulum turns and its link bends."""
     scene = reduced.scene
     if not scene.media:

@@ -39,33 +39,14 @@ LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic
 
 
 def build(scenario: schema.Scenario) -> Scene:
-    """Scene of a scenario: bodies placed, joints and drives in SI units, the bed laid, all of it checked.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        As `load(path).scenario`, or changed by `scenario.replace`.
-
-    Returns
-    -------
-    Scene
-        Frozen plain data, for `simulate`; its `scenario` is the one that it was built from.
+    """Resolve a scenario into a scene, which holds it as its `scenario`.
 
     Raises
     ------
     ConfigError
-        The scenario was changed from Python to values that no config may have.
+        The scenario was changed from Python to what no config may say.
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
-
-    Examples
-    --------
-    >>> from granular_contact import build, load
-    >>> scene = build(load("configs/pendulum.yaml").scenario)
-    >>> [body.name for body in scene.bodies]
-    ['RB1+RB2', 'link']
-    >>> round(scene.length, 4)  # from the pivot to the tip, m
-    0.2635
     """
     valid = checked(scenario)
     scene = _built(valid)

@@ -99,33 +99,16 @@ class Scenario(Strict):
     output: Output = Output()
 
     def replace(self, values: Mapping[str, Any]) -> Scenario:
-        """The scenario with other values, checked as those of `--set` are.
+        """The run with other values, by dotted key: `scenario.replace({"medium.eta_d": 5, "model": "chain"})`.
 
-        A medium with a changed number no longer says that its numbers are those of its source.
-
-        Parameters
-        ----------
-        values : mapping
-            By dotted key: numbers, texts, None, lists, mappings, arrays and parts of other scenarios. Names of models
-            and media are looked up; paths start from the working folder.
-
-        Returns
-        -------
-        Scenario
-            A new one; this one stays as it is.
+        Checked as `--set` is. A medium with a changed number no longer says that it is what its source published.
+        Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
+        are looked up, paths are from the working folder.
 
         Raises
         ------
         ConfigError
             With every fault, each with its key, what was got and what is allowed.
-
-        Examples
-        --------
-        >>> from granular_contact import load
-        >>> scenario = load("configs/pendulum.yaml").scenario
-        >>> softer = scenario.replace({"medium.eta_d": 5})
-        >>> softer.medium.eta_d, softer.medium.provenance
-        (5.0, 'own')
         """
         from granular_contact.config.changed import replaced  # which needs this class
 

@@ -52,10 +52,9 @@ def sweep(
     --------
     In a script these lines stand below `if __name__ == "__main__":`, since the processes import it.
 
-    >>> from granular_contact import load, sweep
     >>> scenario = load("configs/pendulum.yaml").scenario
-    >>> rows = sweep(scenario, {"medium.eta_d": [4, 5, 6]})  # doctest: +SKIP
-    >>> [row["stopping_time_s"] for row in rows]  # doctest: +SKIP
+    >>> rows = sweep(scenario, {"medium.eta_d": [4, 5, 6]})
+    >>> [row["stopping_time_s"] for row in rows]
     """
     given = {"vary": vary, "sample": sample, "combine": combine}
     asked = {"config": scenario_to_dict(scenario)} | {key: one for key, one in given.items() if one is not None}
