@@ -9,13 +9,6 @@ import pytest
 from support_runs import ROOT
 
 MODULES = ("config.add_law", "scene.media")
-    "config.add_law",
-    "config.load",
-    "config.schema.scenario",
-    "scene.build",
-    "scene.media",
-    "studies.sweep.calls",
-)
 
 
 @pytest.mark.parametrize("name", MODULES)
