@@ -175,7 +175,7 @@ def test_neither_workers_nor_executor_change_a_row(numbered, workers, executor):
         (raising, {3}, "ZeroDivisionError: three is too much"),
         (exiting, {3}, "SystemExit: leaving"),
         (dying, {3, 17}, "the process died"),
-        (unsendable, {3}, "TypeError: function is no plain data"),
+        (unsendable, {3}, "TypeError: function is not plain data"),
     ],
 )
 def test_a_case_that_fails_costs_its_own_row_only(numbered, function, lost, words, tmp_path):

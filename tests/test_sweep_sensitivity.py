@@ -191,6 +191,6 @@ def test_an_output_that_no_run_has_ends_it_at_once(tmp_path):
     path = write(tmp_path, RUN.replace("max_deflection_m", "stoping_time_s"))
     done = command("sweep", path, "--out", tmp_path / "out", "--workers", 1)
     assert done.returncode == 2
-    said = "sample.outputs: got 'stoping_time_s', which is no number of a summary; did you mean stopping_time_s?"
+    said = "sample.outputs: got 'stoping_time_s', which is not a number of a summary; did you mean stopping_time_s?"
     assert done.stderr == f"{path}: {said}\n"
     assert list(tmp_path.iterdir()) == [path]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granular_contact import config
 from granular_contact.errors import SceneError
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
 MOST_WORKERS = 256
+# Columns of a table: key of the number, heading, factor, format.
+Shown = Sequence[tuple[str, str, float, str]]
 ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
@@ -86,22 +88,23 @@ def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
         yield lambda name: status.update(f"running {name}")
 
 
-def number(value: float | None, factor: float, form: str) -> str:
-    """A number times a factor in a format; a dash for None."""
-    return "-" if value is None else format(factor * value, form)
+def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:
+    """The shown numbers as text; a dash for None."""
+    for key, _, factor, form in shown:
+        value = values.get(key)
+        yield "-" if value is None else format(factor * value, form)
 
 
-def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table whose first column has names and the others numbers."""
+def print_table(first: Sequence[str], shown: Shown, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Print rows as a table: first texts, by their keys, then the shown numbers."""
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(box=None, pad_edge=False)
-    table.add_column(first)
-    for head in heads:
+    table = Table(first[0], box=None, pad_edge=False)
+    for head in (*first[1:], *(heading for _, heading, _, _ in shown)):
         table.add_column(head, justify="right")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(row[key] for key in first), *numbers(row, shown))
     Console(width=max(100, Console().width)).print(table)
 
 

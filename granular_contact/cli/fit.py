@@ -112,7 +112,7 @@ def _show(found: Fit) -> None:
         kind = "given" if column.given else "estimated"
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
     good = found.goodness
-    words = "the residuals look like noise" if good.status == "fits" else "the residuals are no noise"
+    words = "the residuals look like noise" if good.status == "fits" else "the residuals do not look like noise"
     rest = f" ({good.without_outliers:.3g} without the outliers)" if good.outliers else ""
     print(
         f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g}{rest} of {good.degrees_of_freedom} "

@@ -6,7 +6,7 @@ import argparse
 import csv
 import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,7 @@ from granular_contact.cli.common import (
     INTERRUPTED,
     add_output,
     complain,
+    numbers,
     output_folder,
     reason,
     worker_count,
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
 MOST_SHOWN = 40  # rows; the rest is in the table
 MOST_KEYS, MOST_LETTERS = 4, 20  # keys that vary, and letters of a value, in the shown rows
-# Summary key, heading, factor, format.
 _SHOWN = (
     ("stopping_time_s", "stop ms", 1e3, ".2f"),
     ("angle_at_stop_deg", "angle deg", 1.0, ".3f"),
@@ -170,7 +170,7 @@ def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
     numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
     for output in sample.outputs:
         if output not in numbers:
-            message = f"got {output!r}, which is no number of a summary; {unknown(output, numbers)}"
+            message = f"got {output!r}, which is not a number of a summary; {unknown(output, numbers)}"
             raise ConfigError([Fault(file, None, "sample.outputs", message)])
 
 
@@ -201,7 +201,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     for row in rows:
         if row.index < MOST_SHOWN:
             values = (_value(row.values.get(key)) for key in keys)
-            shown.add_row(row.name, *values, row.summary["status"], *_numbers(row.summary))
+            shown.add_row(row.name, *values, row.summary["status"], *numbers(row.summary, _SHOWN))
         if row.failed:
             count += 1
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
@@ -230,12 +230,6 @@ def _value(value: Any) -> str:
     """A value of a case in a cell."""
     text = f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value)
     return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 3]}..."
-
-
-def _numbers(summary: dict[str, Any]) -> Iterator[str]:
-    for key, _, factor, form in _SHOWN:
-        value = summary.get(key)
-        yield "-" if value is None else format(factor * value, form)
 
 
 def _show_sensitivity(found: Iterable[Indices]) -> None:

@@ -62,7 +62,7 @@ def table_of(text: str, file: str, faults: list[Fault]) -> Table | None:
     try:
         rows = list(csv.reader((line for _, line in lines), delimiter=separator))
     except csv.Error as error:
-        faults.append(Fault(file, None, "", f"is no CSV text: {error}"))
+        faults.append(Fault(file, None, "", f"is not a CSV text: {error}"))
         return None
     cells = [tuple(cell.strip() for cell in row) for row in rows]
     if len(cells) != len(lines):

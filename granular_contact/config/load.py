@@ -94,7 +94,7 @@ class Template:
         """
         known = list(Scenario.model_fields)
         if not isinstance(root, tree.Broken) and is_foreign(root, [*known, "config"]):
-            words = f"is no config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
+            words = f"is not a config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
             faults.append(root.position.fault((), words))
             root = tree.Broken(root.position)
         elif isinstance(root, tree.Mapping) and "config" in root.nodes and "model" not in root.nodes:

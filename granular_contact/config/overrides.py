@@ -51,7 +51,7 @@ def split(key: str, position: Position, faults: list[Fault], form: str = "dotted
     """The parts of a dotted key; None, with a fault that names the allowed `form`, for one that can't be used."""
     path = tuple(key.strip().split("."))
     if not all(path):
-        faults.append(position.fault((), f"is no {form}"))
+        faults.append(position.fault((), f"is not a {form}"))
     elif len(path) > MAX_DEPTH:
         faults.append(position.fault((), f"leads more than {MAX_DEPTH} levels deep"))
     else:

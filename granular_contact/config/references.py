@@ -96,7 +96,7 @@ class Resolver:
         if isinstance(root, Broken):
             return root
         return self._refuse(
-            root.position, (library.key,), f"is no {library.noun}: it holds {kind_of(root)}; allowed is a mapping"
+            root.position, (library.key,), f"is not a {library.noun}: it holds {kind_of(root)}; allowed is a mapping"
         )
 
 

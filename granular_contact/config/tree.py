@@ -80,6 +80,11 @@ def plain(node: Node) -> Any:
     return BROKEN
 
 
+def mapping(nodes: dict[str, Node], at: Position) -> Mapping:
+    """A mapping whose keys were written where their values were."""
+    return Mapping(at, nodes, {key: node.position for key, node in nodes.items()})
+
+
 def made(value: Any, at: Position) -> Node:
     """The tree of plain data (dict, list, scalars), all of it written at one place."""
     if isinstance(value, dict):

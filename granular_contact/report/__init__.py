@@ -14,7 +14,7 @@ import shutil
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
@@ -247,6 +247,12 @@ def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) 
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(head)
         writer.writerows(rows)
+
+
+def write_rows(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """A CSV file of rows, one or more, that all have the same keys."""
+    kept = list(rows)
+    write_table(path, list(kept[0]), (list(row.values()) for row in kept))
 
 
 def swap(making: Path, target: Path) -> None:

@@ -126,7 +126,7 @@ def plain(value: Any) -> str:
 def column(key: str, values: Sequence[Any]) -> tuple[str, list[Any]]:
     """Heading of the column of a key, with a unit that suits all its values, and these in that unit.
 
-    What is no number stays as it is.
+    What is not a number stays as it is.
     """
     known = np.array([value for value in values if is_number(value)], dtype=float)
     factor, name = 1.0, _FIXED.get(split(key)[1], "")

@@ -26,7 +26,7 @@ from granular_contact.report import (
     json_text,
     scenario_text,
     whole_folder,
-    write_table,
+    write_rows,
 )
 from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.results.interpolation import at_times, rates
@@ -217,41 +217,25 @@ def _rms(results: Results, reference: Results, column: str) -> float | None:
     return float(np.sqrt(np.mean((mine - exact) ** 2)))
 
 
-HEAD = (
-    "model",
-    "stopping_time_s",
-    "angle_at_stop_deg",
-    "max_deflection_m",
-    "angle_rms_deg",
-    "deflection_rms_m",
-    "stopping_time_relative",
-    "travel_relative",
-    "deflection_relative",
-    "solve_s",
-)
-
-
-def cells(row: Row) -> tuple[str | float | None, ...]:
-    """A row in the order of HEAD."""
-    summary = row.results.summary
-    return (
-        row.model.name,
-        summary["stopping_time_s"],
-        summary["angle_at_stop_deg"],
-        summary["max_deflection_m"],
-        row.angle_rms,
-        row.deflection_rms,
-        row.stopping_time,
-        row.travel,
-        row.deflection,
-        row.seconds,
-    )
+def cells(row: Row) -> dict[str, str | float | None]:
+    """A row of the table, by the names of its columns."""
+    measured = ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")
+    return {
+        "model": row.model.name,
+        **{key: row.results.summary[key] for key in measured},
+        "angle_rms_deg": row.angle_rms,
+        "deflection_rms_m": row.deflection_rms,
+        "stopping_time_relative": row.stopping_time,
+        "travel_relative": row.travel,
+        "deflection_relative": row.deflection,
+        "solve_s": row.seconds,
+    }
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
     """Write the table, the verdict, the run and the histories laid over each other, whole or not at all."""
     with whole_folder(directory, "compare") as folder:
-        write_table(folder / COMPARISON, HEAD, map(cells, comparison.rows))
+        write_rows(folder / COMPARISON, map(cells, comparison.rows))
         (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")
         (folder / SCENARIO).write_text(scenario_text(comparison.rows[-1].results), encoding="utf-8")
         if figures:

@@ -186,7 +186,7 @@ TEXTS = {
     "log of nothing": (("[medium.eta_d]", "{medium.eta_d: {from: 0, to: 9, scale: log}}"), "fit.yaml", 1,
                        "parameters.medium.eta_d.scale", "must be above 0"),
     "unknown coefficient": (("eta_d]", "eta_q]"), "fit.yaml", 1, "medium.eta_q", "did you mean medium.eta_"),
-    "text": (("medium.eta_d]", "medium.law]"), "fit.yaml", 1, "medium.law", "is no number but 'lee_marghitu'"),
+    "text": (("medium.eta_d]", "medium.law]"), "fit.yaml", 1, "medium.law", "is not a number but 'lee_marghitu'"),
     "whole number": (("medium.eta_d]", "load.strips_per_element]"), "fit.yaml", 1, "load.strips_per_element",
                      "is a whole number, 4"),
     "a setting of the solver": (("medium.eta_d]", "solver.step_s]"), "fit.yaml", 1, "solver.step_s",

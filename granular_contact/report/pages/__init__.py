@@ -77,7 +77,7 @@ def write(directory: Path, file: Path | None = None) -> Path:
     """
     file = directory / PAGE if file is None else file
     if file.exists() and not _is_ours(file):
-        raise FolderError(f"{file} is there already and is no report of this program: give another name, or move it")
+        raise FolderError(f"{file} is there already and is not a report of this program: give another name, or move it")
     text = html(directory)
     making = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:

@@ -123,7 +123,7 @@ def _dependent(problem: Problem, f: Sequence[Vector], tiny: NDArray[np.bool_]) -
     named += [f"{' and '.join(names)} in {one} and {other}" for (one, other), names in runs.items()]
     for words in named:
         yield (
-            f"the noise of {words} is the same for the most part, so they are no independent measurements: the errors "
+            f"the noise of {words} is the same for the most part, so they are not independent measurements: the errors "
             "are too small"
         )
 

@@ -79,7 +79,7 @@ def _refused(request: ParameterRequest, values: Sequence[Any], plains: Sequence[
     if present is _MISSING:
         return f"the run has no such key; {hint}"
     kind = "nothing there" if present is None else "a mapping" if isinstance(present, dict) else f"{present!r}"
-    return f"is no number but {kind}; {hint}"
+    return f"is not a number but {kind}; {hint}"
 
 
 _MISSING = object()

@@ -36,7 +36,7 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
     if not isinstance(root, tree.Mapping):
         if not isinstance(root, tree.Broken):
             known = ", ".join(one.alias or key for key, one in FitFile.model_fields.items())
-            words = f"is no fit file: it holds {kind_of(root)}; allowed is a mapping with the keys {known}"
+            words = f"is not a fit file: it holds {kind_of(root)}; allowed is a mapping with the keys {known}"
             faults.append(root.position.fault((), words))
         raise ConfigError(sorted(faults, key=by_place))
     file = validated(FitFile, root, faults)

@@ -39,7 +39,7 @@ class Row:
         return self.summary["status"] not in FINISHED
 
     def line(self) -> bytes:
-        """The row as JSON; raises TypeError for what is no plain data."""
+        """The row as JSON; raises TypeError for what is not plain data."""
         return (json.dumps(vars(self), ensure_ascii=False, default=_plain) + "\n").encode()
 
     @staticmethod
@@ -136,4 +136,4 @@ def _plain(value: Any) -> Any:
     """NumPy's scalars as Python's."""
     if hasattr(value, "item"):
         return value.item()
-    raise TypeError(f"{type(value).__name__} is no plain data")
+    raise TypeError(f"{type(value).__name__} is not plain data")

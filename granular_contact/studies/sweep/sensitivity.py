@@ -49,7 +49,7 @@ def imprecision(one: Indices, i: int) -> str:
         return ""
     width = max(float(np.ptp(ends[:, i])) for ends in (one.first_interval, one.total_interval))
     first, total = float(one.first[i]), float(one.total[i])
-    if not width <= WIDEST_INTERVAL:  # or it is no number at all
+    if not width <= WIDEST_INTERVAL:  # or it is not a number at all
         why = f"an interval {width:.2g} wide"
     elif max(-first, -total, first - 1.0, total - 1.0) > INDEX_TOLERANCE:
         why = "an index outside 0 to 1"
