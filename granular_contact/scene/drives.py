@@ -16,7 +16,7 @@ FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another
 
 
 def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
-    """All drives of a scenario; what can't be made is appended to the faults."""
+    """All drives of a scenario; faults are appended."""
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
@@ -40,7 +40,7 @@ def _without_jumps(
 ) -> signals.Signal:
     """The signal of a motion with a rate that does not jump during the run; a fault is appended where it would.
 
-    A jump of rate is an impact, of a force without bound, of which an integrator makes what its step allows.
+    A jump of the rate takes an infinite force, whose result would depend on the step of the integrator.
     """
     solver, key = scenario.solver, target(spec)
     found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]

@@ -1,4 +1,4 @@
-"""Where the bodies of a model are at the start: frames, reach, groups of welded bodies, initial motion."""
+"""Initial configuration of a model: frames, workspace bounds, groups of welded bodies, initial motion."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def degrees_of_freedom(joint: schema.Joint) -> int:
 
 
 def _joints_outward(model: schema.Model) -> Iterator[tuple[str, schema.Joint]]:
-    """Joints in an order in which every parent is placed before its children."""
+    """Joints in topological order: every parent before its children."""
     below: dict[str, list[str]] = defaultdict(list)
     for name, joint in model.all_joints.items():
         below[joint.parent].append(name)
@@ -124,9 +124,9 @@ def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> t
 
 
 def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, WorkspaceBound]:
-    """How far from where it hangs on the ground each body can get, whatever the joints do.
+    """Workspace bound of each body, whatever the coordinates of the joints.
 
-    frames: of the bodies at the start. There is no end behind sliders and free joints. What is welded moves with the
+    frames: of the bodies at the start. There is no bound beyond sliders and free joints. A welded part moves with the
     body that it is welded to.
     """
     held: dict[str, WorkspaceBound] = {}

@@ -1,4 +1,4 @@
-"""Closed loops at the start: whether they close, the state of the joints that follow, redundant constraints."""
+"""Kinematic loops at the start: whether they close, the state of dependent joints, redundant constraints."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Loops:
         return pose(self.model, self.states(x, rates), self.ground_angle)
 
     def gaps(self, name: str, placed: Pose) -> Vector:
-        """What is left to close one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
+        """Residual of the closure of one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
         joint = self.model.closures[name]
         parent, child = placed.frames[joint.parent], placed.frames[joint.child]
         gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
@@ -65,7 +65,7 @@ class Loops:
         return np.array([*gap, turn])
 
     def gap_rates(self, name: str, placed: Pose) -> Vector:
-        """How fast a loop that is closed opens."""
+        """Velocity residual of a closed loop."""
         joint = self.model.closures[name]
         parent, child = placed.twists[joint.parent], placed.twists[joint.child]
         pin = placed.frames[joint.child].world(point(joint.child_point_m))
@@ -83,7 +83,7 @@ class Loops:
         return np.concatenate([self.gaps(name, placed) for name in self.model.closures])
 
     def jacobian(self, x: Vector) -> dict[str, Vector]:
-        """Derivatives of the gaps of every closure by the coordinates, (rows, n) each, in a closed pose."""
+        """Constraint Jacobian of every closure, (rows, n) each, in a closed pose."""
         still = self.at(x, np.zeros_like(x))
         slopes = {name: np.zeros((len(self.gaps(name, still)), len(x))) for name in self.model.closures}
         for i, unit in enumerate(np.eye(len(x))):
@@ -112,7 +112,9 @@ def _across(joint: schema.SliderClosure, angle: float) -> Vector:
 
 
 def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:
-    """Joint states in which all loops are closed and stay so; what was not said follows. Faults are appended."""
+    """Joint states in which all loops are closed in position and velocity; joints that were not given follow. Faults
+    are appended.
+    """
     model = scenario.model
     if not model.closures:
         return begun.states
@@ -143,7 +145,9 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
 
 
 def _home(loops: Loops, begun: Start) -> Vector:
-    """Coordinates in which the loops are to close as the model is written; free bodies are where the run has them."""
+    """Coordinates of the reference configuration, in which the loops have to close; free bodies are where the run has
+    them.
+    """
     home = []
     for name in loops.joints:
         joint = loops.model.all_joints[name]
@@ -177,9 +181,9 @@ def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
 def redundant(
     model: schema.Model, states: Mapping[str, JointState], ground_angle: float, drives: tuple[Drive, ...]
 ) -> list[Fault]:
-    """Closures and prescribed motions that hold what is held already, by the rank of the constraints at the start.
+    """Redundant closures and prescribed motions, by the rank of the constraint Jacobian at the start.
 
-    A loop through a flexible link is never redundant: the link gives way.
+    A loop through a flexible link is never redundant.
     """
     if not model.closures:
         return []

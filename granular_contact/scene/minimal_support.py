@@ -1,4 +1,4 @@
-"""Which mechanisms can be solved in minimal coordinates, told without solving one."""
+"""Which mechanisms minimal coordinates support."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ SUPPORTED = (
 
 
 def check_minimal(scene: Scene) -> None:
-    """Refuse a scene that minimal coordinates are not for.
+    """Refuse a scene that minimal coordinates do not support.
 
     Raises
     ------
     SceneError
-        With the key `method`, all that stands in the way, and what is possible.
+        With the key `method`, all obstacles, and what is supported.
     """
     obstacles = [*_mechanism(scene), *_extras(scene), *_bed(scene)]
     if obstacles:
@@ -50,7 +50,7 @@ def _extras(scene: Scene) -> Iterator[str]:
 
 
 def _named(names: list[str]) -> str:
-    """Three names at the most, and how many more there are."""
+    """At most three names, and how many more there are."""
     shown = ", ".join(names[:3])
     return f"{shown} and {len(names) - 3} more" if len(names) > 3 else shown
 

@@ -1,4 +1,4 @@
-"""Which mechanisms have a reduced model, told without building one."""
+"""Which mechanisms the reduced model supports."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def check_reduced(scene: Scene, modes: int) -> None:
     Raises
     ------
     SceneError
-        With the key `method`, all that stands in the way, and what can be reduced.
+        With the key `method`, all obstacles, and what is supported.
     """
     obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene), *_media(scene)]
     if not obstacles and modes > 0 and not scene.links:
@@ -61,7 +61,7 @@ def _joints(scene: Scene) -> Iterator[str]:
 
 
 def _extras(scene: Scene) -> Iterator[str]:
-    """What a reduced model has not: drives, settling, springs and the like in joints."""
+    """What a reduced model does not have: drives, settling, springs, dampers, stops and friction of joints."""
     if scene.drives:
         yield f"{scene.drives[0].joint} is driven"
     if scene.settle:
@@ -72,7 +72,7 @@ def _extras(scene: Scene) -> Iterator[str]:
 
 
 def _reduces(scene: Scene, joint: Connection) -> tuple[str, bool]:
-    """What a joint carries, in words, and whether the reduced model has such a joint."""
+    """The child of a joint, in words, and whether the reduced model supports such a joint."""
     child = scene.body(joint.child)
     if isinstance(child, RigidBody):
         return f"the rigid {child.name}", joint.kind == "hinge" and joint.parent is None

@@ -36,9 +36,9 @@ class Shape:
 
     points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
     point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
-    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
-    mass (kg): of a ball by itself, for laws that ask for it. turns (k - 1,) rad: angle by which each side between two
-    points turns where it is the chord of an arc, counter-clockwise; None: all sides are straight.
+    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free`: whether the end of a line is a free
+    face. mass (kg): of a ball by itself, for laws that ask for it. turns (k - 1,) rad: angle by which each side between
+    two points turns where it is the chord of an arc, counter-clockwise; None: all sides are straight.
     """
 
     part: str
@@ -162,9 +162,9 @@ class JointLaw:
 class Connection:
     """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
 
-    axis: of a slider, unit vector (2,) in the parent's frame. offset: what a hinge's coordinate is beyond the parent's
-    angle less the child's (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its rate at the
-    start. closes: whether it closes a loop.
+    axis: of a slider, unit vector (2,) in the parent's frame. offset: a hinge's coordinate less the difference of the
+    parent's and the child's angle (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its
+    rate at the start. closes: whether it closes a loop.
     """
 
     name: str
@@ -191,7 +191,7 @@ class Drive:
     """What acts at a hinge or slider over time, in its coordinate: N m, rad, rad/s or N, m, m/s.
 
     load: the signal is the torque or force. motion: the coordinate follows the signal. control: gain times the error of
-    the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the rate wanted.
+    the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the reference rate.
     """
 
     joint: str
@@ -306,7 +306,7 @@ class Scene:
 
     @cached_property
     def force_scale(self) -> float:
-        """Force (N) to expect: the weight, at least at 1 g, and the momentum of the impact.
+        """Scale of the forces (N): the weight, at 1 g at least, and the momentum of the impact.
 
         A mechanism of mass m that enters at tip speed v, and stops over a depth of its length L, needs m v^2 / L.
         """
@@ -340,7 +340,7 @@ class Scene:
 def turned(clockwise_deg: float) -> float:
     """Angle (rad) as scenes have it, counter-clockwise, of one of a config (deg), clockwise.
 
-    Here alone fixed angles change their sense; coordinates of hinges stay clockwise, see `layout.pose`.
+    Fixed angles change their sense only here; coordinates of hinges stay clockwise, see `layout.pose`.
     """
     return -math.radians(clockwise_deg)
 

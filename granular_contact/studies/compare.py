@@ -1,7 +1,7 @@
-"""One config by several models: rigid, modal and finite-element, measured against the finest beam.
+"""One config with several models, rigid, modal and finite-element, compared with the finest beam.
 
-A model is good enough when stopping time and travel (angle at stop minus impact angle) are both within the tolerance;
-for the deflection, when the peak deflection is. The cheapest such model is the verdict.
+A model is accepted for the motion when stopping time and travel (angle at stop minus impact angle) are both within the
+tolerance, and for the deflection when the peak deflection is. The verdict is the cheapest accepted model.
 """
 
 from __future__ import annotations
@@ -159,9 +159,9 @@ def compare(
     progress: Callable[[str], None] | None = None,
     compiling: Compiling | None = None,
 ) -> Comparison:
-    """Run a config by every model, `repeats` times after a warm-up for the run time.
+    """Run a config with every model, `repeats` times after a warm-up, to measure the run time.
 
-    progress: told what is run next; compiling: see `run`.
+    progress: called with the name of what is run next; compiling: see `run`.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write the table, the verdict, the run and the histories laid over each other, whole or not at all."""
+    """Write the table, the verdict, the scenario and a figure of all histories, completely or not at all."""
     with whole_folder(directory, "compare") as folder:
         write_rows(folder / COMPARISON, map(cells, comparison.rows))
         (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")

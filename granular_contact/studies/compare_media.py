@@ -1,4 +1,4 @@
-"""One config in several media: the same impact, what comes out of each."""
+"""One config in several media: the same impact, compared."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def compare_media(
 ) -> tuple[Row, ...]:
     """Run a config in each of several media, named as in a config (preset, file, or several joined by +).
 
-    progress: told what is run next; compiling: see `run`.
+    progress: called with the name of what is run next; compiling: see `run`.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
-    """Write the table and the histories laid over each other, whole or not at all."""
+    """Write the table and a figure of all histories, completely or not at all."""
     with whole_folder(directory, "compare-media") as folder:
         write_rows(folder / TABLE, map(cells, rows))
         if figures:

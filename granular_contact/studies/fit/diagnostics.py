@@ -41,7 +41,7 @@ def outliers(f: Sequence[Vector]) -> float:
 
 
 def _outliers(problem: Problem, f: Sequence[Vector]) -> Iterator[str]:
-    """Where the values are that are no noise, if they are few."""
+    """Places of the outliers, if they are few."""
     if not 0.0 < outliers(f) <= MOST_OUTLIERS:
         return
     count = sum(int(np.sum(np.abs(one) > OUTLIER)) for one in f)
@@ -78,7 +78,7 @@ def _of_column(problem: Problem, f: Sequence[Vector], name: str) -> Vector:
 
 
 def _rounded(problem: Problem, sigma: Vector) -> Iterator[str]:
-    """Columns whose noise is that of their rounding."""
+    """Columns whose noise is mostly rounding."""
     for name, size, step in zip(problem.columns, sigma, _steps(problem), strict=True):
         if _mostly_rounding(step, size):
             yield (

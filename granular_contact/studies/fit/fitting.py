@@ -31,7 +31,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Fit:
-    """What came of a fit. residuals: data less model (n, columns) of each run; curves: for figures."""
+    """Result of a fit. residuals: data less model (n, columns) of each run; curves: for figures."""
 
     problem: Problem
     solution: Solution
@@ -47,13 +47,13 @@ class Fit:
 
     @property
     def agreeing(self) -> int:
-        """How many starts came to the best end, or as good as there."""
+        """How many starts ended at the best cost, within a tolerance."""
         costs = np.array([start.cost for start in self.solution.starts])
         return int(np.sum(costs <= np.min(costs) * (1.0 + SAME_COST) + NEGLIGIBLE_COST * len(self.solution.residuals)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """All that speaks against trusting the numbers, in sentences."""
+        """Reasons against trusting the numbers, in sentences."""
         found = []
         if self.goodness.status == "misfit":
             found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")

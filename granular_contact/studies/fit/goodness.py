@@ -1,4 +1,4 @@
-"""Do the residuals look like noise? A model that can't describe the data leaves a pattern, and it is said.
+"""Do the residuals look like noise? A model that can't describe the data leaves a pattern in them, which is reported.
 
 Where the noise is not known the size of the residuals proves nothing, as the noise is estimated from them. Two things
 still do: residuals of noise are independent from row to row (Ljung and Box 1978), and they are no larger than what the
@@ -33,7 +33,7 @@ class ColumnFit:
     """One column over all runs: noise as used, whether it was given, rows, rms of the residuals, roughness of the data.
 
     reduced_chi_square: of the residuals in units of the given noise; None where it was estimated from them.
-    durbin_watson: 2 for independent residuals, towards 0 for ones that follow each other.
+    durbin_watson: 2 for independent residuals, towards 0 for correlated ones.
     """
 
     column: str
@@ -139,7 +139,7 @@ def _durbin_watson(series: Sequence[Vector]) -> float:
 def ljung_box(series: Sequence[Vector], parameters: int) -> float:
     """Probability that noise is correlated as much as these series (n,) are, over up to ten rows.
 
-    Outliers are cut to three times the noise, so that a few of them can't hide a pattern, nor make one.
+    Outliers are limited to three times the noise, so that a few of them can neither hide a pattern nor make one.
     """
     statistic, lags = 0.0, 0
     for one in series:

@@ -1,4 +1,4 @@
-"""Fit -> the medium found, with where its numbers come from and the range of the data."""
+"""Fit -> the fitted medium, with the provenance of its numbers and the range of the data."""
 
 from __future__ import annotations
 

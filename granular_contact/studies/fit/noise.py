@@ -1,4 +1,4 @@
-"""How rough the data are, from themselves; and how far a model is from them, when some rows may be wrong."""
+"""Noise of data, estimated from the data themselves or robustly from the residuals of a model."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MAD = 1.4826  # standard deviation over median absolute value, of a normal dist
 
 
 def psi(f: Vector, loss: Loss) -> Vector:
-    """How strongly residuals f (in units of the noise) pull."""
+    """Influence function of residuals f (in units of the noise)."""
     return f if loss == "linear" else f / np.sqrt(1.0 + (f / LOSS_SCALE) ** 2)
 
 
@@ -31,7 +31,7 @@ def psi_slope(f: Vector, loss: Loss) -> Vector:
 def scale(residuals: Vector, loss: Loss, share: float) -> float:
     """Standard deviation of residuals (n,), of whose n degrees of freedom the fit took the given share.
 
-    For soft_l1 the scale at which the residuals pull as strongly as normal ones would (Huber's second proposal).
+    For soft_l1 the scale at which the mean square influence is that of normal residuals (Huber's second proposal).
     """
     rms = float(np.sqrt(np.mean(residuals**2) / (1.0 - share)))
     if loss == "linear" or rms == 0.0:
@@ -82,7 +82,7 @@ def roughness_of(problem: Problem, column: str) -> float | None:
 
 
 def floors(problem: Problem) -> Vector:
-    """Least noise (columns,) that is told apart from the errors of the computation."""
+    """Noise (columns,) below which the errors of the computation dominate."""
     data, column = problem.data(), problem.column_of()
     return np.array(
         [max(RELATIVE_FLOOR * float(np.ptp(data[column == k])), 1e-12) for k in range(len(problem.columns))]

@@ -1,4 +1,4 @@
-"""What was asked for -> parameters with start, bounds and scale, or why a key can't be one."""
+"""Requests -> parameters with start, bounds and scale, or why a key can't be a parameter."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ _MISSING = object()
 
 
 def _keys(plain: Any, path: str = "") -> Iterator[str]:
-    """Dotted keys of all that could be fitted, but the places of the mechanism's parts."""
+    """Dotted keys of all numbers that can be fitted; geometry of the mechanism is left out."""
     items = plain.items() if isinstance(plain, dict) else enumerate(plain) if isinstance(plain, list) else ()
     for key, value in items:
         if not path and (key in NOT_FITTED or key == "model"):
@@ -137,7 +137,7 @@ def _default(request: ParameterRequest, start: float, side: int, simulators: Seq
 
 
 def _allowed(request: ParameterRequest, value: float, simulators: Sequence[Simulator]) -> str | None:
-    """What the schema has against a value of this key, or None."""
+    """The fault of a value of this key by the schema, or None."""
     at = request.position
     override = Override(request.key, Scalar(at, float(value), f"{value:g}"), at)
     try:

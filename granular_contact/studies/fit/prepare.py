@@ -23,7 +23,7 @@ from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
 
 
 def prepare(request: Specification) -> Problem:
-    """Read all that a fit needs, and check it.
+    """Read and check all inputs of a fit.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What is fitted to what: runs with their data, and the parameters that they share or have for themselves."""
+"""The problem of a fit: runs with their data, shared parameters and parameters of single runs."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ OFFSET: Key = ("time_offset_s",)
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number to be found between `low` and `high`; `runs` (indices) is what it acts on.
+    """A number to be estimated between `low` and `high`; it acts on `runs` (indices).
 
-    Solvers see it scaled: its logarithm, or its share of the way from low to high.
+    Solvers see it scaled: its logarithm, or its position between low (0) and high (1).
     """
 
     key: Key
@@ -36,7 +36,7 @@ class Parameter:
 
     @property
     def shared(self) -> bool:
-        """Whether it is what is looked for, and not the clock or the start of a single run."""
+        """Whether it is shared by runs, and not the clock or the start of a single one."""
         return "@" not in self.label
 
     @property

@@ -1,4 +1,4 @@
-"""What a fit is asked for: runs, parameters and options, as they were written."""
+"""The request for a fit: runs, parameters and options, as they were written."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from granular_contact.studies.fit.problem import Loss
 
 @dataclass(frozen=True)
 class ParameterRequest:
-    """A parameter as asked for."""
+    """A requested parameter."""
 
     key: tuple[str, ...]
     position: Position
@@ -28,7 +28,7 @@ class ParameterRequest:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """One run as asked for. columns: measured name -> header and place.
+    """A requested run. columns: measured name -> header and place.
 
     offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found.
     """
@@ -46,7 +46,7 @@ class RunRequest:
 
 @dataclass(frozen=True)
 class Specification:
-    """A fit as asked for. noise: measured name -> value and place."""
+    """A requested fit. noise: measured name -> value and place."""
 
     name: str
     runs: tuple[RunRequest, ...]

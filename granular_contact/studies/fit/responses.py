@@ -65,7 +65,7 @@ class Simulator:
         self._responses: dict[tuple[float, ...], Response] = {}
 
     def __getstate__(self) -> dict[str, object]:
-        """What goes to a worker: all but the runs, which it would make faster than it gets them."""
+        """What is sent to a worker: all but the cached runs, which it computes faster than it receives them."""
         return self.__dict__ | {"_responses": {}}
 
     def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:

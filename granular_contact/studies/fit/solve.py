@@ -1,4 +1,6 @@
-"""Problem -> the best parameters: from several points to the same basin, then weighted by the noise that is left."""
+"""Problem -> the best parameters: least squares from several starting points, then iteratively weighted by the
+noise.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,7 @@ NEGLIGIBLE_COST = 1e-7  # cost for each value of data that are met but for the e
 
 @dataclass(frozen=True)
 class Start:
-    """Where one start came to: scaled parameters and half the sum of squares; why it came nowhere."""
+    """End of one start: scaled parameters and half the sum of squares, or the problem that it ended with."""
 
     scaled: Vector
     cost: float
@@ -58,7 +60,7 @@ class Solution:
 
 
 def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) -> Solution:
-    """Fit from several starts, in so many processes, and refine the best.
+    """Fit from several starts, in `workers` processes, and refine the best.
 
     Raises
     ------
@@ -77,7 +79,7 @@ def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) 
 
 
 def starting_points(problem: Problem) -> list[Vector]:
-    """The start that was given, then a Sobol sequence within the bounds (scaled); clocks start as given."""
+    """The given start, then a Sobol sequence within the bounds (scaled); offsets of clocks start as given."""
     low, high = problem.bounds
     points = [np.clip(problem.start, low, high)]
     if problem.starts > 1:
@@ -111,8 +113,8 @@ def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list
 def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Iterator[tuple[int, Start]]:
     """Index and end of each start, as they come.
 
-    A start whose process dies is tried once more in another one: it may have been killed from outside. Never in this
-    one, which would die of it as well.
+    A start whose process dies is tried once more in a new process, as it may have been killed from outside; never in
+    this process.
     """
     from granular_contact.studies.sweep.processes import local_processes
 
@@ -132,7 +134,7 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
 
 
 def descend(problem: Problem, point: Vector) -> Start:
-    """Plain least squares from a point; columns are weighted by how much they vary, as the noise is not known yet."""
+    """Least squares from a point; columns are weighted by their standard deviation, as the noise is not known yet."""
     data, column = problem.data(), problem.column_of()
     spread = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
     try:
@@ -171,7 +173,7 @@ def minimise(
 
 
 def _refined(problem: Problem, point: Vector, starts: tuple[Start, ...]) -> Solution:
-    """Noise and parameters in turn, until the noise does not change any more."""
+    """Parameters and noise in turn, until the noise has converged."""
     column, floors = problem.column_of(), noise.floors(problem)
     residuals = problem.data() - problem.model(point, problem.times())
     sigma = estimate_noise(problem, residuals, column, floors)

@@ -1,4 +1,4 @@
-"""A fit file, or what the command line says in its place -> Specification; its keys stand at `config.schema.fit`."""
+"""A fit file, or the options of the command line -> Specification; keys: `config.schema.fit`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Solution -> how well each parameter is known, and which of them only together."""
+"""Solution -> standard errors and correlations of the parameters, and combinations that the data leave open."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ LARGEST_HALF_WIDTH = 100.0  # of an interval, in powers of e or lengths of the s
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter as found, with standard error and 95 % interval; at_bound: -1 or 1 where it stands at one, else 0.
+    """An estimated parameter with standard error and 95 % interval; at_bound: -1 or 1 at a bound, else 0.
 
-    Infinite where the data say nothing of it.
+    Both are infinite where the data do not determine it.
     """
 
     parameter: Parameter
@@ -57,10 +57,10 @@ class Uncertainty:
 
 
 def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
-    """Errors from the curvature at the solution and the scatter of the residuals, in whatever unit of noise.
+    """Errors from the curvature at the solution and the scatter of the residuals.
 
-    A parameter at its bound is treated as the others are: taken for known, it would make those that it varies with look
-    well known too.
+    A parameter at its bound is treated like the others: if it counted as known, those correlated with it would seem
+    well known, too.
     """
     covariance = _covariance(problem, solution)
     deviation = np.sqrt(np.diag(covariance))
@@ -144,12 +144,12 @@ def _unbounded(parameter: Parameter, scaled: float) -> float:
 
 
 def _unmoved(one: Estimate) -> bool:
-    """Whether nothing is known of a parameter of one run alone, which the directions do not tell of."""
+    """Whether the data do not determine a parameter of a single run, which is not in the directions."""
     return not one.parameter.shared and not np.isfinite(one.error)
 
 
 def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Iterator[Direction]:
-    """Axes of the ellipsoid of the shared parameters, relative to their values: loosest first."""
+    """Axes of the error ellipsoid of the shared parameters, relative to their values: longest first."""
     shared = [j for j, p in enumerate(problem.parameters) if p.shared]
     own = [j for j in shared if np.isfinite(covariance[j, j])]
     yield from ((np.inf, {problem.parameters[j].label: 1.0}) for j in shared if j not in own)
@@ -186,7 +186,7 @@ def _bound_words(estimates: Sequence[Estimate], covariance: Vector) -> Iterator[
 
 
 def _words(directions: Directions) -> Iterator[str]:
-    """A sentence for each combination that the data leave open."""
+    """A sentence for each combination that the data do not determine."""
     for members in map(_members, directions):
         names = list(members)
         errors = [f"{100 * error:.0f} %" if error < 3.0 else "any size" for error in members.values()]
@@ -210,7 +210,7 @@ def _listed(words: Sequence[str]) -> str:
 
 
 def _close_words(problem: Problem, correlation: Vector, directions: Directions) -> Iterator[str]:
-    """Pairs that are known well enough, and yet vary together."""
+    """Pairs of well determined but highly correlated parameters."""
     named = [set(_members(direction)) for direction in directions]
     for i, one in enumerate(problem.parameters):
         for j, other in enumerate(problem.parameters[:i]):

@@ -5,7 +5,7 @@ journal      rows on the disk as they come
 processes    worker processes on this machine
 cluster      workers of a Dask cluster
 executor     the pool of either kind of worker, made when needed
-runner       which case goes where, and what happens when one takes its process down
+runner       which case goes where, and what happens when one kills its process
 checkpoint   the folder from which a killed sweep goes on
 calls        a sweep from Python
 table        rows -> table.csv, and sweep.yaml

@@ -22,7 +22,7 @@ def sweep(
     combine: str | None = None,
     workers: int | None = None,
 ) -> list[dict[str, Any]]:
-    """Run a scenario with many values, in processes of their own; nothing is saved.
+    """Run a scenario with many values in worker processes; nothing is saved.
 
     Parameters
     ----------

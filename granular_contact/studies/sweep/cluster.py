@@ -1,4 +1,4 @@
-"""Workers on a Dask cluster (extra `[cluster]`): distributed's scheduler and workers, none of our own.
+"""Workers on a Dask cluster (extra `[cluster]`): distributed's own scheduler and workers.
 
 Workers are started by the user, one process for each core, as runs hold the interpreter:
 
@@ -30,7 +30,7 @@ MISSING = "--scheduler needs distributed: pip install 'granular-contact[cluster]
 def cluster_pool(address: str, folder: Path | None = None) -> WorkerPool:
     """The workers of the cluster whose scheduler is at `address`, as tcp://host:8786.
 
-    folder: which they must see, as the results of each case go there.
+    folder: one that they must see, for the results of each case.
 
     Raises
     ------
@@ -59,9 +59,8 @@ def cluster_pool(address: str, folder: Path | None = None) -> WorkerPool:
 
 
 def _silence() -> None:
-    """Let distributed's loggers say nothing: what they have to tell comes as an error.
-
-    It gives some of those below its own a level, which then counts there.
+    """Silence distributed's loggers, as every problem comes as an exception. Some child loggers have a level of their
+    own, which is set, too.
     """
     for name in ("distributed", *(n for n in logging.root.manager.loggerDict if n.startswith("distributed."))):
         logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -96,7 +95,7 @@ class _ClusterPool(WorkerPool):
 
 
 class _ClusterExecutor(Executor):
-    """distributed's executor, with the errors that executors of this machine have."""
+    """distributed's executor, with the exceptions of executors of this machine."""
 
     def __init__(self, client: Any, address: str) -> None:
         self._inner, self._address = client.get_executor(pure=False), address
@@ -131,7 +130,7 @@ class _ClusterExecutor(Executor):
 
 
 def _fit(client: Any, address: str, folder: Path | None) -> int:
-    """How many workers there are; each of them must give the rows that this process would give."""
+    """Number of workers; each must have the versions of this process, so that it gives the same rows."""
     try:
         client.wait_for_workers(1, timeout=2.0)
     except TimeoutError:

@@ -96,7 +96,7 @@ def run(
 
 
 def _without_finished(tasks: Sequence[Task], journal: Journal) -> Generator[Row, None, list[Task]]:
-    """Rows of the tasks that were finished before their worker died; returns the others."""
+    """Rows of tasks that finished before their worker died; returns the other tasks."""
     pending = {task.index for task in tasks}
     found = [row for row in journal if row.index in pending]
     yield from found
@@ -111,26 +111,30 @@ def _tasks(sweep: Sweep, done: Collection[int]) -> Iterator[Task]:
 
 
 class _Scheduler:
-    """Gives away the cases in chunks: large enough that handing them over costs little, small towards the end."""
+    """Divides the cases into chunks: large enough that sending them costs little, small towards the end."""
 
     def __init__(self, tasks: Iterator[Task], count: int, workers: int) -> None:
         self._tasks, self.left, self._workers = tasks, count, workers
         self._size = 1
 
     def take(self) -> list[Task]:
-        """The next cases, fewer than there are workers to share the rest."""
+        """The next chunk of cases."""
         size = max(1, min(self._size, self.left // (2 * self._workers)))
         chunk = list(islice(self._tasks, size))
         self.left -= len(chunk)
         return chunk
 
     def note(self, cases: int, seconds: float) -> None:
-        """Learn from a finished chunk; from the latest one, as a worker's first is slower than all others."""
+        """Update the size of chunks by the time of the latest one, as a worker's first chunk is slower than the
+        others.
+        """
         self._size = max(1, min(LARGEST_CHUNK, int(CHUNK_SECONDS * cases / max(seconds, 1e-6))))
 
 
 def _together(scheduler: _Scheduler, pool: WorkerPool, job: bytes, suspects: list[Task]) -> Iterator[bytes]:
-    """Lines of all cases but those of lost chunks, one of which may be the reason: `suspects` gets them."""
+    """Lines of all cases but those of lost chunks, which are appended to `suspects`: one of them may have killed its
+    worker.
+    """
     pending: dict[Work, list[Task]] = {}
     while pending or scheduler.left:
         while scheduler.left and len(pending) < 2 * pool.count:
@@ -150,7 +154,7 @@ def _together(scheduler: _Scheduler, pool: WorkerPool, job: bytes, suspects: lis
 
 
 def _one_by_one(suspects: Sequence[Task], sweep: Sweep, pool: WorkerPool, job: bytes) -> Iterator[tuple[bytes, bool]]:
-    """Lines of cases that are tried alone, and whether the row was lost."""
+    """Lines of cases that run alone, and whether the row was lost."""
     pool.shutdown()  # new workers, that no other case has harmed
     for task in suspects:
         future: Work = pool.executor().submit(work, job, [task])

@@ -1,7 +1,6 @@
-"""Rows of a Saltelli design -> Sobol indices: what part of the variance of an output each input explains.
-
-First order: alone. Total: with all that it does together with others. By scipy.stats.sobol_indices (Saltelli et al.
-2010), with the inputs independent and even over their ranges; intervals by a bootstrap over the points of the design.
+"""Rows of a Saltelli design -> Sobol indices: the share of the variance of an output that each input explains. First
+order: alone. Total: with all interactions. By scipy.stats.sobol_indices (Saltelli et al. 2010), with the inputs
+independent and even over their ranges; intervals by a bootstrap over the points of the design.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ class Indices:
 
 
 def imprecision(one: Indices, i: int) -> str:
-    """Why the indices of an input are not known well enough to be used; empty if they are."""
+    """Why the indices of an input are too imprecise to be used; empty if they are not."""
     if one.refused:
         return ""
     width = max(float(np.ptp(ends[:, i])) for ends in (one.first_interval, one.total_interval))
@@ -61,7 +60,7 @@ def imprecision(one: Indices, i: int) -> str:
 
 
 def warnings(one: Indices) -> list[str]:
-    """Of each input whose indices are not known well enough, a sentence."""
+    """A sentence for each input whose indices are too imprecise."""
     named = ((name, imprecision(one, i)) for i, name in enumerate(one.inputs))
     return [f"Sobol indices of {one.output} to {name}: {why}" for name, why in named if why]
 
@@ -73,7 +72,7 @@ def of_sweep(sweep: Sweep, rows: Iterable[Row]) -> list[Indices]:
 
 
 def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Sequence[str]) -> list[Indices]:
-    """Indices of each output; refused where a case has failed or has no such number, as none may be left out.
+    """Indices of each output; refused where a case failed or has no such number, as the design needs all cases.
 
     Parameters
     ----------
