@@ -24,7 +24,7 @@ ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 class Refusal(Exception):
-    """Why a command is not begun, in a sentence for people; the command line ends as of faulty input."""
+    """Why a command does not start, as a sentence; the exit code is that of faulty input."""
 
 
 def complain(text: str) -> None:
@@ -46,7 +46,7 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
 
 
 def worst(statuses: Iterable[str]) -> int:
-    """Exit code of several runs by how they ended: of a failure rather than of one that was out of time."""
+    """Exit code of several runs by how they ended: a failure counts more than a time limit."""
     return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
 
 
@@ -78,7 +78,7 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
 
 @contextmanager
 def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
-    """Give a callable that tells on stderr what is under way, or None."""
+    """Give a callable that shows on stderr what is running, or None."""
     if not shown:
         yield None
         return
@@ -119,7 +119,7 @@ def output_folder(out: str | None, name: str, kind: str = "run") -> Path:
 def folder_problem(folder: Path, kind: str = "run") -> str | None:
     """Why `folder` can't take results of a kind (of `report.ENTRIES`), or None.
 
-    It is found by trying, before the run, and nothing is left behind.
+    This is tried before the run, and leaves nothing behind.
     """
     from granular_contact import report
 

@@ -1,4 +1,4 @@
-"""The command `fit`: parameters from measured runs, their errors and whether they can be believed, shown and saved."""
+"""The command `fit`: parameters from measured runs, with standard errors and diagnostics, shown and saved."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def act(chosen: argparse.Namespace) -> int:
 
 @contextmanager
 def _progress(shown: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """Give a callable that tells on stderr how many starting points are done, or None."""
+    """Give a callable that shows on stderr how many starting points are done, or None."""
     if not shown:
         yield None
         return

@@ -1,4 +1,4 @@
-"""What the command line says of a fit, as the tree of a fit file, so that both are read and checked the same way."""
+"""Options of the command line as the tree of a fit file, so that both are read and checked the same way."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _HERE = tree.Position("fit", None)
 
 
 def requested_fit(chosen: argparse.Namespace) -> Specification:
-    """Specification of the files and options chosen; ConfigError with all that is wrong with them."""
+    """Specification by the chosen files and options; raises ConfigError with every fault of them."""
     from granular_contact.studies.fit import load_specification, specification
 
     first = Path(chosen.files[0])

@@ -1,4 +1,4 @@
-"""The command `run`: one config simulated, saved and summed up."""
+"""The command `run`: one config simulated, saved and summarised."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
-    """--method and --modes as what --set takes; modes alone keep the other options of the config's method."""
+    """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method."""
     if chosen.method in ("engine", "minimal") and chosen.modes is not None:
         what = "the engine has none" if chosen.method == "engine" else "rigid bodies have none"
         raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
@@ -113,7 +113,7 @@ def act(chosen: argparse.Namespace) -> int:
 
 
 def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """What the run did without; other methods than the engine have no system in it."""
+    """What the run did without; methods other than the engine have no system."""
     if not solved:
         yield "the engine: the method does without its solver" + (
             "" if "exudyn" in sys.modules else ", and it is not imported"
@@ -145,7 +145,9 @@ def _view_problem(wanted: bool, scene: Scene) -> str | None:
 
 @contextmanager
 def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
-    """Give a callable that draws simulated time, of `end_time` (s), on stderr, or None if nothing is to be shown."""
+    """Give a callable that shows the simulated time, of `end_time` (s), on stderr, or None if nothing is to be
+    shown.
+    """
     if not shown:
         yield None
         return
@@ -166,7 +168,7 @@ def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
 
 
 def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
-    """Lines that tell a person what came of a run; a quantity that the run has not is left out."""
+    """Lines that summarise a run; quantities that it does not have are left out."""
     found: dict[str, Any] = results.summary
     yield f"{results.name}: {results.status.message}"
     if (stop := found.get("stopping_time_s")) is not None:

@@ -1,4 +1,4 @@
-"""The command `sweep`: cases run and shown, going on where an earlier one was killed; their table saved."""
+"""The command `sweep`: cases run, shown and saved as a table; a killed sweep is resumed."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
 
 
 def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
-    """Raise, before more is run, if a summary has no such number as the sample asks for."""
+    """Raise after the first case if the summary lacks a number that the sample asks for."""
     numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
     for output in sample.outputs:
         if output not in numbers:
@@ -175,7 +175,7 @@ def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
 
 
 def _kept(checkpoint: Checkpoint, count: int) -> str:
-    """What an unfinished sweep leaves, in words; empty if that is nothing."""
+    """What an unfinished sweep keeps, in words; empty if nothing."""
     saved = len(checkpoint.journal)
     return (
         f"{saved} of {count} cases are kept in {checkpoint.folder}, and the same command goes on from there"
@@ -217,7 +217,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
 
 
 def _short_names(keys: Sequence[str]) -> list[str]:
-    """The last parts of dotted keys, with as much before them as tells them apart."""
+    """The last parts of dotted keys, as many as are needed to distinguish them."""
     parts = [key.split(".") for key in keys]
     for size in range(1, max(map(len, parts), default=0) + 1):
         names = [".".join(part[-size:]) for part in parts]

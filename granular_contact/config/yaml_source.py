@@ -1,6 +1,6 @@
 """Text of one YAML file -> positioned tree. Builds numbers, texts, lists and mappings, never a Python object.
 
-Nothing escapes from here but faults: a file that can't be read at all is one fault, and a `Broken` root.
+All problems become faults: a file that can't be read at all is one fault, and a `Broken` root.
 """
 
 from __future__ import annotations

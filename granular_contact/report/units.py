@@ -1,6 +1,6 @@
-"""Numbers as people read them: units of axes, instants, and the values of keys, whose last words tell their unit.
+"""Numbers for readers: units of axes, times, and the values of keys, whose suffix gives their unit.
 
-Of an SI unit the multiple is taken that brings a number to 1 to 1000.
+SI units get the prefix with which a number is between 1 and 1000.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ SCHEMA_FAULTS = [
     ("type: link", "type: [link]", 12, "model.bodies.arm.type", ["a list of 1 item", "link, rigid"]),
     ("      type: link\n", "", 11, "model.bodies.arm.type", ["is missing", "link, rigid"]),
     ("type: disc", "type: ball", 9, "model.bodies.hub.shapes.0.type", ["'ball'", "cylinder, disc"]),
-    ("type: hinge", "type: ball", 20, "model.joints.pivot.type", ["free, hinge, slider, weld"]),
+    ("type: hinge", "type: ball", 20, "model.joints.pivot.type", ["fixed, floating, free, hinge, prismatic, revolute, slider, weld"]),
     ("law: lee_marghitu", "law: lee_marghittu", 23, "medium.law", ["did you mean lee_marghitu?"]),
     ("type: smooth", "type: sticky", 35, "load.friction.type", ["elastoplastic, smooth"]),
     ("form: distributed", "form: lumped", 33, "load.form", ["'lumped'", "distributed, resultant"]),

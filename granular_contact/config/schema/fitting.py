@@ -1,4 +1,4 @@
-"""Whether the parts of a scenario fit its mechanism: initial states and drives by joint, shared signals by name."""
+"""Checks of a scenario against its mechanism: initial states and drives by joint, shared signals by name."""
 
 from __future__ import annotations
 
@@ -39,7 +39,9 @@ def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive
 
 
 def _unplaced(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:
-    """A fault if nothing says how a hinge on the ground starts; all other joints start at home unless they are told."""
+    """A fault if nothing gives the initial angle of a hinge on the ground; other joints have a reference
+    configuration.
+    """
     if initial.impact_angle_deg is not None or initial.joints is not None or initial.settle:
         return
     for name, joint in model.all_joints.items():

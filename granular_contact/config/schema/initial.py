@@ -1,4 +1,4 @@
-"""Schema of the start of a run: angles, positions and rates of joints, or the strike of a pendulum."""
+"""Schema of the start of a run: angles, positions and rates of joints, or the impact of a pendulum."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Schema of a mechanism: bodies, the joints that hang them on the ground, closures of loops, and a chain."""
+"""Schema of a mechanism: bodies, the tree of joints, loop closures, and a chain."""
 
 from __future__ import annotations
 

@@ -1,6 +1,5 @@
-"""Whether bodies and joints form a tree that hangs on the ground.
-
-Works on names alone, so that it can be asked about a mechanism whose numbers are faulty too.
+"""Whether bodies and joints form a tree with the ground as its root. Needs names only, so that mechanisms with faulty
+numbers can be checked, too.
 """
 
 from __future__ import annotations
@@ -88,7 +87,7 @@ def _twice(kind: str, names: Collection[str], others: Collection[str], what: str
 
 
 def _chain_faults(chain: Names, bodies: Collection[str], joints: Collection[str]) -> list[LocalFault]:
-    """What a chain hangs on and how its parts are called; `bodies` and `joints` are those besides it."""
+    """Faults of the parent of a chain and of the names of its parts; `bodies` and `joints` are the others."""
     parent, links, hinges = chain
     faults: list[LocalFault] = []
     for key, own, others, what in (("link_name", links, bodies, "body"), ("hinge_name", hinges, joints, "joint")):
@@ -132,7 +131,8 @@ def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collecti
 def _cycle_faults(
     joint_of: Mapping[str, str], own: Collection[str], joints: Mapping[str, tuple[str, str]]
 ) -> list[LocalFault]:
-    """One fault for each ring of joints, at the joint of its first body; self-joints have their fault already.
+    """One fault for each cycle of joints, at the joint of its first body; joints of a body with itself are reported
+    elsewhere.
 
     own: the joints that are written out; the others are those of a chain, which hangs on its parent.
     """

@@ -1,4 +1,4 @@
-"""Schema of a sweep file: one config, and how its cases come about; drawing them is up to `sweep_sample`."""
+"""Schema of a sweep file: one config, and how its cases are defined; `config.sweep_sample` draws samples."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class ParameterRange(Strict):
         return self
 
     def number(self, fraction: float) -> float:
-        """What lies at a fraction (0 to 1) of the way, on the scale of the range."""
+        """The number at a fraction (0 to 1) of the range, on its scale."""
         if self.scale == "log":
             return float(self.start * (self.stop / self.start) ** fraction)
         return float(self.start + (self.stop - self.start) * fraction)
 
     def numbers(self, count: int) -> list[float]:
-        """So many numbers, evenly; between whole ends they are whole if all come out so, as counts must be."""
+        """`count` evenly spaced numbers; integers if the ends and all of them are whole, as counts must be."""
         found = [self.start, *(self.number(i / (count - 1)) for i in range(1, count - 1)), self.stop]
         ends_whole = isinstance(self.start, int) and isinstance(self.stop, int)
         whole = ends_whole and all(abs(one - round(one)) <= _NEARLY_WHOLE * max(1.0, abs(one)) for one in found)

@@ -51,7 +51,7 @@ def pictures(results: Results) -> Iterator[Picture]:
 def strip(results: Results, count: int, width: int) -> Picture:
     """Pictures of `count` (even) frames as one, about so many px wide; the wider the stage, the fewer in a row.
 
-    Between each and the next the mechanism moves as far, which is seldom as long.
+    From each to the next the mechanism moves equally far, which seldom takes equally long.
     """
     low, high = bounds(results.frames)
     ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
@@ -70,7 +70,7 @@ def _joined(shown: list[Picture], axis: int) -> Picture:
 
 
 def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
-    """Frames between which the mechanism moves about equally far; those within show the forces at their best."""
+    """Frames between which the mechanism moves about equally far, chosen near large forces."""
     points = np.array([np.concatenate([outline.points for outline in frame.outlines]) for frame in frames])
     steps = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
     path = np.concatenate([[0.0], np.cumsum(steps)])
@@ -88,7 +88,7 @@ class _Film:
     """A figure whose moving artists are drawn over a copy of the ones that stand still."""
 
     def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:
-        """words: whether name, pace and what the arrows mean stand in the picture too."""
+        """words: whether name, pace and scale of the arrows are in the picture, too."""
         self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
@@ -170,7 +170,7 @@ class _Film:
         return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results["tip_y_m"]])
 
     def _tail(self, until: int) -> int:
-        """Where the trace begins that ends at a row: the last of the way, as long as the picture is wide."""
+        """Start of the trace that ends at a row: the last part of the path, as long as the picture is wide."""
         if until == 0:
             return 0
         begin = self.path[until - 1] - LONGEST_TRACE * (self.stage.right - self.stage.left)
@@ -188,7 +188,9 @@ class _Film:
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
     def _arrow(self, force: Force) -> Array | None:
-        """From where the force acts, as long as it is strong; None for one too weak to be seen."""
+        """Arrow from the point of application, with a length proportional to the force; None for one too small to be
+        seen.
+        """
         vector = arrow_vector(force.force, self.largest, self.stage)
         if float(np.linalg.norm(vector)) * self.stage.scale < LEAST_ARROW:
             return None

@@ -33,7 +33,7 @@ def write(results: Results, file: Path) -> None:
 
 
 def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
-    """All pictures with one palette, so that each needs to hold no more than what changed."""
+    """All pictures with one palette, so that each needs to contain only changes."""
     kept = list(film)
     palette = _palette(kept)
     frames = (Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in kept)
@@ -55,7 +55,7 @@ def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200)
 
 
 def _palette(kept: list[Picture]) -> Image.Image:
-    """Our own colours, and those that suit pictures from all over the film."""
+    """The colours of the style, and those chosen from pictures of the whole film."""
     some = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
     found = Image.fromarray(np.concatenate(some)).quantize(COLOURS, dither=Image.Dither.NONE)
     ours = [int(colour[i : i + 2], 16) for colour in OURS for i in (1, 3, 5)]

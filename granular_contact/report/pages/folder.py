@@ -1,4 +1,4 @@
-"""A results folder as it lies on the disk, read with an eye on what may be broken."""
+"""A results folder on the disk, read with checks for broken files."""
 
 from __future__ import annotations
 

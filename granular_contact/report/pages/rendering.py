@@ -1,4 +1,4 @@
-"""Templates and what they ask for: numbers in words, tables and pictures. Every text is escaped, whatever it holds."""
+"""Templates and their filters: numbers in words, tables and pictures. Every text is escaped."""
 
 from __future__ import annotations
 
