@@ -1,7 +1,7 @@
 """Accuracy checks of a finished solve, made from its own steps, and what to change.
 
-Each sentence says what was measured on the trajectory. Silence is no proof: a run whose steps miss an event altogether
-has nothing of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
+Each sentence says what was measured on the trajectory. No warning is no proof: a run whose steps miss an event entirely
+has no trace of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
 in `results.accuracy`, which says which of all that is told.
 """
 
@@ -96,9 +96,10 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _unknown_energy(motion: Kinematics) -> float:
-    """What the steps leave open of the medium's work, over the greatest energy there was; velocities go with its root.
+    """Uncertainty of the medium's work by the steps, relative to the greatest energy; velocities go with its root.
 
-    It sees forces that change within a step in any direction, also across the motion, where they turn the heading.
+    It includes forces that change within a step in any direction, also across the motion, where they change its
+    direction.
     """
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
@@ -108,7 +109,7 @@ def _unknown_energy(motion: Kinematics) -> float:
 
 
 def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Whether the first touch was passed over in a few steps."""
+    """Whether the first contact was resolved by too few steps."""
     load = motion.trajectory.load
     if load is None:
         return
@@ -123,7 +124,8 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
-    """Whether a link bends within single elements: what cubics miss shows as jumps of curvature from one to the next.
+    """Whether a link bends within single elements: the error of cubic elements shows as jumps of curvature between
+    elements.
 
     At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
     l^2; in 35 beams of 1 to 16 elements, EI from 1e-6 to 1 times the source's, it was a sixteenth to one.

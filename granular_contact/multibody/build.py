@@ -1,4 +1,4 @@
-"""Scene -> System: the mechanism in Exudyn, with the granular bed laid over what can reach the surface."""
+"""Scene -> System: the mechanism in Exudyn, with the granular load on what can reach the surface."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
 
 
 def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
-    """Straight run of ANCF cable elements that starts out as if rigid."""
+    """Straight row of ANCF cable elements that starts like a rigid body."""
     motion = link.motion
     axis = rotation(motion.angle)[:, 0]
     nodes = []

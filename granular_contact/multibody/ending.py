@@ -1,4 +1,4 @@
-"""How a solve ended, in a sentence that says what to change."""
+"""Status of a solve, with a sentence that says what to change."""
 
 from __future__ import annotations
 

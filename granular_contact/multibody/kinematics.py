@@ -1,4 +1,4 @@
-"""Positions, angles and rates of bodies and joints, read out of the coordinates of all accepted steps at once."""
+"""Positions, angles and rates of bodies and joints, from the coordinates of all accepted steps at once."""
 
 from __future__ import annotations
 

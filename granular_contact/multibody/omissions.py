@@ -1,4 +1,4 @@
-"""What a built system leaves out, and why: read off the system itself, not off the scene that it was built from."""
+"""What a built system leaves out, and why; read from the system itself, not from its scene."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _bed(system: System) -> Iterator[str]:
 
 
 def _nil(medium: Law) -> Iterator[str]:
-    """Coefficients of a medium that are 0, and with them a force; as YAML has them, less their units."""
+    """Coefficients of a medium that are 0, so that a force vanishes; keys of YAML without units."""
     for name, value in vars(medium).items():
         if isinstance(value, VerticalResistance):
             if value.eta_v == 0.0:
