@@ -28,7 +28,7 @@ FIT = {
     "name": "four impacts",
     "status": "misfit",
     "converged": True,
-    "warnings": ["medium.eta_d stands at its upper bound"],
+    "warnings": ["medium.eta_d is at its upper bound"],
     "parameters": {
         "medium.eta_h": {
             "value": 8.1234567,

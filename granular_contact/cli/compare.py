@@ -16,7 +16,7 @@ from granular_contact.cli.common import (
     worst,
 )
 
-HELP = "run a config by several models and say which is enough"
+HELP = "run a config with several models and say which is accurate enough"
 SHOWN = (
     ("stopping_time_s", "stop ms", 1e3, ".3f"),
     ("angle_at_stop_deg", "angle deg", 1.0, ".4f"),

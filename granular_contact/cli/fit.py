@@ -26,7 +26,7 @@ from granular_contact.cli.fit_options import requested_fit
 if TYPE_CHECKING:
     from granular_contact.studies.fit import Fit
 
-HELP = "find coefficients from measured runs, with their errors"
+HELP = "fit coefficients to measured runs, with standard errors"
 MOST_SHOWN = 12  # parameters in the matrix of correlations
 
 
@@ -34,10 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     words = "a fit file; or configs, each followed by the CSV files that were measured of it"
     parser.add_argument("files", metavar="FILE", nargs="+", help=words)
-    parser.add_argument("--parameters", metavar="KEY,KEY", help="what to find, as medium.eta_h,medium.eta_d")
-    words = "where to look for a parameter, as medium.eta_h=1:40; repeatable"
+    parser.add_argument("--parameters", metavar="KEY,KEY", help="parameters to fit, as medium.eta_h,medium.eta_d")
+    words = "bounds of a parameter, as medium.eta_h=1:40; repeatable"
     parser.add_argument("--bounds", metavar="KEY=LOW:HIGH", action="append", default=[], help=words)
-    words = "names in the CSV files by what they hold, as time_s=t,tip_x_mm=X"
+    words = "headers in the CSV files by quantity, as time_s=t,tip_x_mm=X"
     parser.add_argument("--columns", metavar="COLUMN=NAME,...", help=words)
     words = (
         "by how much the clock of the data is ahead: the run starts at S by it. Without a number it is looked for in "
@@ -46,10 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--time-offset", metavar="S", nargs="?", const="fit", help=words)
     words = "known noise, as tip_x_mm=0.1; estimated where not given; repeatable"
     parser.add_argument("--noise", metavar="COLUMN=X", action="append", default=[], help=words)
-    parser.add_argument("--loss", metavar="soft_l1|linear", help="linear: no row may be an outlier (soft_l1)")
-    parser.add_argument("--starts", metavar="N", help="points to start from (8)")
-    parser.add_argument("--seed", metavar="N", help="of the choice of these points (0)")
-    parser.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
+    parser.add_argument(
+        "--loss",
+        metavar="soft_l1|linear",
+        help="linear: ordinary least squares; soft_l1: outliers have limited weight (soft_l1)",
+    )
+    parser.add_argument("--starts", metavar="N", help="number of starting points (8)")
+    parser.add_argument("--seed", metavar="N", help="seed of the choice of these points (0)")
+    parser.add_argument("--workers", metavar="N", type=worker_count, help="worker processes (one per core)")
     add_set(parser)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
     add_output(parser, "results/NAME_OF_FIRST_FILE_fit")

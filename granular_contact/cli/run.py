@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from granular_contact.results import Progress, Results
     from granular_contact.scene import Scene
 
-HELP = "simulate a config and save what came of it"
+HELP = "simulate a config and save the results"
 MOST_FRAMES = 151  # six seconds
 
 
@@ -44,9 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
     films = parser.add_mutually_exclusive_group()
     films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
-    words = "save an animation.mp4, where there is an ffmpeg to make it"
+    words = "save an animation.mp4; needs ffmpeg"
     films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
-    parser.add_argument("--explain", action="store_true", help="say what of the scene was left out, and why")
+    parser.add_argument("--explain", action="store_true", help="say what the model of the scene leaves out, and why")
     parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
     add_output(parser, "results/NAME_OF_CONFIG")
 
@@ -127,7 +127,7 @@ def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
 def _film_problem(film: str | None) -> str | None:
     """Why there can be no such film, or None."""
     if film == "mp4" and shutil.which("ffmpeg") is None:
-        return "--animate-mp4: there is no ffmpeg on the path to make it with; --animate saves a GIF, which needs none"
+        return "--animate-mp4: there is no ffmpeg on the path; --animate saves a GIF, which needs none"
     return None
 
 
@@ -186,7 +186,7 @@ def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
     if (cost := found.get("cost_of_transport")) is not None:
         yield f"  transport cost  {cost:.3g} of weight times distance"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
-        yield f"  energy          {imbalance:.1e} of it unaccounted for"
+        yield f"  imbalance       {imbalance:.1e} of the energy"
     yield f"  wall time       {elapsed}"
     yield f"  saved in        {folder}"
     yield from (f"warning: {warning}" for warning in results.warnings)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from granular_contact.studies.sweep.checkpoint import Checkpoint
     from granular_contact.studies.sweep.sensitivity import Indices
 
-HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
+HELP = "simulate many cases of a config on all cores or a cluster, one row of a table each"
 MOST_SHOWN = 40  # rows; the rest is in the table
 MOST_KEYS, MOST_LETTERS = 4, 20  # keys that vary, and letters of a value, in the shown rows
 _SHOWN = (
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases, vary or sample")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
+    where.add_argument("--workers", metavar="N", type=worker_count, help="worker processes (one per core)")
     words = "run on the workers of a Dask cluster, as tcp://host:8786"
     where.add_argument("--scheduler", metavar="ADDRESS", help=words)
     parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")

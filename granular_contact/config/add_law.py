@@ -33,7 +33,7 @@ def add_law(law: type[Law]) -> None:
     """
     lacking = [name for name in ("equation", "terms", "takes", "constants") if not hasattr(law, name)]
     if lacking:
-        raise TypeError(f"{law.__name__} has no {', '.join(lacking)}; every law says them of itself")
+        raise TypeError(f"{law.__name__} has no {', '.join(lacking)}; every law defines them")
     if LAWS.setdefault(law.tag(), law) is not law:
         raise ValueError(f"got the tag {law.tag()!r} for {law.__name__}, which another law has")
     for part in (BedLayer, Bed, Scenario):

@@ -109,7 +109,7 @@ def _pairs(table: Table, names: tuple[str, str]) -> tuple[list[float], list[floa
         if times and time <= times[-1]:
             return _fault(table, line, f"got the time {time:g} after {times[-1]:g}; allowed are times that grow")
         if len(times) == MOST_ROWS:
-            return _fault(table, line, f"got more than {MOST_ROWS} rows; allowed are at most so many")
+            return _fault(table, line, f"got more than {MOST_ROWS} rows; at most that many are allowed")
         times.append(time)
         values.append(value)
     if len(times) < 2:

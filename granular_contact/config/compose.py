@@ -57,7 +57,7 @@ class Composer:
         next(self._events)
         more = next(self._events)
         if not isinstance(more, yaml.StreamEndEvent):
-            raise Stop(self.position(more.start_mark), (), "a second document starts here; one a file is allowed")
+            raise Stop(self.position(more.start_mark), (), "a second document starts here; one per file is allowed")
         return root
 
     def _node(self, event: Any, path: Path, depth: int, at: Position | None = None) -> Node:
@@ -90,7 +90,7 @@ class Composer:
         known = self._anchors.get(event.anchor)
         if known is None:
             inside = event.anchor in self._anchors
-            problem = "stands inside its own anchor" if inside else f"has no anchor &{event.anchor} above it"
+            problem = "refers to an anchor that contains it" if inside else f"has no anchor &{event.anchor} above it"
             return self._broken(position, path, f"the alias *{event.anchor} {problem}")
         size, height = self._measure(known)
         self._aliased += size

@@ -46,4 +46,4 @@ def _notice(path: Path, node: tree.Node, at: tree.Position, new: str) -> str:
         shown = f"[{found[0]:.6g}, {found[1]:.6g}]" if isinstance(found, list) else f"{found:g}"
         instead = f"{new}: {shown}"
     place = at.file if at.line is None else f"{at.file}:{at.line}"
-    return f"{place}: {'.'.join(path)}: counts counter-clockwise; write {instead}, as all angles turn clockwise now"
+    return f"{place}: {'.'.join(path)}: is counter-clockwise; write {instead}, as all angles are clockwise now"

@@ -17,7 +17,7 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
         case "interrupted" | "rest" | "time_limit" as code:
             return ended(code, t, solver)
         case "away":
-            return Status("failed", f"the motion ran away at {t:.6g} s; {_remedy(recorder)}")
+            return Status("failed", f"the motion diverged at {t:.6g} s; {_remedy(recorder)}")
         case "crowd":
             return Status(
                 "failed",

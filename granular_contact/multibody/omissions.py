@@ -72,7 +72,7 @@ def _bed(system: System) -> Iterator[str]:
     if scene.load.end_cap and not any(hasattr(medium, "cap_force") for medium in bed.load.media):
         yield f"end caps: {', '.join(medium.name for medium in bed.load.media)} have no force on end faces"
     if bed.load.floor is None:
-        yield "contact with a floor: there is none that carries"
+        yield "contact with a floor: there is no stiff one"
 
 
 def _nil(medium: Law) -> Iterator[str]:
@@ -91,7 +91,7 @@ def _rest(trajectory: Trajectory) -> Iterator[str]:
         return
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
-        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load returns at once"
+        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load is not evaluated"
     never = set(load.body_names) - {body for body, _, _ in load.immersed}
     if never:
         yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

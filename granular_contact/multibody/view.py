@@ -29,7 +29,7 @@ def problem() -> str | None:
     try:
         import tkinter
     except ImportError:
-        return "the engine's viewer needs tkinter, which this Python has not"
+        return "the engine's viewer needs tkinter, which this Python does not have"
     try:
         tkinter.Tk().destroy()
     except tkinter.TclError as error:

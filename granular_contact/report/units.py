@@ -22,7 +22,7 @@ _PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3:
 _SCALED = {"s": "s", "m": "m", "N": "N", "J": "J", "Nm": "N\N{MIDDLE DOT}m", "W": "W"}
 _FIXED = {"m_s": "m/s", "rad_s": "rad/s", "deg": "deg", "kg": "kg", "kg_m3": "kg/m³", "m_s2": "m/s²", "kg_m2": "kg m²"}
 _WORDS = {
-    "imbalance_relative": "energy unaccounted for",
+    "imbalance_relative": "energy imbalance",
     "max_depth_m": "largest depth",
     "max_deflection_m": "largest deflection",
     "solve_s": "solve time",

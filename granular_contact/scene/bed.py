@@ -119,7 +119,7 @@ def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
     for key, value in (("depth_m", spec.depth_m), ("container_x_m", spec.container_x_m)):
         if value is not None:
             what = "a floor" if key == "depth_m" else "a container"
-            why = f"got {what}, but no medium, and a bed needs one; of one that is next to nothing take {bare}"
+            why = f"got {what}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
             yield Fault("", None, f"bed.{key}", why)
 
 

@@ -64,7 +64,7 @@ def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
         "",
         None,
         key,
-        f"{words}, which takes a force without bound; allowed are interpolation: cubic, and smooth_s: a time (s) over "
+        f"{words}, which takes an infinite force; allowed are interpolation: cubic, and smooth_s: a time (s) over "
         "which the rate changes",
     )
 

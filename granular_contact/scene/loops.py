@@ -139,7 +139,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     rates[follow] = np.linalg.lstsq(slopes[:, follow], -slopes @ rates, rcond=1e-10)[0] if follow.any() else 0.0
     opening = float(np.abs(slopes @ rates).max(initial=0.0))
     if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
-        words = f"the rates of the joints open a loop at {opening:.3g} m/s or rad/s: name fewer of them"
+        words = f"the joint rates violate a loop closure by {opening:.3g} m/s or rad/s: give fewer of them"
         faults.append(Fault("", None, "initial.joints", words))
     return loops.states(x, rates)
 
@@ -203,10 +203,9 @@ def redundant(
             held, rank = tried, rank + gained
             continue
         spare = len(slope) - gained
-        words = (
-            f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} hold{'s' * (spare == 1)} what"
-        )
-        words += " the other joints hold already: leave it out, or choose a type that holds less"
+        verb = "is" if spare == 1 else "are"
+        words = f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} {verb} redundant with the"
+        words += " other joints: leave it out, or choose a type with fewer constraints"
         faults.append(Fault("", None, f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
     return faults
 

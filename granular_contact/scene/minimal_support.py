@@ -61,4 +61,4 @@ def _bed(scene: Scene) -> Iterator[str]:
     if len(scene.bed.layers) > 1:
         yield f"its bed has {len(scene.bed.layers)} media"
     if scene.bed.floor is not None and scene.bed.floor.stiffness is not None:
-        yield "its bed has a floor that carries"
+        yield "its bed has a stiff floor"

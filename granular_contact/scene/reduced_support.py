@@ -35,7 +35,7 @@ def _media(scene: Scene) -> Iterator[str]:
     if scene.bed is None:
         return
     if not scene.bed.plain:
-        yield "its bed is not level, or has several media or a floor that carries"
+        yield "its bed is not level, or has several media or a stiff floor"
     true_sign = isinstance(scene.method, Reduced) and scene.method.static == "true_sign"
     for medium in scene.media:
         if true_sign and not medium.by_component:

@@ -192,7 +192,7 @@ TEXTS = {
     "a setting of the solver": (("medium.eta_d]", "solver.step_s]"), "fit.yaml", 1, "solver.step_s",
                                 "tells how a run is computed"),
     "unused": (("[medium.eta_d]", "[load.friction.damping_time_s]"), "fit.yaml", 1, "load.friction.damping_time_s",
-               "moves none of tip_x_m, tip_y_m in any run"),
+               "has no effect on any of tip_x_m, tip_y_m in any run"),
     "unknown column": (("    data:", "    columns: {time_s: time_s, tip_q_m: tip_x_m}\n    data:"), "fit.yaml", 5,
                        "columns.tip_q_m", "the run has no such column; did you mean tip_"),
     "column that can't be fitted": (("    data:", "    columns: {time_s: time_s, drag_force_x_N: F}\n    data:"),

@@ -178,7 +178,7 @@ def test_a_coefficient_beyond_its_bounds_is_told(tmp_path: Path) -> None:
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "{medium.eta_d: {from: 7, to: 9}}")
     found = fitted(tmp_path, text)
     assert found.values[0] == pytest.approx(7.0, abs=1e-3)
-    assert "medium.eta_d stands at its lower bound, 7: the data ask for a value beyond it" in found.warnings[-1]
+    assert "medium.eta_d is at its lower bound, 7: the best value is beyond it" in found.warnings[-1]
 
 
 def test_starts_agree_and_are_the_same_for_a_seed(tmp_path: Path) -> None:
@@ -232,7 +232,7 @@ def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, death
 def test_a_start_whose_process_died_is_told(recovered) -> None:
     dead = Start(recovered.solution.scaled, np.inf, DIED)
     some = replace(recovered, solution=replace(recovered.solution, starts=(*recovered.solution.starts, dead)))
-    assert "1 of 2 starting points came to nothing: the process died" in some.warnings[-1]
+    assert "1 of 2 starting points failed: the process died" in some.warnings[-1]
 
 
 def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> None:

@@ -72,7 +72,7 @@ class Bed(Strict):
         if self.profile_m is not None and (self.height_m is not None or self.slope_deg != 0.0):
             faults.append((("profile_m",), "got a profile and height_m or slope_deg; one of the two is allowed"))
         if self.floor is not None and self.depth_m is None:
-            faults.append((("floor",), "a floor that carries needs depth_m"))
+            faults.append((("floor",), "a stiff floor needs depth_m"))
         if self.container_x_m is not None and not self.container_x_m[0] < self.container_x_m[1]:
             faults.append((("container_x_m",), f"got {list(self.container_x_m)}; the first must be left of the second"))
         tops = [layer.top_m for layer in self.layers]

@@ -46,7 +46,7 @@ def _unplaced(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) ->
         return
     for name, joint in model.all_joints.items():
         if joint.type == "hinge" and joint.parent == GROUND and not isinstance(drives.get(name), Motion):
-            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place ({}: all at home)"
+            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place ({}: all in the reference configuration)"
             yield ("initial", "impact_angle_deg"), words
             return
 
@@ -58,7 +58,7 @@ def drive_faults(
     joints = model.all_joints | model.closures
     for name, signal in signals.items():
         if isinstance(signal, Shared):
-            yield ("signals", name), f"got the name {signal.name!r}; allowed is a signal that says itself what it is"
+            yield ("signals", name), f"got the name {signal.name!r}; allowed is a signal with a type"
     used = set()
     for name, drive in drives.items():
         path, key = ("drives", name), target(drive)
@@ -82,7 +82,7 @@ def drive_faults(
             yield (*path, key), f"{name} is {SINGULAR[kind]}; a drive of {SINGULAR[kind]} has one of the keys {allowed}"
     for name in signals:
         if name not in used:
-            yield ("signals", name), "no drive follows it; a drive names it where it has its signal"
+            yield ("signals", name), "no drive uses it; a drive gives its name as the signal"
 
 
 def _shared_faults(path: tuple[str, ...], shared: Shared, signals: Mapping[str, AnySignal]) -> Iterator[LocalFault]:

@@ -64,7 +64,7 @@ def structure_faults(
         faults += [
             (
                 ("joints", name, "child"),
-                f"{child} is the child of {names[0]} already; one joint holds a body, and closures close loops",
+                f"{child} is the child of {names[0]} already; a body is the child of one joint, and loops are closed by closures",
             )
             for name in names[1:]
             if name in joints
@@ -120,7 +120,7 @@ def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collecti
     if parent not in bodies and parent != GROUND:
         faults.append(((kind, joint, "parent"), no_such("body", parent, [GROUND, *bodies])))
     if child == GROUND:
-        faults.append(((kind, joint, "child"), "the ground can't be a child; it moves with nothing"))
+        faults.append(((kind, joint, "child"), "the ground can't be a child"))
     elif child not in bodies:
         faults.append(((kind, joint, "child"), no_such("body", child, list(bodies))))
     elif child == parent:
@@ -147,7 +147,7 @@ def _cycle_faults(
             body = joints[joint_of[body]][0]
         if body in chain and chain.index(body) < len(chain) - 1:
             loop = [*chain[chain.index(body) :], body]
-            message = f"{' -> '.join(reversed(loop))} is a closed chain; each body must lead back to the ground"
+            message = f"{' -> '.join(reversed(loop))} is a closed chain; each body must be connected to the ground"
             path: tuple[str, ...] = ("joints", joint_of[body], "parent")
             faults.append((path if joint_of[body] in own else ("chain", "parent"), message))
     return faults

@@ -74,7 +74,7 @@ def _mp4(film: Iterator[Picture], file: Path, count: int) -> None:  # noqa: ARG0
     """H.264 in the colours that every player takes."""
     program = ffmpeg()
     if program is None:
-        raise OSError("there is no ffmpeg on the path to make an MP4 with; a GIF needs none")
+        raise OSError("there is no ffmpeg on the path, which an MP4 needs; a GIF does not")
     first = next(film)
     height, width, _ = first.shape
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(RATE), "-i", "-"]

@@ -129,6 +129,6 @@ def open_folder(path: Path) -> Folder:
         raise FolderError(f"{path} is {'a file' if path.exists() else 'not there'}; a folder of results is needed")
     kind = kind_of(path)
     if kind is None:
-        kinds = "; ".join(f"a {kind} {', '.join(names)}" for kind, names in ENTRIES.items())
-        raise FolderError(f"{path} holds no results of one kind; there would be of {kinds}")
+        kinds = "; ".join(f"{kind}: {', '.join(names)}" for kind, names in ENTRIES.items())
+        raise FolderError(f"{path} holds no results of a single kind, whose files are: {kinds}")
     return Folder(path, kind)

@@ -178,7 +178,7 @@ def _failures(table: _Table) -> Rows:
 
 
 def _audit(table: _Table) -> dict[str, Any] | None:
-    """Energy unaccounted for: in the median, and in the worst case."""
+    """Energy imbalance: in the median, and in the worst case."""
     values = table.numbers(IMBALANCE) if IMBALANCE in table.head else np.zeros(0)
     if not np.isfinite(values).any():
         return None

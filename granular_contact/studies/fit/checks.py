@@ -149,7 +149,7 @@ def unused(problem: Problem, choices: Sequence[Choice]) -> Iterator[Fault]:
     for j, choice in enumerate(choices):
         if not any(_moves(problem, j, side, at, times, floors) for side in (1.0, -1.0)):
             columns = ", ".join(problem.columns)
-            words = f"moves none of {columns} in any run, so it can't be found from these data; leave it out"
+            words = f"has no effect on any of {columns} in any run, so these data can't determine it; leave it out"
             yield choice.request.position.fault((choice.parameter.label,), words)
 
 

@@ -82,8 +82,8 @@ def _rounded(problem: Problem, sigma: Vector) -> Iterator[str]:
     for name, size, step in zip(problem.columns, sigma, _steps(problem), strict=True):
         if _mostly_rounding(step, size):
             yield (
-                f"{name} is rounded to {step:.3g}, which is most of its noise, {size:.3g}: errors of rounding follow "
-                "each other, so their order is not judged, and the standard errors may be too small"
+                f"{name} is rounded to {step:.3g}, which is most of its noise, {size:.3g}: errors of rounding are "
+                "correlated, so their order is not judged, and the standard errors may be too small"
             )
 
 

@@ -17,7 +17,7 @@ from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertai
 Vector = NDArray[np.float64]
 
 BAND_POINTS = 241
-DISTRUST = "the model does not describe these data, and the errors are too small to believe"
+DISTRUST = "the model does not describe these data, and the standard errors are too small"
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Fit:
         if self.goodness.status == "misfit":
             found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")
         if not self.solution.converged:
-            found.append("the fit did not settle: try more starts, narrower bounds or fewer parameters")
+            found.append("the fit did not converge: try more starts, narrower bounds or fewer parameters")
         found += [*self.goodness.warnings, *self.uncertainty.words]
         found += media_of_runs.words(self.problem, self.values)
         count = len(self.solution.starts)
@@ -66,7 +66,7 @@ class Fit:
             found.append(f"only 1 of {count} starting points led to this fit; there may be a better one: more starts")
         died = sum(start.problem == DIED for start in self.solution.starts)
         if died:
-            found.append(f"{died} of {count} starting points came to nothing: {DIED}, by a lack of memory perhaps")
+            found.append(f"{died} of {count} starting points failed: {DIED}, perhaps for lack of memory")
         return tuple(found)
 
 

@@ -165,7 +165,7 @@ def _size_words(columns: Sequence[ColumnFit], free: int) -> Iterator[str]:
         elif one.roughness is not None and one.noise > LARGE_RESIDUAL * one.roughness:
             yield (
                 f"residuals of {one.column} ({one.noise:.3g}) are {_times(one.noise, one.roughness)} what the data "
-                "change by from row to row"
+                "scatter from row to row"
             )
 
 
@@ -177,6 +177,6 @@ def _order_words(probability: float, series: Sequence[Vector]) -> Iterator[str]:
     if probability < LEAST_PROBABILITY:
         shown = f"p = {probability:.1g}" if probability > 1e-300 else "p < 1e-300"
         yield (
-            f"residuals follow each other from row to row (Durbin-Watson {_durbin_watson(series):.2f}, 2 for noise; "
+            f"residuals are correlated from row to row (Durbin-Watson {_durbin_watson(series):.2f}, 2 for noise; "
             f"Ljung-Box {shown})"
         )

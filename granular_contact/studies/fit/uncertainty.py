@@ -179,10 +179,10 @@ def _bound_words(estimates: Sequence[Estimate], covariance: Vector) -> Iterator[
         side, bound = ("upper", one.parameter.high) if one.at_bound > 0 else ("lower", one.parameter.low)
         scaled = one.parameter.scaled(one.value)
         if _relative(one.parameter, scaled) * np.sqrt(covariance[j, j]) > LARGE_RELATIVE_ERROR:
-            why = "the data do not hold it back, as they hardly determine it"
+            why = "the data hardly determine it"
         else:
-            why = "the data ask for a value beyond it: widen the bounds, or doubt the model"
-        yield f"{one.parameter.label} stands at its {side} bound, {bound:g}: {why}"
+            why = "the best value is beyond it: widen the bounds, or check the model"
+        yield f"{one.parameter.label} is at its {side} bound, {bound:g}: {why}"
 
 
 def _words(directions: Directions) -> Iterator[str]:
@@ -221,6 +221,8 @@ def _close_words(problem: Problem, correlation: Vector, directions: Directions) 
 
 def band(uncertainty: Uncertainty, derivatives: Vector) -> Vector:
     """Half width (values,) of the 95 % band of the model, from its derivatives (values, p) by scaled parameters."""
-    covariance = np.where(np.isfinite(uncertainty.covariance), uncertainty.covariance, 0.0)  # it moves none of these
+    covariance = np.where(
+        np.isfinite(uncertainty.covariance), uncertainty.covariance, 0.0
+    )  # it has no effect on any of these
     variance = np.einsum("ij,jk,ik->i", derivatives, covariance, derivatives)
     return np.asarray(uncertainty.quantile * np.sqrt(np.maximum(variance, 0.0)))

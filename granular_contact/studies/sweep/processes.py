@@ -90,7 +90,7 @@ class _Processes(Executor):
             answer = self._own.pipe.recv_bytes()
         except (EOFError, OSError):
             vars(self._own).pop("pipe", None)  # the next task gets another process
-            raise BrokenExecutor("the process died at its work") from None
+            raise BrokenExecutor("the process died during a task") from None
         fine, outcome = pickle.loads(answer)
         if fine:
             return outcome

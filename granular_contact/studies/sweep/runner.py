@@ -17,7 +17,7 @@ from granular_contact.studies.sweep.worker import Job, Simulate, Task, check, er
 CHUNK_SECONDS = 0.5  # long against the 2 ms that it takes to hand over a chunk, short against a sweep
 LARGEST_CHUNK = 256
 MOST_CHECKED_HERE = 400  # cases that are checked sooner here than workers are started
-_DIED = "the process died; run this case alone to see why, it may need more memory than there is"
+_DIED = "the process died; run this case alone to see why, it may need more memory than is available"
 
 Work = Future[tuple[list[bytes], float]]
 
