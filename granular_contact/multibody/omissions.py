@@ -91,7 +91,7 @@ def _rest(trajectory: Trajectory) -> Iterator[str]:
         return
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
-        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load is not evaluated"
+        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants: the load was not evaluated"
     never = set(load.body_names) - {body for body, _, _ in load.immersed}
     if never:
         yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

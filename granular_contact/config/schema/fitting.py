@@ -46,7 +46,8 @@ def _unplaced(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) ->
         return
     for name, joint in model.all_joints.items():
         if joint.type == "hinge" and joint.parent == GROUND and not isinstance(drives.get(name), Motion):
-            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place ({}: all in the reference configuration)"
+            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place"
+            words += " ({}: all in the reference configuration)"
             yield ("initial", "impact_angle_deg"), words
             return
 

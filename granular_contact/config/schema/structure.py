@@ -64,7 +64,7 @@ def structure_faults(
         faults += [
             (
                 ("joints", name, "child"),
-                f"{child} is the child of {names[0]} already; a body is the child of one joint, and loops are closed by closures",
+                f"{child} is the child of {names[0]} already; each body has one, and closures close loops",
             )
             for name in names[1:]
             if name in joints

@@ -221,8 +221,6 @@ def _close_words(problem: Problem, correlation: Vector, directions: Directions) 
 
 def band(uncertainty: Uncertainty, derivatives: Vector) -> Vector:
     """Half width (values,) of the 95 % band of the model, from its derivatives (values, p) by scaled parameters."""
-    covariance = np.where(
-        np.isfinite(uncertainty.covariance), uncertainty.covariance, 0.0
-    )  # it has no effect on any of these
+    covariance = np.where(np.isfinite(uncertainty.covariance), uncertainty.covariance, 0.0)  # it moves none of these
     variance = np.einsum("ij,jk,ik->i", derivatives, covariance, derivatives)
     return np.asarray(uncertainty.quantile * np.sqrt(np.maximum(variance, 0.0)))
