@@ -77,15 +77,15 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
 
 
 @contextmanager
-def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
-    """Give a callable that shows on stderr what is running, or None."""
+def telling(shown: bool, text: str) -> Iterator[Callable[..., None] | None]:
+    """Give a callable that shows a text on stderr, with its arguments in the places of {}, or None."""
     if not shown:
         yield None
         return
     from rich.console import Console
 
-    with Console(stderr=True).status("") as status:
-        yield lambda name: status.update(f"running {name}")
+    with Console(stderr=True).status("starting") as status:
+        yield lambda *what: status.update(text.format(*what))
 
 
 def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:

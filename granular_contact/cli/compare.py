@@ -63,7 +63,7 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.compare import cells, compare, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_compare", "compare")
-    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with telling(sys.stderr.isatty() and not chosen.quiet, "running {}") as progress:
         comparison = compare(
             chosen.config,
             chosen.modes,

@@ -46,7 +46,7 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.compare_media import cells, compare_media, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_media", "compare-media")
-    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with telling(sys.stderr.isatty() and not chosen.quiet, "running {}") as progress:
         compiling = None if chosen.quiet else complain
         rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
     write(rows, folder, figures=not chosen.no_plots)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +18,7 @@ from granular_contact.cli.common import (
     complain,
     output_folder,
     reason,
+    telling,
     worker_count,
 )
 from granular_contact.cli.fit_options import requested_fit
@@ -68,7 +68,7 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.sweep.processes import cores
 
     problem = prepare(request)
-    with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with telling(sys.stderr.isatty() and not chosen.quiet, "{} of {} starting points done") as progress:
         found = fit(problem, chosen.workers or cores(), progress)
     try:
         write(found, folder, figures=not chosen.no_plots)
@@ -81,18 +81,6 @@ def act(chosen: argparse.Namespace) -> int:
     for warning in found.warnings if chosen.quiet else ():
         complain(f"warning: {warning}")
     return FINE if found.solution.converged else FAILED
-
-
-@contextmanager
-def _progress(shown: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """Give a callable that shows on stderr how many starting points are done, or None."""
-    if not shown:
-        yield None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("starting") as status:
-        yield lambda done, count: status.update(f"{done} of {count} starting points done")
 
 
 def _show(found: Fit) -> None:
