@@ -345,7 +345,7 @@ def elastica_part(elements: Sequence[int]) -> Part:
     asymptotic = list(elements).index(4)
     orders = {name: order(elements, errors[name], 1e-9, first=asymptotic) for name in shapes}
     rows = [[name, *(f"{e:.1e}" for e in errors[name]), f"{orders[name]:.2f}"] for name in shapes]
-    head = ["tip off by, of L", *(f"{n} element{'s' * (n > 1)}" for n in elements), "order from 4"]
+    head = ["error of the tip, of L", *(f"{n} element{'s' * (n > 1)}" for n in elements), "order from 4"]
     rigid = elastica(force=force, axial=1e12 * EA)
     closed = float(np.linalg.norm(rigid - elliptic_elastica(LOAD))) / L
     loads = np.array([0.05, 0.1, 0.2, 0.4])

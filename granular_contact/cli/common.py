@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granular_contact import config
 from granular_contact.errors import SceneError
@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
 MOST_WORKERS = 256
+# Columns of a table: key of the number, heading, factor, format.
+Shown = Sequence[tuple[str, str, float, str]]
 ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 class Refusal(Exception):
-    """Why a command is not begun, in a sentence for people; the command line ends as of faulty input."""
+    """Why a command does not start, as a sentence; the exit code is that of faulty input."""
 
 
 def complain(text: str) -> None:
@@ -44,7 +46,7 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
 
 
 def worst(statuses: Iterable[str]) -> int:
-    """Exit code of several runs by how they ended: of a failure rather than of one that was out of time."""
+    """Exit code of several runs by how they ended: a failure counts more than a time limit."""
     return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
 
 
@@ -75,33 +77,34 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
 
 
 @contextmanager
-def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
-    """Give a callable that tells on stderr what is under way, or None."""
+def telling(shown: bool, text: str) -> Iterator[Callable[..., None] | None]:
+    """Give a callable that shows a text on stderr, with its arguments in the places of {}, or None."""
     if not shown:
         yield None
         return
     from rich.console import Console
 
-    with Console(stderr=True).status("") as status:
-        yield lambda name: status.update(f"running {name}")
+    with Console(stderr=True).status("starting") as status:
+        yield lambda *what: status.update(text.format(*what))
 
 
-def number(value: float | None, factor: float, form: str) -> str:
-    """A number times a factor in a format; a dash for None."""
-    return "-" if value is None else format(factor * value, form)
+def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:
+    """The shown numbers as text; a dash for None."""
+    for key, _, factor, form in shown:
+        value = values.get(key)
+        yield "-" if value is None else format(factor * value, form)
 
 
-def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table whose first column has names and the others numbers."""
+def print_table(first: Sequence[str], shown: Shown, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Print rows as a table: first texts, by their keys, then the shown numbers."""
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(box=None, pad_edge=False)
-    table.add_column(first)
-    for head in heads:
+    table = Table(first[0], box=None, pad_edge=False)
+    for head in (*first[1:], *(heading for _, heading, _, _ in shown)):
         table.add_column(head, justify="right")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(row[key] for key in first), *numbers(row, shown))
     Console(width=max(100, Console().width)).print(table)
 
 
@@ -116,7 +119,7 @@ def output_folder(out: str | None, name: str, kind: str = "run") -> Path:
 def folder_problem(folder: Path, kind: str = "run") -> str | None:
     """Why `folder` can't take results of a kind (of `report.ENTRIES`), or None.
 
-    It is found by trying, before the run, and nothing is left behind.
+    This is tried before the run, and leaves nothing behind.
     """
     from granular_contact import report
 

@@ -10,7 +10,7 @@ from granular_contact.errors import ConfigError
 from granular_contact.multibody.accuracy import jump_error, step_error
 from granular_contact.multibody.build import build
 from granular_contact.multibody.ending import status
-from granular_contact.multibody.explain import left_out
+from granular_contact.multibody.omissions import left_out
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import force_noise, unresolved
 from granular_contact.multibody.solve import solve
