@@ -77,7 +77,7 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
 
 
 @contextmanager
-def telling(shown: bool, text: str) -> Iterator[Callable[..., None] | None]:
+def telling(shown: bool, text: str = "running {}") -> Iterator[Callable[..., None] | None]:
     """Give a callable that shows a text on stderr, with its arguments in the places of {}, or None."""
     if not shown:
         yield None
@@ -88,23 +88,32 @@ def telling(shown: bool, text: str) -> Iterator[Callable[..., None] | None]:
         yield lambda *what: status.update(text.format(*what))
 
 
+def number(value: float | None, factor: float, form: str) -> str:
+    """A number times a factor in a format; a dash for None."""
+    return "-" if value is None else format(factor * value, form)
+
+
+def headings(shown: Shown) -> list[str]:
+    """Headings of the shown numbers."""
+    return [heading for _, heading, _, _ in shown]
+
+
 def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:
     """The shown numbers as text; a dash for None."""
     for key, _, factor, form in shown:
-        value = values.get(key)
-        yield "-" if value is None else format(factor * value, form)
+        yield number(values.get(key), factor, form)
 
 
-def print_table(first: Sequence[str], shown: Shown, rows: Iterable[Mapping[str, Any]]) -> None:
-    """Print rows as a table: first texts, by their keys, then the shown numbers."""
+def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table whose first column has names and the others numbers."""
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(first[0], box=None, pad_edge=False)
-    for head in (*first[1:], *(heading for _, heading, _, _ in shown)):
+    table = Table(first, box=None, pad_edge=False)
+    for head in heads:
         table.add_column(head, justify="right")
     for row in rows:
-        table.add_row(*(row[key] for key in first), *numbers(row, shown))
+        table.add_row(*row)
     Console(width=max(100, Console().width)).print(table)
 
 

@@ -10,6 +10,8 @@ from granular_contact.cli.common import (
     add_output,
     add_set,
     complain,
+    headings,
+    numbers,
     output_folder,
     print_table,
     telling,
@@ -75,7 +77,8 @@ def act(chosen: argparse.Namespace) -> int:
         )
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        print_table(["model"], SHOWN, map(cells, comparison.rows))
+        rows = map(cells, comparison.rows)
+        print_table("model", headings(SHOWN), ([str(row["model"]), *numbers(row, SHOWN)] for row in rows))
         print(comparison.verdict)
         print(f"saved in {folder}")
     return worst(row.results.status.code for row in comparison.rows)

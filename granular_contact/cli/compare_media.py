@@ -10,6 +10,8 @@ from granular_contact.cli.common import (
     add_output,
     add_set,
     complain,
+    headings,
+    numbers,
     output_folder,
     print_table,
     telling,
@@ -51,7 +53,9 @@ def act(chosen: argparse.Namespace) -> int:
         rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        print_table(["medium", "status"], SHOWN, map(cells, rows))
+        heads = ["ended", *headings(SHOWN)]
+        texts = ((row.name, row.results.status.code, *numbers(cells(row), SHOWN)) for row in rows)
+        print_table("medium", heads, texts)
         for row in rows:
             for warning in row.results.warnings:
                 print(f"{row.name}: {warning}")

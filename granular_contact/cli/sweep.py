@@ -19,6 +19,7 @@ from granular_contact.cli.common import (
     INTERRUPTED,
     add_output,
     complain,
+    headings,
     numbers,
     output_folder,
     reason,
@@ -194,7 +195,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     for name in _short_names(keys):
         shown.add_column(name, justify="right")
     shown.add_column("status")
-    for _, heading, _, _ in _SHOWN:
+    for heading in headings(_SHOWN):
         shown.add_column(heading, justify="right")
     failed: list[str] = []
     count = 0
