@@ -1,6 +1,4 @@
-"""Whether every shape has a law for its kind at every depth it can reach, and every medium a shape that it can act
-on.
-"""
+"""Whether every shape has a law at every depth it can reach, and every medium a shape that it can act on."""
 
 from __future__ import annotations
 

@@ -110,9 +110,7 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
 
 
 def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
-    """Floors and containers without a medium, which are never checked, as only the load of a medium follows the
-    bodies.
-    """
+    """Floors and containers without a medium: only the load of a medium checks them."""
     if places(scenario):
         return
     bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"

@@ -112,9 +112,7 @@ def _across(joint: schema.SliderClosure, angle: float) -> Vector:
 
 
 def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:
-    """Joint states in which all loops are closed in position and velocity; joints that were not given follow. Faults
-    are appended.
-    """
+    """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended."""
     model = scenario.model
     if not model.closures:
         return begun.states
@@ -145,9 +143,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
 
 
 def _home(loops: Loops, begun: Start) -> Vector:
-    """Coordinates of the reference configuration, in which the loops have to close; free bodies are where the run has
-    them.
-    """
+    """Reference coordinates, in which the loops have to close; free bodies are where the run has them."""
     home = []
     for name in loops.joints:
         joint = loops.model.all_joints[name]

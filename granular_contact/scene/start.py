@@ -19,9 +19,7 @@ AGREEMENT = 1e-6
 
 @dataclass(frozen=True)
 class Start:
-    """States of the joints of the tree; names of those whose coordinate (placed) or rate (moved) a run or a drive
-    gives.
-    """
+    """States of the tree's joints; names of those whose coordinate (placed) or rate (moved) a run or drive gives."""
 
     states: dict[str, JointState]
     placed: frozenset[str]
