@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import JointState, Pose, direction, is_rigid, point, pose
 from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive, Vector, rotation, turned
@@ -138,7 +138,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     opening = float(np.abs(slopes @ rates).max(initial=0.0))
     if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
         words = f"the joint rates violate a loop closure by {opening:.3g} m/s or rad/s: give fewer of them"
-        faults.append(Fault("", None, "initial.joints", words))
+        faults.append(scene_fault("initial.joints", words))
     return loops.states(x, rates)
 
 
@@ -170,7 +170,7 @@ def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
             words += f" apart there; allowed are {LARGEST_GAP:g} m" + (
                 f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""
             )
-            faults.append(Fault("", None, f"model.closures.{name}", words))
+            faults.append(scene_fault(f"model.closures.{name}", words))
     return faults
 
 
@@ -202,7 +202,7 @@ def redundant(
         verb = "is" if spare == 1 else "are"
         words = f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} {verb} redundant with the"
         words += " other joints: leave it out, or choose a type with fewer constraints"
-        faults.append(Fault("", None, f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
+        faults.append(scene_fault(f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
     return faults
 
 
