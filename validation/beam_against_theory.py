@@ -38,7 +38,7 @@ from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.scene.types import Connection, Motion, Reduced, Scene
+from granular_contact.scene.types import Connection, InitialMotion, Reduced, Scene
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -95,7 +95,7 @@ def pendulum(elements: int = 4, gravity: float = 0.0) -> Scene:
 def cantilever(elements: int, gravity: float = 0.0) -> Scene:
     """The link alone, clamped to the ground."""
     scene = pendulum(elements, gravity)
-    link = replace(scene.links[0], motion=Motion(ZERO, 0.0, ZERO, 0.0))
+    link = replace(scene.links[0], motion=InitialMotion(ZERO, 0.0, ZERO, 0.0))
     return replace(
         scene, rigid=(), links=(link,), connections=(Connection("clamp", "weld", None, ZERO, link.name, ZERO),)
     )
