@@ -1,4 +1,4 @@
-"""Contact lines of one kind in one medium, with the arrays that `kernels.batches` reads."""
+"""Contact lines in one medium, with the arrays that `kernels.batches` reads."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from granular_contact.bed.contact_lines import ContactLine
 from granular_contact.kernels import batches as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.spatial import SIZE, SPATIAL_STATION
+from granular_contact.kernels.kinematics import SPATIAL
 from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
 
 
 class Batch:
-    """Lines on one kind of body (all stations of one type) in one medium, computed in one call.
+    """Lines in one medium, computed in one call.
 
     records: of each line, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns: for
     each line, where its numbers stand in a history row, see `history.HistoryTable`. anchors (stations, 2) m: the
@@ -48,7 +48,8 @@ class Batch:
         self.entries = sum(len(line.coordinates) ** 2 for line in lines)  # most that a tangent has
         coordinates = np.concatenate([line.coordinates for line in lines])
         self.places = np.column_stack([coordinates, coordinates])
-        self._spatial = bool(self.geometry.dtype == SPATIAL_STATION)
+        spatial = self.ends[:-1][self.geometry["kind"][self.ends[:-1, 0]] == SPATIAL, 1]
+        self._euler = spatial[:, None] + np.arange(3, 7)  # places of the Euler parameters of spatial bodies
         self._compiled = False
 
     @cached_property
@@ -77,10 +78,9 @@ class Batch:
 
     def leaning(self, q: Vector) -> float:
         """Sine of the greatest angle between the z axis of a spatial body and that of the world; 0 of planar ones."""
-        if not self._spatial:
+        if not len(self._euler):
             return 0.0
-        places = self.places[:, 0].reshape(-1, SIZE)[:, 3:]
-        e = (q + self._all_sand[0])[places].T
+        e = (q + self._all_sand[0])[self.places[:, 0][self._euler]].T
         return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:

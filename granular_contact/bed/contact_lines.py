@@ -143,7 +143,7 @@ def _along(
 def _on(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, Any]) -> ContactLine:
     places = np.asarray(body.coordinates, np.int64)
     if len(places) == spatial.SIZE:
-        stations = spatial.spatial_stations(stations)
+        stations = kinematics.in_space(stations)
     elif len(places) != 3:
         raise _fault(f"{body.name} has {len(places)} coordinates; allowed are 3, or {spatial.SIZE} in space")
     return ContactLine(body.name, places, stations, kind, _record(kind, fields))

@@ -93,13 +93,12 @@ class GranularLoad:
             raise scene_error("bed", "it is attached already; name every body before attach()")
 
     def close(self) -> None:
-        """Form the batches, of lines that the floor or one medium meets on one kind of body; `start` does it too."""
+        """Form the batches, of lines that the floor or one medium meets; `start` does it too."""
         for index, kinds, profile, medium, layer in self._meetings():
             acting = [line for line in self.lines if line.kind in kinds]
-            for dtype in dict.fromkeys(line.stations.dtype for line in acting):
-                lines = [line for line in acting if line.stations.dtype == dtype]
-                columns = [self.table.columns(index, line.body) for line in lines]
-                self.batches.append(Batch(lines, [_in(layer, line) for line in lines], profile, medium, columns))
+            if acting:
+                columns = [self.table.columns(index, line.body) for line in acting]
+                self.batches.append(Batch(acting, [_in(layer, line) for line in acting], profile, medium, columns))
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
     def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:

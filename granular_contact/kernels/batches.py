@@ -1,7 +1,7 @@
-"""Contact lines of a kind in one call: friction state, force, tangent, end of a step, active set.
+"""Contact lines in one medium in one call: friction state, force, tangent, end of a step, active set.
 
-A batch holds lines on one kind of body (one type of station) in one medium, so a call from Python, which costs more
-than the law on a few strips, is paid once for hundreds of bodies. Arguments that they share:
+A batch holds lines on any bodies in one medium, so a call from Python, which costs more than the law on a few strips,
+is paid once for hundreds of bodies. Arguments that they share:
 
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory

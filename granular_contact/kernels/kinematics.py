@@ -2,7 +2,8 @@
 
 Rigid body in the plane: coordinates (x, y, phi), stations r (n, 2) in the body frame, p = x + R(phi) r. Run of n_e
 planar ANCF cable elements: 4 coordinates (r_x, r_y, r'_x, r'_y) for each of its n_e + 1 nodes; a station lies in one
-element, p = N_1 r_0 + N_2 r'_0 + N_3 r_1 + N_4 r'_1 with the Hermite polynomials N_k of its place.
+element, p = N_1 r_0 + N_2 r'_0 + N_3 r_1 + N_4 r'_1 with the Hermite polynomials N_k of its place. Rigid body in space
+that moves in the plane: see `spatial`. All are of one record type, so that what calls them is compiled once.
 """
 
 from __future__ import annotations
@@ -11,26 +12,24 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.law import provide
+from granular_contact.kernels.spatial import spatial_scatter, spatial_stations
 
+# Kinds of bodies; a line is on one body.
+RIGID, CABLE, SPATIAL = 0, 1, 2
+
+# x, y, z: place on a rigid body (m). first, shape: first coordinate of a cable's element, and N_1 .. N_4 there.
 # kept: whether a station also belongs to the division into strips of twice the length, see `lines.accept`.
-RIGID_STATION = np.dtype([("x", "f8"), ("y", "f8"), ("kept", "?")])
-CABLE_STATION = np.dtype([("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")])
-
-
-def stations(q, v, geometry, P, V):
-    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; by the type of geometry (n,)."""
-    raise NotImplementedError
-
-
-def scatter(q, geometry, P, F, out):
-    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,)."""
-    raise NotImplementedError
-
-
-def spacing(geometry):
-    """How far apart coordinates are that no generalised force has in common; 0 where each acts on all."""
-    raise NotImplementedError
+STATION = np.dtype(
+    [
+        ("kind", "i8"),
+        ("x", "f8"),
+        ("y", "f8"),
+        ("z", "f8"),
+        ("first", "i8"),
+        ("shape", "f8", (4,)),
+        ("kept", "?"),
+    ]
+)
 
 
 def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]:
@@ -96,7 +95,7 @@ def _every_second(strips: int) -> NDArray[np.bool_]:
 
 
 def _at_places(places: NDArray[np.float64]) -> NDArray[np.void]:
-    stations = np.zeros(len(places), RIGID_STATION)
+    stations = np.zeros(len(places), STATION)
     stations["x"], stations["y"] = places.T
     stations["kept"] = True
     return stations
@@ -117,7 +116,8 @@ def hermite(xi: NDArray[np.float64], length: float) -> NDArray[np.float64]:
 
 def cable_stations(lengths: NDArray[np.float64], strips: int) -> NDArray[np.void]:
     """Stations of a run of elements with the given lengths (m), `strips` equal strips in each."""
-    stations = np.zeros(len(lengths) * strips + 1, CABLE_STATION)
+    stations = np.zeros(len(lengths) * strips + 1, STATION)
+    stations["kind"] = CABLE
     for e, length in enumerate(lengths):
         place = slice(e * strips, (e + 1) * strips + 1)
         stations["first"][place] = 4 * e
@@ -126,7 +126,43 @@ def cable_stations(lengths: NDArray[np.float64], strips: int) -> NDArray[np.void
     return stations
 
 
-@provide(stations, "geometry", RIGID_STATION)
+def in_space(planar: NDArray[np.void]) -> NDArray[np.void]:
+    """Stations in the plane z = 0 of a spatial body, from those of a planar body."""
+    stations = planar.copy()
+    stations["kind"] = SPATIAL
+    return stations
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def stations(q, v, geometry, P, V):
+    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; geometry (n,) records."""
+    kind = geometry[0].kind
+    if kind == CABLE:
+        _cable_stations(q, v, geometry, P, V)
+    elif kind == SPATIAL:
+        spatial_stations(q, v, geometry, P, V)
+    else:
+        _rigid_stations(q, v, geometry, P, V)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def scatter(q, geometry, P, F, out):
+    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,)."""
+    kind = geometry[0].kind
+    if kind == CABLE:
+        _cable_scatter(geometry, F, out)
+    elif kind == SPATIAL:
+        spatial_scatter(q, geometry, F, out)
+    else:
+        _rigid_scatter(q, P, F, out)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def spacing(geometry):
+    """How far apart coordinates are that no generalised force has in common; 0 where each acts on all."""
+    return 12 if geometry[0].kind == CABLE else 0  # a node of four acts on itself and on both of its neighbours
+
+
 @njit(cache=True, no_cfunc_wrapper=True)
 def _rigid_stations(q, v, geometry, P, V):
     c, s = np.cos(q[2]), np.sin(q[2])
@@ -139,22 +175,14 @@ def _rigid_stations(q, v, geometry, P, V):
         V[i, 1] = v[1] + v[2] * rx
 
 
-@provide(scatter, "geometry", RIGID_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
-def _rigid_scatter(q, geometry, P, F, out):
+def _rigid_scatter(q, P, F, out):
     for i in range(P.shape[0]):
         out[0] += F[i, 0]
         out[1] += F[i, 1]
         out[2] += (P[i, 0] - q[0]) * F[i, 1] - (P[i, 1] - q[1]) * F[i, 0]
 
 
-@provide(spacing, "geometry", RIGID_STATION)
-@njit(cache=True, no_cfunc_wrapper=True)
-def _rigid_spacing(geometry):
-    return 0
-
-
-@provide(stations, "geometry", CABLE_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
 def _cable_stations(q, v, geometry, P, V):
     for i in range(geometry.shape[0]):
@@ -168,19 +196,12 @@ def _cable_stations(q, v, geometry, P, V):
             V[i, xy] = w
 
 
-@provide(scatter, "geometry", CABLE_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
-def _cable_scatter(q, geometry, P, F, out):
-    for i in range(P.shape[0]):
+def _cable_scatter(geometry, F, out):
+    for i in range(F.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:
             continue
         first, shape = geometry[i].first, geometry[i].shape
         for k in range(4):
             out[first + 2 * k] += shape[k] * F[i, 0]
             out[first + 2 * k + 1] += shape[k] * F[i, 1]
-
-
-@provide(spacing, "geometry", CABLE_STATION)
-@njit(cache=True, no_cfunc_wrapper=True)
-def _cable_spacing(geometry):
-    return 12  # a node of four coordinates acts on itself and on both of its neighbours

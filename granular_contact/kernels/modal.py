@@ -1,4 +1,4 @@
-"""Pendulum that bends in modes: third kind of body for the calls of `kinematics`.
+"""Pendulum that bends in modes: its stations, and forces at them.
 
 Coordinates (q_1, q_2, ..., q_{n+1}): q_1 angle of the undeformed axis below the horizontal (rad), q_{1+i} deflection of
 the tip in mode i (m). With e = (cos q_1, -sin q_1) along the axis and n = de/dq_1 across it, a station that lies at
@@ -17,18 +17,15 @@ import math
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels.kinematics import scatter, stations
-from granular_contact.kernels.law import provide
-
 MOST_MODES = 20
 
 # along, across: place in the undeformed pendulum, seen from the pivot (m); phi: mode shapes there; pivot: (x, y), m.
 MODAL_STATION = np.dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])
 
 
-@provide(stations, "geometry", MODAL_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
-def _modal_stations(q, v, geometry, P, V):
+def modal_stations(q, v, geometry, P, V):
+    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v; geometry (n,) records."""
     c, s = math.cos(q[0]), math.sin(q[0])
     for i in range(geometry.shape[0]):
         along = geometry[i].along
@@ -43,9 +40,9 @@ def _modal_stations(q, v, geometry, P, V):
         V[i, 1] = -along_rate * s - across_rate * c
 
 
-@provide(scatter, "geometry", MODAL_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
-def _modal_scatter(q, geometry, P, F, out):
+def modal_scatter(q, geometry, P, F, out):
+    """Add the generalised forces J^T F of station forces F (n, 2) N to out (n + 1,)."""
     c, s = math.cos(q[0]), math.sin(q[0])
     for i in range(P.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels.kinematics import scatter, stations
 from granular_contact.kernels.law import forces
 from granular_contact.kernels.lines import drag_anchors
+from granular_contact.kernels.modal import modal_scatter, modal_stations
 
 
 class World(NamedTuple):
@@ -61,11 +61,11 @@ def load(q, v, sigma, w, totals, Q):
         anchors = w.anchors[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
         P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
-        stations(q, v, geometry, P, V)
+        modal_stations(q, v, geometry, P, V)
         if pendulum.true_sign:
             aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
         forces(P, V, anchors, w.runs[r], w.profile, w.medium[0], F, totals)
-        scatter(q, geometry, P, F, Q)
+        modal_scatter(q, geometry, P, F, Q)
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -75,5 +75,5 @@ def drag(q, v, w):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
-        stations(q, v, geometry, P, V)
+        modal_stations(q, v, geometry, P, V)
         drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.runs[r], w.profile, w.medium[0])

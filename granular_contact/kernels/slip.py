@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels.kinematics import scatter, stations
+from granular_contact.kernels.modal import modal_scatter, modal_stations
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate
 from granular_contact.kernels.strips import at, halfway, immersed_segment
@@ -36,7 +36,7 @@ def middle(q, w):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
-        stations(q, np.zeros_like(q), geometry, P, V)
+        modal_stations(q, np.zeros_like(q), geometry, P, V)
         Z = np.empty(n)
         for i in range(n):
             Z[i] = depth(w.profile, P[i, 0], P[i, 1])
@@ -59,7 +59,7 @@ def slip_velocity(q, v, w, g):
     geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
     n = geometry.shape[0]
     P, V = np.empty((n, 2)), np.empty((n, 2))
-    stations(q, v, geometry, P, V)
+    modal_stations(q, v, geometry, P, V)
     g[0], g[1] = at(V, place)
     return immersed
 
@@ -74,12 +74,12 @@ def slip_rows(q, w, J):
     geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
     n = geometry.shape[0]
     P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.zeros((n, 2))
-    stations(q, np.zeros_like(q), geometry, P, V)
+    modal_stations(q, np.zeros_like(q), geometry, P, V)
     i = min(int(place), n - 2)
     J[:] = 0.0
     for c in range(2):
         F[i, c], F[i + 1, c] = 1.0 - (place - i), place - i
-        scatter(q, geometry, P, F, J[c])
+        modal_scatter(q, geometry, P, F, J[c])
         F[i, c], F[i + 1, c] = 0.0, 0.0
 
 

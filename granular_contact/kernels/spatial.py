@@ -9,22 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from granular_contact.kernels.kinematics import scatter, spacing, stations
-from granular_contact.kernels.law import provide
-
-# z first: not to begin as the stations of planar bodies.
-SPATIAL_STATION = np.dtype([("z", "f8"), ("x", "f8"), ("y", "f8"), ("kept", "?")])
-SIZE = 7
-
-
-def spatial_stations(planar: NDArray[np.void]) -> NDArray[np.void]:
-    """Stations in the plane z = 0 of the body, from those of a planar body."""
-    made = np.zeros(len(planar), SPATIAL_STATION)
-    for name in ("x", "y", "kept"):
-        made[name] = planar[name]
-    return made
+SIZE = 7  # coordinates
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -40,9 +26,9 @@ def jacobian(e0, e1, e2, e3, r, J):
     J[1, 3] = J[0, 0]
 
 
-@provide(stations, "geometry", SPATIAL_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
-def _spatial_stations(q, v, geometry, P, V):
+def spatial_stations(q, v, geometry, P, V):
+    """As `kinematics.stations`."""
     J = np.empty((2, 4))
     for i in range(geometry.shape[0]):
         jacobian(q[3], q[4], q[5], q[6], geometry[i], J)
@@ -55,11 +41,11 @@ def _spatial_stations(q, v, geometry, P, V):
             V[i, xy] = v[xy] + w
 
 
-@provide(scatter, "geometry", SPATIAL_STATION)
 @njit(cache=True, no_cfunc_wrapper=True)
-def _spatial_scatter(q, geometry, P, F, out):
+def spatial_scatter(q, geometry, F, out):
+    """As `kinematics.scatter`."""
     J = np.empty((2, 4))
-    for i in range(P.shape[0]):
+    for i in range(F.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:
             continue
         jacobian(q[3], q[4], q[5], q[6], geometry[i], J)
@@ -67,9 +53,3 @@ def _spatial_scatter(q, geometry, P, F, out):
         out[1] += F[i, 1]
         for k in range(4):
             out[3 + k] += J[0, k] * F[i, 0] + J[1, k] * F[i, 1]
-
-
-@provide(spacing, "geometry", SPATIAL_STATION)
-@njit(cache=True, no_cfunc_wrapper=True)
-def _spatial_spacing(geometry):
-    return 0

@@ -8,27 +8,22 @@ import numpy as np
 import pytest
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
-from granular_contact.kernels import kinematics, lines, spatial
+from granular_contact.kernels import kinematics, lines
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.kinematics import cable_stations, hermite, rigid_stations
 
 LENGTHS = np.array([0.1, 0.07, 0.12])
-FILL = {
-    kinematics.RIGID_STATION: (kinematics._rigid_stations, kinematics._rigid_scatter),
-    kinematics.CABLE_STATION: (kinematics._cable_stations, kinematics._cable_scatter),
-    spatial.SPATIAL_STATION: (spatial._spatial_stations, spatial._spatial_scatter),
-}
 
 
 def place(geometry: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     P, V = np.full((len(geometry), 2), np.nan), np.full((len(geometry), 2), np.nan)
-    FILL[geometry.dtype][0](q, v, geometry, P, V)
+    kinematics.stations(q, v, geometry, P, V)
     return P, V
 
 
 def cases() -> list[tuple[np.ndarray, int]]:
     bar = rigid_stations(np.array([[-0.1, 0.02], [0.2, -0.05]]), 6)
-    return [(bar, 3), (spatial.spatial_stations(bar), 7), (cable_stations(LENGTHS, 4), 16)]
+    return [(bar, 3), (kinematics.in_space(bar), 7), (cable_stations(LENGTHS, 4), 16)]
 
 
 def test_hermite_meets_values_and_slopes_at_the_ends() -> None:
@@ -73,7 +68,7 @@ def test_euler_parameters_turn_as_an_angle_does() -> None:
     v[:2], v[3], v[6] = (1.0, 2.0), -np.sin(half) * rate / 2, np.cos(half) * rate / 2
     planar = place(bar, np.array([0.3, -0.2, angle]), np.array([1.0, 2.0, rate]))
     # The same positions and velocities: round-off.
-    np.testing.assert_allclose(place(spatial.spatial_stations(bar), q, v), planar, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(place(kinematics.in_space(bar), q, v), planar, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize(("geometry", "size"), cases())
@@ -93,7 +88,7 @@ def test_virtual_work(geometry: np.ndarray, size: int) -> None:
         q, v = rng.uniform(-1, 1, size), rng.uniform(-1, 1, size)
         P, V = place(geometry, q, v)
         F, out = rng.uniform(-10, 10, P.shape), np.zeros(size)
-        FILL[geometry.dtype][1](q, geometry, P, F, out)
+        kinematics.scatter(q, geometry, P, F, out)
         # The same products in another order: round-off of some 30 terms of 10 W.
         assert out @ v == pytest.approx((F * V).sum(), abs=1e-12)
 

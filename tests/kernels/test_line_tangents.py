@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label
 
-from granular_contact.kernels import kinematics, law, lines, spatial
+from granular_contact.kernels import kinematics, law, lines
 from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -32,7 +32,7 @@ def in_space(planar: Case, rng: np.random.Generator) -> Case:
     geometry, q, v = planar
     e = np.array([np.cos(q[2] / 2), *rng.uniform(-0.2, 0.2, 2), np.sin(q[2] / 2)])
     rates = np.concatenate([v[:2], [0.0], rng.uniform(-2.0, 2.0, 4)])
-    return spatial.spatial_stations(geometry), np.concatenate([q[:2], [0.0], e]), rates
+    return kinematics.in_space(geometry), np.concatenate([q[:2], [0.0], e]), rates
 
 
 def spatial_body(rng: np.random.Generator) -> Case:

@@ -292,7 +292,7 @@ def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     medium = medium_record(bed.load.records[0])[0]
     P, V, F = (np.zeros((17, 2)) for _ in range(3))
     for i, state in enumerate(table):
-        kinematics._rigid_stations(state[1:4] + START, state[4:7], geometry, P, V)
+        kinematics.stations(state[1:4] + START, state[4:7], geometry, P, V)
         anchors = P.copy() if anchors is None else anchors
         strips.distributed_forces(P, V, anchors, run[0], profile, medium, F, np.zeros((3, 3)))
         power[i] = (F * V).sum()

@@ -21,7 +21,7 @@ def rigid(body: State) -> tuple[Array, Array, tuple]:
     """Coordinates and rates of a body that carries the stations, and what the kernels want besides."""
     center = body.P.mean(axis=0)
     r, n = body.P - center, len(body.P)
-    geometry = np.zeros(n, kinematics.RIGID_STATION)
+    geometry = np.zeros(n, kinematics.STATION)
     geometry["x"], geometry["y"] = r.T
     turns = np.column_stack([-r[:, 1], r[:, 0]])
     arm = float((turns**2).sum())
