@@ -124,6 +124,21 @@ class Coupling:
         self.load.accept(t, q, v)
         self._last = q.copy()
 
+    def move_to(self, t: float) -> None:
+        """Take the system's state for one within a step to a time (s), whose start is accepted already."""
+        data = self.mbs.systemData
+        self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
+        self._time = t
+
+    def kept(self) -> tuple[Any, ...]:
+        """What the forces of later steps depend on beside the state of the load, and how often they were asked for."""
+        return self._time, self._last, self.load_calls
+
+    def restore(self, kept: Any) -> None:
+        """Go back to what was kept; the next forces are sent, whatever was sent last."""
+        self._time, self._last, self.load_calls = kept
+        self._acts = True
+
     def present(self) -> AbstractContextManager[None]:
         """The system's current state counts as accepted within; it is taken back afterwards."""
         if self.load.time is None or not self.mbs.systemData.GetTime() > self.load.time:

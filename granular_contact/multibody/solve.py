@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
@@ -19,7 +20,8 @@ from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
-from granular_contact.multibody.stepping import StepControl
+from granular_contact.multibody.state import Keeper, SolveState
+from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Cost, Progress
 from granular_contact.scene.types import FASTEST
@@ -49,60 +51,142 @@ def _silent() -> Iterator[None]:
         exu.config.printToConsole = before
 
 
+class Solve:
+    """A solve under way, in one go or from pause to pause, by the same steps of the engine.
+
+    time (s): what it has reached; over: whether there is nothing to come, as it is at rest, at its end or has failed.
+    """
+
+    def __init__(
+        self, system: System, progress: Progress | None = None, simulation: Any = None, *, returns: bool = False
+    ) -> None:
+        """Find rest, if the scene is to, and tell the state at the start; raises as `settle` does.
+
+        simulation: Exudyn's settings, those of `settings` unless given. returns: whether it can go back to states.
+        """
+        self.system, mbs, scene = system, system.mbs, system.scene
+        self.simulation = settings(scene) if simulation is None else simulation
+        self.recorder = Recorder(system, progress)
+        self.solver = exu.MainSolverImplicitSecondOrder()
+        self.seconds, self._problem, self._success = 0.0, "", True
+        self._end = scene.solver.end_time_s
+        with _on_interrupt(self.recorder.interrupt), _silent():
+            if scene.settle:
+                settle(system, self.recorder)
+            if scene.solver.accuracy is not None:
+                control = StepControl(system, self.solver, self.recorder.lever, scene.solver.accuracy)
+                self.recorder.control = control
+                mbs.SetPostNewtonUserFunction(control)
+                control_steps(self.simulation, control)
+            mbs.SetPostStepUserFunction(self.recorder)
+            if system.bed is not None:
+                system.bed.accept()  # loads its kernels, which is no part of the solve
+            self._keeper = Keeper(system, self.solver, self.recorder, self.simulation) if returns else None
+            self._run(self._begin)
+        if self.recorder.rows == 0:
+            raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
+
+    def _run(self, part: Callable[[], bool]) -> None:
+        """Do a part of the solve and keep how it ended, with the time that it took."""
+        start = time.perf_counter()
+        try:
+            self._success = bool(part())
+        except (exu.ExudynError, RuntimeError) as error:
+            self._success, self._problem = False, str(error).strip().splitlines()[0]
+        self.seconds += time.perf_counter() - start
+
+    def _begin(self) -> bool:
+        it, mbs = self.solver.it, self.system.mbs
+        if not self.solver.InitializeSolver(mbs, self.simulation):
+            return False
+        it.currentStepSize = it.maxStepSize  # as the engine begins
+        self.solver.conv.jacobianUpdateRequested = True
+        self.recorder(mbs, mbs.systemData.GetTime())
+        return True
+
+    def advance(self, until: float = math.inf) -> None:
+        """Go on to a time (s), the scene's end at the latest; does nothing when it is over.
+
+        Where steps are fixed they divide the time to go evenly, none longer than the scene's.
+        """
+        if self.over:
+            return
+        self._plan(min(until, self._end))
+        with _on_interrupt(self.recorder.interrupt), _silent():
+            self._run(lambda: self.solver.SolveSteps(self.system.mbs, self.simulation))
+
+    def _plan(self, until: float) -> None:
+        """Tell the engine where to stop next, and how to go on to there from where it is."""
+        it, recorder, now = self.solver.it, self.recorder, self.time
+        it.endTime = until
+        if recorder.control is not None:
+            whole = now == 0.0 and until == self._end
+            recorder.control.until = math.inf if whole else until
+        else:
+            it.maxStepSize = (until - now) / max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
+        recorder.resume(self.solver, self.seconds)
+
+    def _too_fast(self) -> str:
+        if self.recorder.reason == "away":
+            return f"a speed at the start is not below {FASTEST:g} m/s (or rad/s): give a slower one"
+        return "it gave no reason"
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return float(self.recorder.states[self.recorder.rows - 1, 0])
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing to come."""
+        return not self._success or self.recorder.reason != "" or self.time >= self._end - END
+
+    def state(self) -> SolveState:
+        """The present state, of a solve that returns."""
+        assert self._keeper is not None
+        return self._keeper.state(self.seconds, self._success, self._problem)
+
+    def restore(self, kept: SolveState) -> None:
+        """Go back to a state of this solve or another one of the same scene."""
+        assert self._keeper is not None
+        with _silent():
+            self._keeper.restore(kept)
+        self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
+
+    def trajectory(self) -> Trajectory:
+        """All steps so far."""
+        system, recorder, it = self.system, self.recorder, self.solver.it
+        states, count = recorder.states[: recorder.rows], recorder.size
+        return Trajectory(
+            status=status(recorder, self._success, self._problem, it.currentStepSize),
+            cost=Cost(
+                solve_s=self.seconds,
+                steps=recorder.rows - 1,
+                newton_iterations=it.newtonStepsCount,
+                jacobians=it.newtonJacobiCount,
+                load_calls=0 if system.bed is None else system.bed.load_calls,
+                full_newton=it.rejectedModifiedNewtonSteps,
+                shortened_steps=recorder.shortened,
+                refused_steps=0 if recorder.control is None else recorder.control.refused,
+            ),
+            time=states[:, 0],
+            q=states[:, 1 : 1 + count] + system.mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
+            v=states[:, 1 + count :],
+            load=None if system.bed is None else system.bed.load.history.since(0.0),
+            mass=mass_matrix(system),
+            # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+            reactions={
+                name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
+            },
+            set_to=dict(zip(recorder.external, np.transpose(recorder.set_to), strict=True)),
+        )
+
+
 def solve(system: System, progress: Progress | None = None, simulation: Any = None) -> Trajectory:
     """Run the scene to its end time, to rest, to a limit, to a failure or to Ctrl-C; what was reached by then is kept.
 
     simulation: Exudyn's settings, those of `settings` unless given.
     """
-    mbs, scene = system.mbs, system.scene
-    if simulation is None:
-        simulation = settings(scene)
-    recorder = Recorder(system, progress)
-    solver = exu.MainSolverImplicitSecondOrder()
-    problem, success = "", False
-    with _on_interrupt(recorder.interrupt), _silent():
-        if scene.settle:
-            settle(system, recorder)
-        if scene.solver.accuracy is not None:
-            recorder.control = StepControl(system, solver, recorder.lever, scene.solver.accuracy)
-            mbs.SetPostNewtonUserFunction(recorder.control)
-            control_steps(simulation, recorder.control)
-        mbs.SetPostStepUserFunction(recorder)
-        if system.bed is not None:
-            system.bed.accept()  # loads its kernels, which is no part of the solve
-        began = time.perf_counter()
-        try:
-            success = solver.SolveSystem(mbs, simulation)
-        except (exu.ExudynError, RuntimeError) as error:
-            problem = str(error).strip().splitlines()[0]
-        seconds = time.perf_counter() - began
-    if recorder.rows == 0:
-        fast = (
-            f"a speed at the start is not below {FASTEST:g} m/s (or rad/s): give a slower one"
-            if recorder.reason == "away"
-            else ""
-        )
-        raise SolveError(f"the engine could not begin: {problem or fast or 'it gave no reason'}")
-    states, count = recorder.states[: recorder.rows], recorder.size
-    return Trajectory(
-        status=status(recorder, success, problem, solver.it.currentStepSize),
-        cost=Cost(
-            solve_s=seconds,
-            steps=recorder.rows - 1,
-            newton_iterations=solver.it.newtonStepsCount,
-            jacobians=solver.it.newtonJacobiCount,
-            load_calls=0 if system.bed is None else system.bed.load_calls,
-            full_newton=solver.it.rejectedModifiedNewtonSteps,
-            shortened_steps=recorder.shortened,
-            refused_steps=0 if recorder.control is None else recorder.control.refused,
-        ),
-        time=states[:, 0],
-        q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
-        v=states[:, 1 + count :],
-        load=None if system.bed is None else system.bed.load.history.since(0.0),
-        mass=mass_matrix(system),
-        # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-        reactions={
-            name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
-        },
-    )
+    under_way = Solve(system, progress, simulation)
+    under_way.advance()
+    return under_way.trajectory()

@@ -10,6 +10,7 @@ from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory
+    from granular_contact.multibody.coordinates import End
     from granular_contact.multibody.coupling import Coupling
     from granular_contact.multibody.joint_loads import JointLoad
 
@@ -41,7 +42,7 @@ class System:
     """An assembled Exudyn system and where the scene's bodies are in it.
 
     bed: the granular load in it, None where none is needed. loads: what acts in joints, by name. motions: constraint
-    objects of prescribed motions, by joint.
+    objects of prescribed motions, by joint. ends: of joints, which count the turns of flexible links.
     """
 
     scene: Scene
@@ -52,6 +53,7 @@ class System:
     bed: Coupling | None
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
+    ends: list[End] = field(default_factory=list)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""
@@ -64,7 +66,7 @@ class Trajectory:
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
     did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
-    force (N) of prescribed motions, (n,) each, by joint.
+    force (N) of prescribed motions, (n,) each, by joint; set_to: what drives were set to from outside, likewise.
     """
 
     status: Status
@@ -75,3 +77,4 @@ class Trajectory:
     load: LoadHistory | None
     mass: Any
     reactions: dict[str, Vector]
+    set_to: dict[str, Vector] = field(default_factory=dict)

@@ -10,6 +10,7 @@ from granular_contact.config.schema.chain import Chain
 from granular_contact.config.schema.drives import (
     AnyDrive,
     Drive,
+    External,
     Force,
     HingeControl,
     Motion,
@@ -81,6 +82,7 @@ __all__ = [
     "CylinderShape",
     "DiscShape",
     "Drive",
+    "External",
     "Flexible",
     "FloorContact",
     "FootShape",
