@@ -52,6 +52,10 @@ class SolveError(GranularContactError):
     """The engine could not be set up or started for this scene."""
 
 
+class ControlError(GranularContactError):
+    """Controls, a step or a state that a simulation can't take; it stays as it was."""
+
+
 class OutOfTimeError(SolveError):
     """The time that a run was given was over before it began: there is nothing to keep."""
 

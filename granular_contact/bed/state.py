@@ -25,7 +25,7 @@ class BatchState:
 
 @dataclass(frozen=True)
 class LoadState:
-    """time (s) of the last accepted state; active: as of the load; rows: of its history, with what is summed up of it."""
+    """Of a load: time (s) of the last accepted state, `active`, rows of its history with what is summed up of them."""
 
     time: float | None
     active: bool

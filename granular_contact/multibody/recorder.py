@@ -34,7 +34,7 @@ class Recorder:
         self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
         self.reactions: list[Vector] = []
         self.external = {name: load for name, load in system.loads.items() if load.set_to is not None}
-        self.set_to: list[list[float | None]] = []
+        self.set_to: list[list[float]] = []
         self.resting_since: float | None = None
         self.reason = ""
         self.control: StepControl | None = None
@@ -67,7 +67,7 @@ class Recorder:
         if self.multipliers:
             self.reactions.append(data.GetAECoordinates()[self.multipliers])
         if self.external:
-            self.set_to.append([load.set_to for load in self.external.values()])
+            self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
         for load in self.system.loads.values():
             load.accept(row[1 : 1 + self.size], v)
         if self.system.bed is not None:

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 import numpy as np
@@ -20,11 +20,15 @@ from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
-from granular_contact.multibody.state import Keeper, SolveState
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Cost, Progress
+from granular_contact.results.observed import Observations
 from granular_contact.scene.types import FASTEST
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.senses import Senses
+    from granular_contact.multibody.state import Keeper, SolveState
 
 
 @contextmanager
@@ -58,11 +62,12 @@ class Solve:
     """
 
     def __init__(
-        self, system: System, progress: Progress | None = None, simulation: Any = None, *, returns: bool = False
+        self, system: System, progress: Progress | None = None, simulation: Any = None, *, pauses: bool = False
     ) -> None:
         """Find rest, if the scene is to, and tell the state at the start; raises as `settle` does.
 
-        simulation: Exudyn's settings, those of `settings` unless given. returns: whether it can go back to states.
+        simulation: Exudyn's settings, those of `settings` unless given. pauses: whether it may be looked at and brought
+        back to its states on the way.
         """
         self.system, mbs, scene = system, system.mbs, system.scene
         self.simulation = settings(scene) if simulation is None else simulation
@@ -70,6 +75,9 @@ class Solve:
         self.solver = exu.MainSolverImplicitSecondOrder()
         self.seconds, self._problem, self._success = 0.0, "", True
         self._end = scene.solver.end_time_s
+        self._reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        self._senses: Senses | None = None
+        self._keeper: Keeper | None = None
         with _on_interrupt(self.recorder.interrupt), _silent():
             if scene.settle:
                 settle(system, self.recorder)
@@ -81,7 +89,12 @@ class Solve:
             mbs.SetPostStepUserFunction(self.recorder)
             if system.bed is not None:
                 system.bed.accept()  # loads its kernels, which is no part of the solve
-            self._keeper = Keeper(system, self.solver, self.recorder, self.simulation) if returns else None
+            if pauses:
+                from granular_contact.multibody.senses import Senses
+                from granular_contact.multibody.state import Keeper
+
+                self._senses = Senses(system, None if system.bed is None else system.bed.load)
+                self._keeper = Keeper(system, self.solver, self.recorder, self.simulation)
             self._run(self._begin)
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
@@ -112,8 +125,12 @@ class Solve:
         if self.over:
             return
         self._plan(min(until, self._end))
+        before = self.recorder.rows
         with _on_interrupt(self.recorder.interrupt), _silent():
             self._run(lambda: self.solver.SolveSteps(self.system.mbs, self.simulation))
+        if self.system.links and self._senses is not None:
+            rows = self.recorder.states[before : self.recorder.rows, 1 : 1 + self.recorder.size]
+            self._senses.follow(rows + self._reference)
 
     def _plan(self, until: float) -> None:
         """Tell the engine where to stop next, and how to go on to there from where it is."""
@@ -141,14 +158,28 @@ class Solve:
         """Whether there is nothing to come."""
         return not self._success or self.recorder.reason != "" or self.time >= self._end - END
 
+    # ---- of a solve that pauses ----
+
+    def observe(self) -> Observations:
+        """What is seen of the present state."""
+        assert self._senses is not None  # of one that pauses
+        recorder, bed = self.recorder, self.system.bed
+        row, count = recorder.states[recorder.rows - 1], recorder.size
+        q = row[1 : 1 + count] + self._reference
+        return self._senses.read(float(row[0]), q, row[1 + count :], None if bed is None else bed.load.table.row)
+
+    def set_to(self, joint: str, value: float) -> None:
+        """Set the drive of a joint, in SI units, from now on."""
+        self.recorder.external[joint].set_to = value
+
     def state(self) -> SolveState:
-        """The present state, of a solve that returns."""
-        assert self._keeper is not None
+        """The present state."""
+        assert self._keeper is not None  # of one that pauses
         return self._keeper.state(self.seconds, self._success, self._problem)
 
     def restore(self, kept: SolveState) -> None:
         """Go back to a state of this solve or another one of the same scene."""
-        assert self._keeper is not None
+        assert self._keeper is not None  # of one that pauses
         with _silent():
             self._keeper.restore(kept)
         self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
@@ -170,7 +201,7 @@ class Solve:
                 refused_steps=0 if recorder.control is None else recorder.control.refused,
             ),
             time=states[:, 0],
-            q=states[:, 1 : 1 + count] + system.mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
+            q=states[:, 1 : 1 + count] + self._reference,
             v=states[:, 1 + count :],
             load=None if system.bed is None else system.bed.load.history.since(0.0),
             mass=mass_matrix(system),

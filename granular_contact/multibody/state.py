@@ -7,17 +7,18 @@ acceleration of the scheme, the choice of steps, and the Jacobian that Newton's 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 
-from granular_contact.bed.state import LoadState
-from granular_contact.bed.state import restore as restore_load
-from granular_contact.bed.state import state as state_of_load
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.stepping import KEPT
+from granular_contact.multibody.system import System
 from granular_contact.multibody.tangent import Place, Tangent, joint_states, set_joints, set_turns, turns
 from granular_contact.scene.types import Vector
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.coupling import CouplingState
 
 COUNTS = ("newtonStepsCount", "newtonJacobiCount", "rejectedModifiedNewtonSteps")
 
@@ -28,7 +29,7 @@ class SolveState:
 
     time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
     constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints, turns: see
-    `tangent`. recorded, control: fields of the recorder and of the choice of steps. load, bed: None without a bed.
+    `tangent`. recorded, control: fields of the recorder and of the choice of steps. bed: None without one.
     """
 
     time: float
@@ -46,8 +47,7 @@ class SolveState:
     turns: tuple[float, ...]
     recorded: dict[str, Any]
     control: dict[str, Any] | None
-    load: LoadState | None
-    bed: tuple[Any, ...] | None
+    bed: CouplingState | None
     seconds: float
     success: bool
     problem: str
@@ -56,7 +56,7 @@ class SolveState:
 class Keeper:
     """Takes states of a solve, and goes back to them; made before its first step."""
 
-    def __init__(self, system: Any, solver: Any, recorder: Recorder, simulation: Any) -> None:
+    def __init__(self, system: System, solver: Any, recorder: Recorder, simulation: Any) -> None:
         self.system, self.solver, self.recorder, self.simulation = system, solver, recorder, simulation
         self.tangent = Tangent(system, solver, simulation)
 
@@ -80,8 +80,7 @@ class Keeper:
             turns=turns(system),
             recorded=self.recorder.kept(),
             control=None if control is None else {name: getattr(control, name) for name in KEPT},
-            load=None if system.bed is None else state_of_load(system.bed.load),
-            bed=None if system.bed is None else system.bed.kept(),
+            bed=None if system.bed is None else system.bed.kept,
             seconds=seconds,
             success=success,
             problem=problem,
@@ -104,9 +103,7 @@ class Keeper:
         recorder.restore(kept.recorded)
         if recorder.control is not None:
             vars(recorder.control).update(kept.control or {})
-        if system.bed is not None:
-            assert kept.load is not None  # of the same scene
-            restore_load(system.bed.load, kept.load)
+        if system.bed is not None and kept.bed is not None:
             system.bed.restore(kept.bed)
 
     def _set_engine(self, kept: SolveState, data: Any) -> None:

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 import numpy as np
 
-from granular_contact.bed.state import BatchState, batch_states, restore_batches
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Vector
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.coupling import Acting
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class Place:
     """All that a Jacobian depends on.
 
     time, step (s); q, v (m,), multipliers: of the engine; joints: anchor and what a drive is set to, by the order of
-    the system's loads; turns: of its ends; acts, batches: of its granular load.
+    the system's loads; turns: of its ends; bed: of its granular load, None without one.
     """
 
     time: float
@@ -33,8 +35,7 @@ class Place:
     multipliers: Vector
     joints: tuple[tuple[float, float | None], ...]
     turns: tuple[float, ...]
-    acts: bool
-    batches: tuple[BatchState, ...]
+    bed: Acting | None
 
 
 class Tangent:
@@ -61,8 +62,7 @@ class Tangent:
             multipliers=data.GetAECoordinates(),
             joints=joint_states(self.system),
             turns=turns(self.system),
-            acts=bed is not None and bed.load.active,
-            batches=() if bed is None else batch_states(bed.load.batches),
+            bed=None if bed is None else bed.acting,
         )
         return self._nothing
 
@@ -71,10 +71,8 @@ class Tangent:
         mbs, solver, bed = self.system.mbs, self.solver, self.system.bed
         set_joints(self.system, place.joints)
         set_turns(self.system, place.turns)
-        if bed is not None:
-            bed.move_to(place.time)
-            bed.load.active = place.acts
-            restore_batches(bed.load.batches, place.batches)
+        if bed is not None and place.bed is not None:
+            bed.act(place.time, place.bed)
         mbs.systemData.SetTime(place.time)
         solver.it.currentTime, solver.it.currentStepSize = place.time, place.step
         iterations, solver.newton.maxIterations = solver.newton.maxIterations, 1

@@ -102,9 +102,9 @@ class SliderControl(Strict):
 
 
 class External(Strict):
-    """Set from outside while it runs, see `granular_contact.Simulation`: a torque or force, or the target of a PD control.
+    """Set by a program while the run goes on, see `granular_contact.Simulation`: a torque or force, or a PD target.
 
-    One of the first six keys says what is set, and holds what acts until then. Of a target the torque or force is gain
+    One of the first six keys says what is set; its value acts until then. Of a target the torque or force is gain
     (target - coordinate) + rate gain (target of the rate - rate), within a limit; the rate that goes with an angle or a
     position is 0.
     """
