@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
@@ -42,13 +41,12 @@ class Recorder:
         fixed = self.solver.accuracy is None
         self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf
-        self._paused: Callable[[float], None] | None = None
+        self._paused, self._outdated = False, False
 
     def __call__(self, mbs: Any, t: float) -> bool:
         """After a step accepted at t (s): whether to go on."""
-        if self._paused is not None:
-            self._paused(t)
-            self._paused = None
+        if self._paused:
+            self._go_on(t)
             return True
         data = mbs.systemData
         v = data.GetODE2Coordinates_t(copy=False)
@@ -78,7 +76,7 @@ class Recorder:
             self.progress(t, self.solver.end_time_s)
         return not self._is_over(t, v)
 
-    def resume(self, solver: Any, spent: float) -> None:
+    def resume(self, conv: Any, spent: float) -> None:
         """Get ready to go on from the last state recorded, in a solve that has taken so many seconds.
 
         The engine begins as if for the first time: it tells that state once more, and is then told what it has
@@ -86,14 +84,14 @@ class Recorder:
         """
         if self.solver.max_wall_s is not None:
             self.deadline = time.perf_counter() + self.solver.max_wall_s - spent
-        outdated = solver.conv.jacobianUpdateRequested
+        self._paused, self._conv, self._outdated = True, conv, conv.jacobianUpdateRequested
 
-        def tell(t: float) -> None:
-            solver.conv.jacobianUpdateRequested = outdated
-            if self.control is not None:
-                self.control.go_on(t)
-
-        self._paused = tell
+    def _go_on(self, t: float) -> None:
+        self._paused = False
+        if not self._outdated:  # as the engine takes it to be
+            self._conv.jacobianUpdateRequested = False
+        if self.control is not None:
+            self.control.go_on(t)
 
     def kept(self) -> dict[str, Any]:
         """All that was recorded so far."""

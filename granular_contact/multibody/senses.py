@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.multibody.coordinates import End, Hinge, RigidHinge, Slider, coordinate
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.system import System
-from granular_contact.results.observed import Observations, Seen
+from granular_contact.results.observed import Observations, Seen, Told
 from granular_contact.results.series import clockwise_moment
 from granular_contact.scene.types import Connection, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.load import GranularLoad
+
+
+Places = NDArray[np.int64]
 
 
 class Senses:
@@ -47,6 +52,7 @@ class Senses:
         self._hinges = self._rigid_hinges(joints)
         self._met = np.array([bodies.index(name) for name in of_load], int)
         self._lines = _lines_of(load)
+        self._above = np.full(len(of_load), -np.inf)
 
     def _all_nodes(self) -> dict[str, tuple[int, ...]]:
         rigid = {name: (handle.node,) for name, handle in self.system.rigid.items()}
@@ -110,42 +116,79 @@ class Senses:
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
         """Observations at a time (s) of coordinates (m,), reference values included, and rates.
 
-        row: of the history of the load, None without one.
+        row: of the history of the load, None without one. Arrays that are written over later are copied.
         """
+        batches = () if self.load is None else self.load.batches
+        now = _Now(self, q, v.copy(), None if row is None else row.copy(), [batch.depths.copy() for batch in batches])
+        if self._turning:  # which later lie elsewhere
+            return Observations(self.seen, time, Told(now.joints(), now.bodies(), now.medium()))
+        return Observations(self.seen, time, now)
+
+    def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """Coordinates and rates of joints."""
         matrix, offsets, others = self._hinges
         coordinates, rates = matrix @ q + offsets, matrix @ v
         for i in others:
             how, places = self._joints[i]
             coordinates[i], rates[i], _ = how.at(q[places].tolist(), v[places].tolist())
+        return coordinates, rates
+
+    def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """Poses and velocities of bodies."""
         poses, velocities = q[self._rigid], v[self._rigid]
         if self._links:
             bent = [self._of_link(q, v, *link) for link in self._links]
             poses = np.vstack([poses, [pose for pose, _ in bent]])
             velocities = np.vstack([velocities, [velocity for _, velocity in bent]])
-        poses[:, 2] *= -1.0
-        velocities[:, 2] *= -1.0
-        forces, depths = self._medium(poses, row)
-        return Observations(self.seen, time, coordinates, rates, poses, velocities, forces, depths)
+        poses[:, 2] = 0.0 - poses[:, 2]  # no zero below zero
+        velocities[:, 2] = 0.0 - velocities[:, 2]
+        return poses, velocities
 
     @staticmethod
     def _of_link(q: Vector, v: Vector, shares: Vector, end: End, places: list[int]) -> tuple[Vector, Vector]:
         angle, rate, _ = end.angle(q[places].tolist(), v[places].tolist())
         return np.array([*(shares @ q), angle]), np.array([*(shares @ v), rate])
 
-    def _medium(self, poses: Vector, row: Vector | None) -> tuple[Vector, Vector]:
-        """Forces (met, 3) and depths (met,) of the medium."""
+    def medium(self, poses: Vector, row: Vector | None, depths: list[Vector]) -> tuple[Vector, Vector]:
+        """Forces and depths of bodies at their poses; depths: of the lines of each batch."""
         if self.load is None or row is None:
             return np.zeros((0, 3)), np.zeros(0)
         forces = self.load.table.wrenches(row)
         forces[:, 2] = clockwise_moment(forces, poses[self._met, :2])
-        depths = np.full(len(self._met), -np.inf)
-        for batch, places in zip(self.load.batches, self._lines, strict=True):
-            np.maximum.at(depths, places, batch.depths)
-        return forces, depths
+        deepest = self._above.copy()
+        for of_lines, (order, starts, bodies) in zip(depths, self._lines, strict=True):
+            deepest[bodies] = np.maximum(deepest[bodies], np.maximum.reduceat(of_lines[order], starts))
+        return forces, deepest
 
 
-def _lines_of(load: GranularLoad | None) -> list[list[int]]:
-    """Body of each line of each batch, by its place among those of the load."""
+@dataclass
+class _Now:
+    """One instant, see `Instant`."""
+
+    senses: Senses
+    q: Vector
+    v: Vector
+    row: Vector | None
+    depths: list[Vector]
+
+    def joints(self) -> tuple[Vector, Vector]:
+        return self.senses.joints(self.q, self.v)
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        return self.senses.bodies(self.q, self.v)
+
+    def medium(self) -> tuple[Vector, Vector]:
+        return self.senses.medium(self.bodies()[0], self.row, self.depths)
+
+
+def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:
+    """Of each batch: an order of its lines by their bodies, where in it each body begins, and which body that is."""
     if load is None:
         return []
-    return [[load.table.bodies.index(line.body) for line in batch.lines] for batch in load.batches]
+    found = []
+    for batch in load.batches:
+        body = np.array([load.table.bodies.index(line.body) for line in batch.lines])
+        order = np.argsort(body, kind="stable")
+        bodies, starts = np.unique(body[order], return_index=True)
+        found.append((order, starts, bodies))
+    return found

@@ -6,8 +6,8 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from _signal import signal as set_handler  # type: ignore[import-not-found]
+from collections.abc import Callable
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -31,28 +31,28 @@ if TYPE_CHECKING:
     from granular_contact.multibody.state import Keeper, SolveState
 
 
-@contextmanager
-def _on_interrupt(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Let a handler take Ctrl-C; only the main thread may."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+class _Guarded:
+    """Within it a handler takes Ctrl-C, which only the main thread may, and the engine does not print.
 
+    Every pause of a solve leaves and enters it: so by the function below `signal.signal`, which makes an enum of all
+    that it is given and gives, ten times slower.
+    """
 
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Keep the engine from printing; how a run ended is told by its status."""
-    before = exu.config.printToConsole
-    exu.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exu.config.printToConsole = before
+    def __init__(self, handler: Callable[[int, FrameType | None], None]) -> None:
+        self._handler, self._main = handler, threading.main_thread().ident
+
+    def __enter__(self) -> None:
+        self._prints, self._takes = exu.config.printToConsole, threading.get_ident() == self._main
+        if self._prints:  # how a run ended is told by its status
+            exu.config.printToConsole = False
+        if self._takes:
+            self._before = set_handler(signal.SIGINT, self._handler)
+
+    def __exit__(self, *_: object) -> None:
+        if self._takes:
+            set_handler(signal.SIGINT, self._before)
+        if self._prints:
+            exu.config.printToConsole = True
 
 
 class Solve:
@@ -73,12 +73,14 @@ class Solve:
         self.simulation = settings(scene) if simulation is None else simulation
         self.recorder = Recorder(system, progress)
         self.solver = exu.MainSolverImplicitSecondOrder()
+        self._it, self._conv = self.solver.it, self.solver.conv  # the solver's own, no copies
         self.seconds, self._problem, self._success = 0.0, "", True
         self._end = scene.solver.end_time_s
         self._reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
         self._senses: Senses | None = None
         self._keeper: Keeper | None = None
-        with _on_interrupt(self.recorder.interrupt), _silent():
+        self._guarded = _Guarded(self.recorder.interrupt)
+        with self._guarded:
             if scene.settle:
                 settle(system, self.recorder)
             if scene.solver.accuracy is not None:
@@ -103,7 +105,7 @@ class Solve:
         """Do a part of the solve and keep how it ended, with the time that it took."""
         start = time.perf_counter()
         try:
-            self._success = bool(part())
+            self._success = part()
         except (exu.ExudynError, RuntimeError) as error:
             self._success, self._problem = False, str(error).strip().splitlines()[0]
         self.seconds += time.perf_counter() - start
@@ -126,22 +128,25 @@ class Solve:
             return
         self._plan(min(until, self._end))
         before = self.recorder.rows
-        with _on_interrupt(self.recorder.interrupt), _silent():
-            self._run(lambda: self.solver.SolveSteps(self.system.mbs, self.simulation))
+        with self._guarded:
+            self._run(self._steps)
         if self.system.links and self._senses is not None:
             rows = self.recorder.states[before : self.recorder.rows, 1 : 1 + self.recorder.size]
             self._senses.follow(rows + self._reference)
 
+    def _steps(self) -> bool:
+        return bool(self.solver.SolveSteps(self.system.mbs, self.simulation))
+
     def _plan(self, until: float) -> None:
         """Tell the engine where to stop next, and how to go on to there from where it is."""
-        it, recorder, now = self.solver.it, self.recorder, self.time
+        it, recorder, now = self._it, self.recorder, self.time
         it.endTime = until
         if recorder.control is not None:
             whole = now == 0.0 and until == self._end
             recorder.control.until = math.inf if whole else until
         else:
             it.maxStepSize = (until - now) / max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
-        recorder.resume(self.solver, self.seconds)
+        recorder.resume(self._conv, self.seconds)
 
     def _too_fast(self) -> str:
         if self.recorder.reason == "away":
@@ -180,7 +185,7 @@ class Solve:
     def restore(self, kept: SolveState) -> None:
         """Go back to a state of this solve or another one of the same scene."""
         assert self._keeper is not None  # of one that pauses
-        with _silent():
+        with self._guarded:
             self._keeper.restore(kept)
         self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
 

@@ -11,7 +11,7 @@ from granular_contact.results import Outline, energy, series
 from granular_contact.results.interpolation import Track
 from granular_contact.results.limits import Reach
 from granular_contact.results.observation import Observation, pictures
-from granular_contact.results.observed import Observations, Seen
+from granular_contact.results.observed import Observations, Seen, Told
 from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
 
@@ -61,12 +61,11 @@ def now(model: Model, trajectory: Trajectory) -> Observations:
     return Observations(
         Seen((pin.name,), (True,), (root.name.split("+")[0],), met),
         float(trajectory.time[0]),
-        angle,
-        rate,
-        np.array([[*place, angle[0]]]),
-        np.array([[*velocity, rate[0]]]),
-        forces[: len(met)],
-        np.array([max(depths)] if met else []),
+        Told(
+            (angle, rate),
+            (np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])),
+            (forces[: len(met)], np.array([max(depths)] if met else [])),
+        ),
     )
 
 

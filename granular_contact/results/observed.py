@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 DEGREES = math.degrees(1.0)
-COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)
+COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as an instant tells them
 
 
 @dataclass(frozen=True)
@@ -53,11 +54,45 @@ def _angle(name: str, array: int, row: int, column: int) -> dict[str, tuple[int,
     return {f"{name}_deg": (array, row, column, DEGREES), f"{name}_rad": (array, row, column, 1.0)}
 
 
+class Instant(Protocol):
+    """One instant of a solve, which tells on demand what is asked of it; arrays as of `Observations`."""
+
+    def joints(self) -> tuple[Vector, Vector]:
+        """Coordinates and rates."""
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        """Poses and velocities."""
+
+    def medium(self) -> tuple[Vector, Vector]:
+        """Forces and depths."""
+
+
+class Told(NamedTuple):
+    """An instant that has told everything."""
+
+    of_joints: tuple[Vector, Vector]
+    of_bodies: tuple[Vector, Vector]
+    of_medium: tuple[Vector, Vector]
+
+    def joints(self) -> tuple[Vector, Vector]:
+        """Coordinates and rates."""
+        return self.of_joints
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        """Poses and velocities."""
+        return self.of_bodies
+
+    def medium(self) -> tuple[Vector, Vector]:
+        """Forces and depths."""
+        return self.of_medium
+
+
 class Observations(Mapping[str, float]):
     """One instant: arrays in SI units, and every single number by its name, `observations["hip_angle_deg"]`.
 
     Angles, rates and moments are clockwise positive. Names are those of the columns of the results, angles also in
     radians (`hip_angle_rad`); and `BODY_depth_m`, `BODY_contact` (1 or 0) and `depth_m` of what can meet the medium.
+    What is not asked for is not computed; what was is kept.
 
     Attributes
     ----------
@@ -65,37 +100,61 @@ class Observations(Mapping[str, float]):
         Time (s).
     seen : Seen
         Names of joints and bodies, in the order of the arrays.
-    coordinates, rates : ndarray, (joints,)
-        Of hinges and sliders: rad and rad/s, or m and m/s.
-    poses, velocities : ndarray, (bodies, 3)
-        Centre of mass x, y (m) and angle (rad), and their rates; of a link that bends the angle of its root.
-    forces : ndarray, (met, 3)
-        Of the medium on a body: x, y (N) and moment about its centre of mass (N m).
-    depths : ndarray, (met,)
-        Of the deepest point of a body (m), negative above the surface.
     """
 
-    __slots__ = ("coordinates", "depths", "forces", "poses", "rates", "seen", "time", "velocities")
+    def __init__(self, seen: Seen, time: float, instant: Instant) -> None:
+        self.seen, self.time, self._instant = seen, time, instant
 
-    def __init__(
-        self,
-        seen: Seen,
-        time: float,
-        coordinates: Vector,
-        rates: Vector,
-        poses: Vector,
-        velocities: Vector,
-        forces: Vector,
-        depths: Vector,
-    ) -> None:
-        self.seen, self.time = seen, time
-        self.coordinates, self.rates, self.poses, self.velocities = coordinates, rates, poses, velocities
-        self.forces, self.depths = forces, depths
+    @cached_property
+    def _joints(self) -> tuple[Vector, Vector]:
+        return self._instant.joints()
+
+    @cached_property
+    def _bodies(self) -> tuple[Vector, Vector]:
+        return self._instant.bodies()
+
+    @cached_property
+    def _medium(self) -> tuple[Vector, Vector]:
+        return self._instant.medium()
+
+    @property
+    def coordinates(self) -> Vector:
+        """Of hinges (rad) and sliders (m), (joints,)."""
+        return self._joints[0]
+
+    @property
+    def rates(self) -> Vector:
+        """Of hinges (rad/s) and sliders (m/s), (joints,)."""
+        return self._joints[1]
+
+    @property
+    def poses(self) -> Vector:
+        """Centres of mass x, y (m) and angles (rad), of a link that bends the angle of its root, (bodies, 3)."""
+        return self._bodies[0]
+
+    @property
+    def velocities(self) -> Vector:
+        """Rates of poses (m/s, rad/s), (bodies, 3)."""
+        return self._bodies[1]
+
+    @property
+    def forces(self) -> Vector:
+        """Of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3)."""
+        return self._medium[0]
+
+    @property
+    def depths(self) -> Vector:
+        """Of the deepest point of bodies that can meet the medium (m), negative above the surface, (met,)."""
+        return self._medium[1]
 
     @property
     def contacts(self) -> NDArray[np.bool_]:
         """Whether each body that can meet the medium is in it, (met,)."""
         return self.depths > 0.0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Arrays only, so that it can go to another process."""
+        return Observations, (self.seen, self.time, Told(self._joints, self._bodies, self._medium))
 
     def __getitem__(self, name: str) -> float:
         """A number by its name; KeyError lists the names there are."""
@@ -103,7 +162,7 @@ class Observations(Mapping[str, float]):
         if place is None:
             return self._other(name)
         array, row, column, factor = place
-        held = (self.coordinates, self.rates, self.poses, self.velocities, self.forces, self.depths)[array]
+        held = (self._joints, self._bodies, self._medium)[array // 2][array % 2]
         return float(held[row, column] if held.ndim == 2 else held[row]) * factor
 
     def _other(self, name: str) -> float:
