@@ -93,6 +93,10 @@ class Recorder:
         if self.control is not None:
             self.control.go_on(t)
 
+    def clear(self) -> None:
+        """Forget the state at the start, which is told once more."""
+        self.rows, self.reactions, self.set_to = 0, [], []
+
     def kept(self) -> dict[str, Any]:
         """All that was recorded so far."""
         held: dict[str, Any] = {name: getattr(self, name) for name in ("rows", "resting_since", "reason", "shortened")}

@@ -75,6 +75,7 @@ class Solve:
         self.solver = exu.MainSolverImplicitSecondOrder()
         self._it, self._conv = self.solver.it, self.solver.conv  # the solver's own, no copies
         self.seconds, self._problem, self._success = 0.0, "", True
+        self._restarts = False  # with other accelerations
         self._end = scene.solver.end_time_s
         self._reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
         self._senses: Senses | None = None
@@ -111,7 +112,7 @@ class Solve:
         self.seconds += time.perf_counter() - start
 
     def _begin(self) -> bool:
-        it, mbs = self.solver.it, self.system.mbs
+        it, mbs, self._restarts = self.solver.it, self.system.mbs, False
         if not self.solver.InitializeSolver(mbs, self.simulation):
             return False
         it.currentStepSize = it.maxStepSize  # as the engine begins
@@ -126,9 +127,12 @@ class Solve:
         """
         if self.over:
             return
-        self._plan(min(until, self._end))
-        before = self.recorder.rows
         with self._guarded:
+            if self._restarts:
+                self.recorder.clear()
+                self._run(self._begin)
+            self._plan(min(until, self._end))
+            before = self.recorder.rows
             self._run(self._steps)
         if self.system.links and self._senses is not None:
             rows = self.recorder.states[before : self.recorder.rows, 1 : 1 + self.recorder.size]
@@ -174,13 +178,15 @@ class Solve:
         return self._senses.read(float(row[0]), q, row[1 + count :], None if bed is None else bed.load.table.row)
 
     def set_to(self, joint: str, value: float) -> None:
-        """Set the drive of a joint, in SI units, from now on."""
-        self.recorder.external[joint].set_to = value
+        """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""
+        load = self.recorder.external[joint]
+        self._restarts |= self.recorder.rows == 1 and load.set_to != value
+        load.set_to = value
 
     def state(self) -> SolveState:
         """The present state."""
         assert self._keeper is not None  # of one that pauses
-        return self._keeper.state(self.seconds, self._success, self._problem)
+        return self._keeper.state(self.seconds, self._success, self._problem, self._restarts)
 
     def restore(self, kept: SolveState) -> None:
         """Go back to a state of this solve or another one of the same scene."""
@@ -188,6 +194,7 @@ class Solve:
         with self._guarded:
             self._keeper.restore(kept)
         self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
+        self._restarts = kept.restarts
 
     def trajectory(self) -> Trajectory:
         """All steps so far."""

@@ -51,6 +51,7 @@ class SolveState:
     seconds: float
     success: bool
     problem: str
+    restarts: bool
 
 
 class Keeper:
@@ -60,7 +61,7 @@ class Keeper:
         self.system, self.solver, self.recorder, self.simulation = system, solver, recorder, simulation
         self.tangent = Tangent(system, solver, simulation)
 
-    def state(self, seconds: float, success: bool, problem: str) -> SolveState:
+    def state(self, seconds: float, success: bool, problem: str, restarts: bool) -> SolveState:
         """The present state."""
         system, solver, data = self.system, self.solver, self.system.mbs.systemData
         control = self.recorder.control
@@ -84,6 +85,7 @@ class Keeper:
             seconds=seconds,
             success=success,
             problem=problem,
+            restarts=restarts,
         )
 
     def restore(self, kept: SolveState) -> None:
