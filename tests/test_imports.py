@@ -32,6 +32,7 @@ MAY = {
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
     "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
+    "simulation": {"run", "config", "scene", "results", "multibody", "errors"},  # (multibody: types only)
     "report": {"results", "report.figures"},
     "report.figures": {"report.figures", "report", "results"},
     "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},

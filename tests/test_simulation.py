@@ -37,7 +37,8 @@ medium: play_sand
 bed: {{height_m: -0.12, depth_m: 0.03, floor: {{stiffness_N_m2: 1e4, damping_s_m: 0.3}}}}
 initial: {{joints: {{hip: {{angle_deg: 30}}, knee: {{angle_deg: 10}}}}}}
 drives:
-  hip: {{type: external, angle_deg: 30, gain_Nm_per_rad: 3, rate_gain_Nm_s_per_rad: 0.03, limit_Nm: 1, range: [-45, 120]}}
+  hip:
+    {{type: external, angle_deg: 30, gain_Nm_per_rad: 3, rate_gain_Nm_s_per_rad: 0.03, limit_Nm: 1, range: [-45, 120]}}
   knee: {{type: external, torque_Nm: 0, range: [-0.5, 0.5]}}
 solver: {{end_time_s: 0.15, step_s: 5e-4}}
 load: {{strips_per_rigid_part: 4}}
