@@ -13,7 +13,7 @@ from granular_contact.config.differences import differing_keys
 from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
 from granular_contact.laws.kinds import WORDS
-from granular_contact.results import Compiling, Progress, Results
+from granular_contact.results import Compiling, Outline, Progress, Results
 from granular_contact.results.observation import Observation, results
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Reduced, Scene
@@ -101,6 +101,9 @@ class Solving(Protocol):
 
     def observe(self) -> Observations:
         """What is seen of the present state."""
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
 
     def state(self) -> Any:
         """The present state."""

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import ControlError
-from granular_contact.results import Compiling, Progress, Results, Status
+from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.ending import ended, paused
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
@@ -211,6 +211,15 @@ class Simulation:
         """What is seen of the present state."""
         return self._begun.solving.observe()
 
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        return self._begun.solving.outlines()
+
+    @property
+    def standing(self) -> Status:
+        """How the run stands while it has not ended."""
+        return paused(self.time, self.scenario.solver)
+
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Ranges (controls, 2) within which controls can be set, in the units of their names; infinite for any."""
@@ -218,8 +227,8 @@ class Simulation:
 
     def results(self, most_frames: int = 0) -> Results:
         """Results of the run so far, as of `simulate`; most_frames: as there."""
-        trajectory, solver = self._begun.solving.trajectory(), self.scenario.solver
-        status = self._failed or (None if self._begun.solving.over else paused(self.time, solver))
+        trajectory = self._begun.solving.trajectory()
+        status = self._failed or (None if self._begun.solving.over else self.standing)
         if status is not None:
             trajectory = replace(trajectory, status=status)
         return results(self._begun.observe(trajectory), scenario_to_dict(self.scenario), most_frames)

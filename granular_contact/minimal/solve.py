@@ -15,10 +15,11 @@ from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.state import BatchState, batch_states, restore_batches
 from granular_contact.kernels import tree_march as kernels
 from granular_contact.minimal.tree import Tree
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.senses import Senses
-from granular_contact.multibody.system import Trajectory
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.multibody.system import Trajectory, at_one
+from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.ending import ended
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Minimal, Scene, Vector
@@ -159,6 +160,13 @@ class Solve:
         row, count = self.march.last, 3 * len(self.tree.forest.bodies)
         state = self.march.states[row]
         return self._senses.read(self.time, state[:count], state[count : 2 * count], self.march.rows[row])
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        count, system = 3 * len(self.tree.forest.bodies), self.tree.system
+        state = self.march.states[self.march.last][None, :]
+        now = at_one(system, np.array([self.time]), state[:, :count], state[:, count : 2 * count])
+        return Kinematics(system, now).outlines(0)
 
     def state(self) -> SolveState:
         """The present state."""

@@ -31,6 +31,9 @@ class JointLoad:
         self._springs = law.stiffness > 0.0 or law.damping > 0.0
         self._stops, self._rubs = law.has_stops, law.friction > 0.0
         self._nothing = Force(0.0)
+        # A hinge of rigid bodies does not change with their places: nor does what its tangent is made of.
+        slope = coordinate.constant_slope
+        self._outer = None if slope is None else np.outer(slope, slope)
 
     def add(self, mbs: Any) -> None:
         """Put it into a system, before it is assembled."""
@@ -88,13 +91,18 @@ class JointLoad:
         factor_q: float,
         factor_v: float,
     ) -> Any:
+        container = exu.MatrixContainer()
+        # The engine keeps these on the left-hand side, opposite in sign to the force.
+        if self._outer is not None:
+            force = self.total(t, *self.coordinate.at(q, v)[:2])
+            factor = -factor_q * force.by_place - factor_v * force.by_rate
+            container.SetWithDenseMatrix(factor * self._outer, useDenseMatrix=False)
+            return container
         q, v = list(q), list(v)
         s, rate, slope = self.coordinate.at(q, v)
         force, gradient, second = self.total(t, s, rate), np.array(slope), self.coordinate.second(q)
         by_q = np.outer(gradient, force.by_place * gradient + force.by_rate * (second @ np.array(v)))
         by_q += force.value * second
         by_v = force.by_rate * np.outer(gradient, gradient)
-        container = exu.MatrixContainer()
-        # The engine keeps these on the left-hand side, opposite in sign to the force.
         container.SetWithDenseMatrix(-factor_q * by_q - factor_v * by_v, useDenseMatrix=False)
         return container

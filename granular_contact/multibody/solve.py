@@ -21,8 +21,8 @@ from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
-from granular_contact.multibody.system import System, Trajectory
-from granular_contact.results import Cost, Progress
+from granular_contact.multibody.system import System, Trajectory, at_one
+from granular_contact.results import Cost, Outline, Progress
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import FASTEST
 
@@ -176,6 +176,15 @@ class Solve:
         row, count = recorder.states[recorder.rows - 1], recorder.size
         q = row[1 : 1 + count] + self._reference
         return self._senses.read(float(row[0]), q, row[1 + count :], None if bed is None else bed.load.table.row)
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        from granular_contact.multibody.kinematics import Kinematics
+
+        recorder = self.recorder
+        row, count = recorder.states[recorder.rows - 1 : recorder.rows], recorder.size
+        q, v = row[:, 1 : 1 + count] + self._reference, row[:, 1 + count :]
+        return Kinematics(self.system, at_one(self.system, row[:, 0], q, v)).outlines(0)
 
     def set_to(self, joint: str, value: float) -> None:
         """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""

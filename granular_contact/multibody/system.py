@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.results import Cost, Status
+from granular_contact.results.ending import paused
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
 
 if TYPE_CHECKING:
@@ -78,3 +79,10 @@ class Trajectory:
     mass: Any
     reactions: dict[str, Vector]
     set_to: dict[str, Vector] = field(default_factory=dict)
+
+
+def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:
+    """A trajectory of one instant, time (1,), q, v (1, m), that knows where everything is and no more."""
+    nothing = Cost(solve_s=0.0, steps=0, newton_iterations=0, jacobians=0, load_calls=0)
+    standing = paused(float(time[0]), system.scene.solver)
+    return Trajectory(standing, nothing, time, q, v, load=None, mass=None, reactions={})

@@ -13,7 +13,7 @@ from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.ending import ended
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Vector
@@ -117,6 +117,12 @@ class Solve:
         from granular_contact.reduced.observe import now
 
         return now(self.model, self._rows(self.march.now()[None, :]))
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        from granular_contact.reduced.observe import Motion
+
+        return Motion(self.model, self._rows(self.march.now()[None, :])).outlines(0)
 
     def state(self) -> SolveState:
         """The present state."""
