@@ -12,8 +12,9 @@ from granular_contact.gym.environment import GranularEnv
 from granular_contact.results.observed import Observations
 
 HIPS = ("hip_front_a", "hip_rear_a", "hip_front_b", "hip_rear_b")
-# Motors of the hips: rad/s, N m s/rad, N m. The greatest rate is that of the swing of configs/runner.yaml, whose gait is
-# set by hand: two strides a second, of whose time the swing takes half for three quarters of a turn; it needs 0.03 N m.
+# Motors of the hips: rad/s, N m s/rad, N m. The greatest rate is about that of the swing in configs/runner.yaml, whose
+# gait was set by hand: two strides a second, half of whose time the swing takes for three quarters of a turn. That gait
+# needs 0.03 N m.
 RATES, GAIN, LIMIT = (0.0, 20.0), 5e-3, 0.1
 START = {"a": 90.0, "b": 270.0}  # deg, of the hips of either side: half a turn apart, as in that gait
 OVER = 90.0  # deg, by which the trunk has fallen over
