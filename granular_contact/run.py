@@ -54,7 +54,11 @@ def run(
         The scenario is another one than the scene was built from, or the scene was not built from any.
     """
     known = scenario_of(scene, scenario)
-    return results(_observed(scene, progress, inspect, compiling), scenario_to_dict(known), most_frames)
+    begun, seen = _observed(scene, progress, inspect, compiling)
+    made = results(seen, scenario_to_dict(known), most_frames)
+    if inspect is None:  # whose caller may go on with the system
+        begun.solving.close()
+    return made
 
 
 def scenario_of(scene: Scene, given: Scenario | None = None) -> Scenario:
@@ -113,6 +117,9 @@ class Solving(Protocol):
 
     def trajectory(self) -> Any:
         """All steps so far."""
+
+    def close(self) -> None:
+        """Let go of what is held; nothing can be asked any more."""
 
 
 class Begun(NamedTuple):
@@ -173,20 +180,21 @@ def _observed(
     progress: Progress | None,
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
-) -> Observation:
+) -> tuple[Begun, Observation]:
     """Solve to the end; by the engine again with shorter strips where it is to choose them by their error."""
     begun, trajectory = _solved(scene, progress, compiling)
     if begun.system is None:
-        return begun.observe(trajectory)
+        return begun, begun.observe(trajectory)
     if trajectory.load is not None:
         from granular_contact.multibody.kinematics import Kinematics
         from granular_contact.multibody.strip_error import finer
 
         spent = trajectory.cost.solve_s
         while begun.system and (shorter := finer(Kinematics(begun.system, trajectory))) is not None:
+            begun.solving.close()
             begun, trajectory = _solved(shorter, progress, compiling)
             spent += trajectory.cost.solve_s
         trajectory = replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))
     if inspect is not None and begun.system is not None:
         inspect(begun.system, trajectory)
-    return begun.observe(trajectory)
+    return begun, begun.observe(trajectory)

@@ -21,7 +21,7 @@ from granular_contact.results import Compiling, Outline, Progress, Results, Stat
 from granular_contact.results.ending import ended, paused
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
-from granular_contact.run import Begun, begin, run, scenario_of
+from granular_contact.run import Begun, Solving, begin, run, scenario_of
 from granular_contact.scene.build import build
 from granular_contact.scene.controls import Control, controls_of
 from granular_contact.scene.types import Scene
@@ -84,6 +84,7 @@ class Simulation:
 
     def __init__(self, scenario: Scenario | Loaded, *, compiling: Compiling | None = None) -> None:
         self._compiling = compiling
+        self._begun: Begun | None = None
         self.random = np.random.default_rng(0)
         self._take(build(scenario.scenario if isinstance(scenario, Loaded) else scenario))
         self._base = self.scenario
@@ -91,7 +92,8 @@ class Simulation:
     def _take(self, scene: Scene) -> None:
         """Begin with a scene; where that fails, the simulation stays as it was."""
         begun = begin(scene, None, self._compiling, pauses=True)
-        self._begun: Begun = begun
+        self.close()
+        self._begun = begun
         self.scene, self.scenario = scene, scenario_of(scene)
         self._controls: dict[str, Control] = controls_of(scene)
         self.controls = tuple(self._controls)
@@ -99,19 +101,25 @@ class Simulation:
         self._failed: Status | None = None
         self._start = self.state()
 
+    @property
+    def _solving(self) -> Solving:
+        if self._begun is None:
+            raise ControlError("the simulation was closed: reset() begins anew")
+        return self._begun.solving
+
     # ---- time ----
 
     @property
     def time(self) -> float:
         """Time reached (s)."""
-        return self._begun.solving.time
+        return self._solving.time
 
     @property
     def ended(self) -> Status | None:
         """How the run ended; None while it goes on."""
-        if self._failed is not None or not self._begun.solving.over:
+        if self._failed is not None or not self._solving.over:
             return self._failed
-        status: Status = self._begun.solving.trajectory().status
+        status: Status = self._solving.trajectory().status
         return status
 
     def reset(self, *, seed: int | None = None, **changes: Any) -> Observations:
@@ -135,7 +143,7 @@ class Simulation:
         values = {key: value(self.random) if callable(value) else value for key, value in changes.items()}
         scenario = self._base.replace(values) if values else self._base
         drawn = self.random.bit_generator.state
-        if scenario is self.scenario or scenario == self.scenario:
+        if self._begun is not None and (scenario is self.scenario or scenario == self.scenario):
             self.restore(self._start)
         else:
             self._take(build(scenario))
@@ -173,10 +181,10 @@ class Simulation:
         if (over := self.ended) is not None:
             raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
         for joint, value in self._checked(controls).items():
-            self._begun.solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
+            self._solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
             self._set[joint] = value
         left = self.scenario.solver.end_time_s - until
-        self._begun.solving.advance(until if left > SHORTEST * self.scenario.solver.step_s else math.inf)
+        self._solving.advance(until if left > SHORTEST * self.scenario.solver.step_s else math.inf)
         return self.observe()
 
     def _checked(self, controls: Controls) -> dict[str, float]:
@@ -209,11 +217,11 @@ class Simulation:
 
     def observe(self) -> Observations:
         """What is seen of the present state."""
-        return self._begun.solving.observe()
+        return self._solving.observe()
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
-        return self._begun.solving.outlines()
+        return self._solving.outlines()
 
     @property
     def standing(self) -> Status:
@@ -227,10 +235,11 @@ class Simulation:
 
     def results(self, most_frames: int = 0) -> Results:
         """Results of the run so far, as of `simulate`; most_frames: as there."""
-        trajectory = self._begun.solving.trajectory()
-        status = self._failed or (None if self._begun.solving.over else self.standing)
+        trajectory = self._solving.trajectory()
+        status = self._failed or (None if self._solving.over else self.standing)
         if status is not None:
             trajectory = replace(trajectory, status=status)
+        assert self._begun is not None  # or there were no trajectory
         return results(self._begun.observe(trajectory), scenario_to_dict(self.scenario), most_frames)
 
     # ---- back to an earlier state ----
@@ -239,7 +248,7 @@ class Simulation:
         """The present state, with all that the future depends on: `restore` goes on from it bit for bit."""
         random = self.random.bit_generator.state
         set_to = tuple(self._set.values())
-        return State(self.time, self.scenario, self._begun.solving.state(), set_to, dict(random), self._failed)
+        return State(self.time, self.scenario, self._solving.state(), set_to, dict(random), self._failed)
 
     def restore(self, state: State) -> Observations:
         """Go back to a state of this simulation, or of another one of the same scenario.
@@ -254,11 +263,17 @@ class Simulation:
         if state.scenario is not self.scenario and state.scenario != self.scenario:
             keys = differing_keys(scenario_to_dict(state.scenario), scenario_to_dict(self.scenario))
             raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")
-        self._begun.solving.restore(state.solve)
+        self._solving.restore(state.solve)
         self._set = dict(zip(self._set, state.controls, strict=True))
         self.random.bit_generator.state = state.random
         self._failed = state.failed
         return self.observe()
+
+    def close(self) -> None:
+        """Let go of the engine's memory. Only `reset` can be asked for afterwards; results that were made stay."""
+        if self._begun is not None:
+            self._begun.solving.close()
+        self._begun = None
 
     def fail(self, message: str) -> None:
         """End the run as failed, with a sentence that its results bear."""
@@ -330,7 +345,9 @@ def simulate(
         raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
     simulation = Simulation(scenario_of(scene, scenario), compiling=compiling)
     _steer(simulation, control, rate, progress)
-    return simulation.results(most_frames)
+    made = simulation.results(most_frames)
+    simulation.close()
+    return made
 
 
 def _steer(simulation: Simulation, control: Controller, rate: float, progress: Progress | None) -> None:

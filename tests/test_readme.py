@@ -74,6 +74,15 @@ def test_a_simulation_is_stepped_brought_back_and_begun_anew(monkeypatch) -> Non
     assert simulation.time == 0.0  # type: ignore[attr-defined]
 
 
+def test_the_runner_of_gymnasium_walks(capsys) -> None:
+    pytest.importorskip("gymnasium")
+    script = next(block for block in blocks("python") if "gymnasium.make" in block)
+    exec(script, {})
+    told = re.fullmatch(r"(\d+) mm, end time 0.5 s reached\n", capsys.readouterr().out)
+    assert told is not None
+    assert int(told[1]) > 20
+
+
 def test_the_script_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch) -> None:
     script = next(block for block in blocks("python") if "GranularBed" in block)
     monkeypatch.chdir(tmp_path)

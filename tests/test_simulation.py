@@ -310,6 +310,17 @@ def test_seeds_reproduce() -> None:
     assert simulation.scenario == scenario_of("pendulum", *SHORT)
 
 
+def test_what_was_closed_begins_anew() -> None:
+    simulation = of("flexible")
+    seen = simulation.step(None, 0.01)
+    simulation.close()
+    assert seen["depth_m"] > 0.0
+    with pytest.raises(ControlError, match="closed: reset"):
+        simulation.step(None, 0.01)
+    simulation.reset()
+    assert dict(simulation.step(None, 0.01)) == dict(seen)
+
+
 def test_a_change_that_is_refused_leaves_the_run_as_it_was() -> None:
     simulation = of("leg")
     simulation.step(None, 0.01)

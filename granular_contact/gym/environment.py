@@ -139,6 +139,10 @@ class GranularEnv(gymnasium.Env[Array, Array]):
 
         return picture(self.simulation)
 
+    def close(self) -> None:
+        """Let go of the engine's memory."""
+        self.simulation.close()
+
     # ---- back to an earlier state ----
 
     def state(self) -> EnvState:

@@ -180,6 +180,9 @@ class Solve:
             restore_batches(self.tree.load.batches, kept.batches)
         self._code, self.seconds, self._interrupted = kept.code, kept.seconds, kept.interrupted
 
+    def close(self) -> None:
+        """Let go of what is held: nothing that Python would not let go of."""
+
     def trajectory(self) -> Trajectory:
         """All steps so far, in the engine's coordinates."""
         march, tree = self.march, self.tree

@@ -205,6 +205,10 @@ class Solve:
         self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
         self._restarts = kept.restarts
 
+    def close(self) -> None:
+        """Let go of the engine's system. Its functions hold this solve and are held by it, so Python never would."""
+        self.system.container.Reset()
+
     def trajectory(self) -> Trajectory:
         """All steps so far."""
         system, recorder, it = self.system, self.recorder, self.solver.it

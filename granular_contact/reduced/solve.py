@@ -135,6 +135,9 @@ class Solve:
         self._turns[:], self._crowd[:] = kept.turns, kept.crowd
         self._code, self.seconds, self._interrupted = kept.code, kept.seconds, kept.interrupted
 
+    def close(self) -> None:
+        """Let go of what is held: nothing that Python would not let go of."""
+
     def trajectory(self) -> Trajectory:
         """All rows so far."""
         return self._rows(self.march.table())
