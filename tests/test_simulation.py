@@ -191,6 +191,9 @@ def test_links_that_bend_keep_their_turns() -> None:
     turned = simulation.step(None, 1.0)["link_orientation_deg"]
     assert turned > 400.0
     assert turned == pytest.approx(simulation.results()["link_orientation_deg"][-1], rel=1e-9)
+    kept = simulation.state()
+    simulation.reset()
+    assert simulation.restore(kept)["link_orientation_deg"] == turned
 
 
 # ---- controls ----
@@ -305,7 +308,8 @@ def test_seeds_reproduce() -> None:
     assert drawn(simulation, 3) == first
     assert len({first[1], other[1], more[1]}) == 3
     assert "eta_d" in simulation.scenario.medium.standing  # type: ignore[union-attr]  # says what was changed
-    simulation.reset()  # as it was given
+    simulation.reset(seed=3)  # as it was given
+    assert simulation.random.random() == np.random.default_rng(3).random()
     assert isinstance(simulation.scenario, Scenario)
     assert simulation.scenario == scenario_of("pendulum", *SHORT)
 
