@@ -51,7 +51,9 @@ def _cell(value: Any) -> str:
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """A sweep file that needs no other: the config with every default, and how its cases are drawn, or a line each."""
+    """A self-contained sweep file: the config with every default, and how its cases are drawn, or a line for each
+    case.
+    """
     return "".join(_lines(sweep))
 
 
