@@ -99,6 +99,8 @@ class Simulation:
         self.controls = tuple(self._controls)
         self._set = {control.joint: control.start for control in self._controls.values()}
         self._failed: Status | None = None
+        self._end = self.scenario.solver.end_time_s
+        self._shortest = SHORTEST * self.scenario.solver.step_s
         self._start = self.state()
 
     @property
@@ -171,26 +173,24 @@ class Simulation:
         ControlError
             Controls of other names or another number, or not finite; no time; the run is over. Nothing was changed.
         """
-        if not (isinstance(dt, float | int) and SHORTEST * self.scenario.solver.step_s <= dt < math.inf):
-            least = SHORTEST * self.scenario.solver.step_s
-            raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {least:g} s")
+        if not (isinstance(dt, float | int) and self._shortest <= dt < math.inf):
+            raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {self._shortest:g} s")
         return self._go_on(controls, self.time + dt)
 
     def _go_on(self, controls: Controls, until: float) -> Observations:
         """`step` to a time (s)."""
-        if (over := self.ended) is not None:
+        solving = self._solving
+        if (self._failed is not None or solving.over) and (over := self.ended) is not None:
             raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
-        for joint, value in self._checked(controls).items():
-            self._solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
-            self._set[joint] = value
-        left = self.scenario.solver.end_time_s - until
-        self._solving.advance(until if left > SHORTEST * self.scenario.solver.step_s else math.inf)
-        return self.observe()
+        if controls is not None:
+            for joint, value in self._checked(controls).items():
+                solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
+                self._set[joint] = value
+        solving.advance(until if self._end - until > self._shortest else math.inf)
+        return solving.observe()
 
-    def _checked(self, controls: Controls) -> dict[str, float]:
+    def _checked(self, controls: Mapping[str, float] | ArrayLike) -> dict[str, float]:
         """What to set, by joint and in SI units."""
-        if controls is None:
-            return {}
         given = controls if isinstance(controls, Mapping) else self._named(controls)
         faults, found = [], {}
         for name, value in given.items():

@@ -155,4 +155,4 @@ def test_what_can_not_be_set_is_told() -> None:
     with pytest.raises(ControlError, match="hinge_torque_Nm: got nan"):
         env.step(np.array([np.nan]))
     assert env.simulation.time == 0.0
-    assert granular_contact.gym.runner().action_space.shape == (4,)
+    assert granular_contact.gym.runner_env().action_space.shape == (4,)

@@ -18,7 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.gym.environment import GranularEnv
-from granular_contact.gym.runner import runner
+from granular_contact.gym.runner import runner_env
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -30,7 +30,7 @@ _ENV: list[GranularEnv] = []
 def walk(_: int) -> float:
     """One episode; the processor time (s) that it took."""
     if not _ENV:
-        _ENV.append(runner(end_time_s=END))
+        _ENV.append(runner_env(end_time_s=END))
     _ENV[0].reset()
     began, over = time.process_time(), False
     while not over:

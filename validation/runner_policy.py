@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact import load, simulate
 from granular_contact.gym.environment import GranularEnv
-from granular_contact.gym.runner import HIPS, RATES, runner
+from granular_contact.gym.runner import HIPS, RATES, runner_env
 from granular_contact.scene.signals import Buehler
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
@@ -70,7 +70,7 @@ def by_hand() -> Act:
 def walked(act: Act, **options: object) -> float:
     """Way (m) of an episode; options: of its reset."""
     if not _ENV:
-        _ENV.append(runner(end_time_s=END))
+        _ENV.append(runner_env(end_time_s=END))
     env = _ENV[0]
     seen, info = env.reset(options=dict(options))
     total = 0.0

@@ -12,11 +12,11 @@ except ImportError as error:
     raise ImportError("gymnasium is missing: pip install 'granular-contact[gym]'") from error
 
 from granular_contact.gym.environment import GranularEnv
-from granular_contact.gym.runner import runner
+from granular_contact.gym.runner import runner_env
 
 RUNNER = "granular_contact/Runner-v0"
 
-__all__ = ["RUNNER", "GranularEnv", "runner"]
+__all__ = ["RUNNER", "GranularEnv", "runner_env"]
 
 if RUNNER not in gymnasium.registry:
-    gymnasium.register(id=RUNNER, entry_point="granular_contact.gym.runner:runner")
+    gymnasium.register(id=RUNNER, entry_point="granular_contact.gym.runner:runner_env")

@@ -57,7 +57,7 @@ def fell(seen: Observations) -> bool:
     return abs(seen["trunk_orientation_deg"]) > OVER
 
 
-def runner(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
+def runner_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
     """The environment `granular_contact/Runner-v0`; the sum of its rewards is the way in metres.
 
     options: as of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`.

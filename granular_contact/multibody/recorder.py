@@ -41,6 +41,7 @@ class Recorder:
         fixed = self.solver.accuracy is None
         self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf
+        self.time = 0.0  # of the last step recorded (s)
         self._paused, self._outdated = False, False
 
     def __call__(self, mbs: Any, t: float) -> bool:
@@ -56,7 +57,7 @@ class Recorder:
         if self.rows == len(self.states):
             self.states = np.concatenate([self.states, np.empty_like(self.states)])
         row = self.states[self.rows]
-        row[0] = t
+        row[0] = self.time = t
         q = data.GetODE2Coordinates(copy=False)
         row[1 : 1 + self.size] = q
         row[1 + self.size :] = v
@@ -107,6 +108,7 @@ class Recorder:
         """Go back to what was recorded by an earlier time."""
         rows = kept["rows"]
         vars(self).update({name: value for name, value in kept.items() if name != "states"})
+        self.time = float(kept["states"][-1, 0])
         self.reactions, self.set_to = list(self.reactions), list(self.set_to)
         if rows > len(self.states):
             self.states = np.empty((2 * rows, 1 + 2 * self.size))

@@ -143,7 +143,7 @@ class Solve:
 
     def _plan(self, until: float) -> None:
         """Tell the engine where to stop next, and how to go on to there from where it is."""
-        it, recorder, now = self._it, self.recorder, self.time
+        it, recorder, now = self._it, self.recorder, self.recorder.time
         it.endTime = until
         if recorder.control is not None:
             whole = now == 0.0 and until == self._end
@@ -160,12 +160,12 @@ class Solve:
     @property
     def time(self) -> float:
         """Time reached (s)."""
-        return float(self.recorder.states[self.recorder.rows - 1, 0])
+        return self.recorder.time
 
     @property
     def over(self) -> bool:
         """Whether there is nothing to come."""
-        return not self._success or self.recorder.reason != "" or self.time >= self._end - END
+        return not self._success or self.recorder.reason != "" or self.recorder.time >= self._end - END
 
     # ---- of a solve that pauses ----
 
@@ -175,7 +175,7 @@ class Solve:
         recorder, bed = self.recorder, self.system.bed
         row, count = recorder.states[recorder.rows - 1], recorder.size
         q = row[1 : 1 + count] + self._reference
-        return self._senses.read(float(row[0]), q, row[1 + count :], None if bed is None else bed.load.table.row)
+        return self._senses.read(recorder.time, q, row[1 + count :], None if bed is None else bed.load.table.row)
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
