@@ -76,10 +76,12 @@ class Simulation:
 
     Examples
     --------
-    >>> simulation = Simulation(load("configs/runner.yaml"))  # doctest: +SKIP
-    >>> while simulation.ended is None:  # doctest: +SKIP
-    ...     seen = simulation.step({}, 0.01)
-    >>> results = simulation.results()  # doctest: +SKIP
+    >>> from granular_contact import load
+    >>> from granular_contact.examples import home
+    >>> simulation = Simulation(load(home() / "configs" / "pendulum_rigid.yaml"))
+    >>> seen = simulation.step(None, 0.01)
+    >>> f"{seen['pivot_angle_deg']:.1f} deg, {1e3 * seen['depth_m']:.1f} mm deep"
+    '33.9 deg, 11.2 mm deep'
     """
 
     def __init__(self, scenario: Scenario | Loaded, *, compiling: Compiling | None = None) -> None:
@@ -328,6 +330,11 @@ def simulate(
         Calls in a second.
     most_frames, inspect, compiling
         As of `granular_contact.run.run`; inspect is not called for a run with a controller.
+
+    Returns
+    -------
+    Results
+        Time series, summary, status and warnings; also of a run that failed or was interrupted.
 
     Raises
     ------
