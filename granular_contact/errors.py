@@ -60,6 +60,11 @@ class OutOfTimeError(SolveError):
     """The time limit was reached before the first step: there is nothing to save."""
 
 
+def scene_fault(key: str, message: str) -> Fault:
+    """A fault of a scene, which knows keys, but no files."""
+    return Fault("", None, key, message)
+
+
 def scene_error(key: str, message: str) -> SceneError:
     """A scene error of one fault."""
-    return SceneError([Fault(file="", line=None, key=key, message=message)])
+    return SceneError([scene_fault(key, message)])
