@@ -1,8 +1,9 @@
 """Links striking and moving in sand: a plugin for the multibody engine Exudyn.
 
 Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line; a scenario
-with other values is `scenario.replace({"medium.eta_d": 5})`. For an Exudyn model of your own: `GranularBed` with a
-medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
+with other values is `scenario.replace({"medium.eta_d": 5})`; a `Simulation` goes on step by step. For an Exudyn model
+of your own: `GranularBed` with a medium, for example `preset("play_sand")` or a law with numbers of your own; a law of
+your own is a `Law`.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
     from granular_contact.laws.static_friction import Elastoplastic, Smooth
     from granular_contact.laws.tsimring_volfson import TsimringVolfson
     from granular_contact.multibody.bed import GranularBed
-    from granular_contact.run import run as simulate
     from granular_contact.scene.build import build
     from granular_contact.scene.media import preset
+    from granular_contact.simulation import Simulation, simulate
     from granular_contact.studies.sweep.calls import sweep
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
@@ -53,6 +54,7 @@ _HOMES = {
     "Rft": ("granular_contact.laws.rft", "Rft"),
     "Rft3d": ("granular_contact.laws.rft3d", "Rft3d"),
     "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
+    "Simulation": ("granular_contact.simulation", "Simulation"),
     "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
     "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
     "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
@@ -60,7 +62,7 @@ _HOMES = {
     "build": ("granular_contact.scene.build", "build"),
     "load": ("granular_contact.config.load", "load"),
     "preset": ("granular_contact.scene.media", "preset"),
-    "simulate": ("granular_contact.run", "run"),
+    "simulate": ("granular_contact.simulation", "simulate"),
     "sweep": ("granular_contact.studies.sweep.calls", "sweep"),
 }
 
@@ -82,6 +84,7 @@ __all__ = [
     "Rft",
     "Rft3d",
     "RftCoefficients",
+    "Simulation",
     "Smooth",
     "TsimringVolfson",
     "VerticalResistance",

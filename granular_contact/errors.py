@@ -52,6 +52,10 @@ class SolveError(GranularContactError):
     """The engine could not be set up or started for this scene."""
 
 
+class ControlError(GranularContactError):
+    """Controls, a step or a state that a simulation can't take; it stays as it was."""
+
+
 class OutOfTimeError(SolveError):
     """The time limit was reached before the first step: there is nothing to save."""
 

@@ -16,12 +16,18 @@ def shipped() -> dict[str, bytes]:
     FileNotFoundError
         The package was installed without them.
     """
+    top = home()
+    files = [path for folder in FOLDERS for path in sorted((top / folder).rglob("*")) if path.suffix in ENDINGS]
+    return {path.relative_to(top).as_posix(): path.read_bytes() for path in files}
+
+
+def home() -> Path:
+    """The folder that holds them; raises FileNotFoundError as `shipped` does."""
     # Of an editable install they stand beside the package.
-    home = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
-    if home is None:
+    found = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
+    if found is None:
         raise FileNotFoundError(f"no models in {PACKAGE}: this installation is incomplete")
-    files = [path for folder in FOLDERS for path in sorted((home / folder).rglob("*")) if path.suffix in ENDINGS]
-    return {path.relative_to(home).as_posix(): path.read_bytes() for path in files}
+    return found
 
 
 def write(directory: Path) -> list[str]:

@@ -32,6 +32,8 @@ MAY = {
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
     "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
+    "simulation": {"run", "config", "scene", "results", "multibody", "errors"},  # (multibody: types only)
+    "gym": {"gym", "simulation", "config", "examples", "report.figures", "results", "errors"},
     "report": {"results", "report.figures"},
     "report.figures": {"report.figures", "report", "results"},
     "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},
@@ -105,6 +107,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         "numba": ("kernels",),
         "pydantic": ("config", "laws", "values"),
         "matplotlib": ("report.figures",),
+        "gymnasium": ("gym",),
     }
     for library in libraries & set(homes):
         assert part(dotted(path), IMPORTED) in homes[library]

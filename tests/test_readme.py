@@ -50,6 +50,39 @@ def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path) -> 
     assert total["medium.plunging.eta_v"] > 0.3
 
 
+def test_a_controller_holds_its_angle(capsys, monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "control=pid" in block)
+    monkeypatch.chdir(ROOT)
+    names: dict[str, object] = {}
+    exec(script, names)
+    told = re.search(r"It ends at ([\d.]+) deg, held by ([\d.]+) N m", README)
+    assert told is not None
+    assert f"angle {told[1]} deg, held by {told[2]} N m" in capsys.readouterr().out
+    assert abs(names["results"]["pivot_angle_deg"][-1] - 40.0) < 0.01  # type: ignore[index]
+    written = script[script.index("total =") : script.index("print")]
+    assert len([line for line in written.splitlines() if line]) <= 10
+
+
+def test_a_simulation_is_stepped_brought_back_and_begun_anew(monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "Simulation(" in block)
+    monkeypatch.chdir(ROOT)
+    names: dict[str, object] = {}
+    exec(script, names)  # asserts itself that both futures are the same
+    assert names["results"]["time_s"][-1] == pytest.approx(0.15)  # type: ignore[index]
+    simulation = names["simulation"]
+    assert 0.4 < simulation.scenario.medium.zeta < 0.6  # type: ignore[attr-defined]
+    assert simulation.time == 0.0  # type: ignore[attr-defined]
+
+
+def test_the_runner_of_gymnasium_walks(capsys) -> None:
+    pytest.importorskip("gymnasium")
+    script = next(block for block in blocks("python") if "gymnasium.make" in block)
+    exec(script, {})
+    told = re.fullmatch(r"(\d+) mm, end time 0.5 s reached\n", capsys.readouterr().out)
+    assert told is not None
+    assert int(told[1]) > 20
+
+
 def test_the_script_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch) -> None:
     script = next(block for block in blocks("python") if "GranularBed" in block)
     monkeypatch.chdir(tmp_path)

@@ -75,7 +75,8 @@ def drive_forces(motion: Kinematics) -> Driven:
         if drive.kind == "motion":
             force = motion.trajectory.reactions[drive.joint]
         else:
-            force = joint_history.drive_history(drive, motion.trajectory.time, s, rate)
+            set_to = motion.trajectory.set_to.get(drive.joint)
+            force = joint_history.drive_history(drive, motion.trajectory.time, s, rate, set_to)
         found[drive.joint] = force, force * rate
     return found
 

@@ -106,7 +106,7 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
         summary=summary,
         scenario=scenario,
         snapshots=tuple(Snapshot(label, float(time[i]), seen.outlines(i)) for label, i in moments.items()),
-        surface=_surface(scene),
+        surface=surface(scene),
         warnings=tuple(summary["warnings"]),
         frames=_frames(seen, most_frames) if most_frames else (),
         terms=seen.terms,
@@ -119,10 +119,10 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
 def _frames(seen: Observation, most: int) -> tuple[Snapshot, ...]:
     at = instants(float(seen.time[0]), float(seen.time[-1]), most)
     loads = {part: resample(seen.time, wrench, at) for part, wrench in seen.body_forces.items()}
-    return frames(at, seen.pictures(at), loads, _surface(seen.scene))
+    return frames(at, seen.pictures(at), loads, surface(seen.scene))
 
 
-def _surface(scene: Scene) -> float | Vector | None:
+def surface(scene: Scene) -> float | Vector | None:
     """The free surface, see `Results`; None in vacuum."""
     if scene.bed is None or not scene.media:
         return None
