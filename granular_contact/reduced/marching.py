@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
-from granular_contact.kernels.lines import reset_friction
+from granular_contact.kernels.modal_load import rest
 from granular_contact.kernels.modal_motion import decide, follow, rates
 from granular_contact.reduced.model import Model
 from granular_contact.reduced.world import world
@@ -55,8 +55,7 @@ class March:
     def _rest_bristles(self) -> None:
         w, q = self.world, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
-            P, V = np.empty((2, end - first, 2))
-            reset_friction(q, w.geometry[first:end], P, V, w.anchors[first:end])
+            rest(q, w.geometry[first:end], w.anchors[first:end])
 
     @property
     def time(self) -> float:
