@@ -30,7 +30,7 @@ class JointLoad:
         self.set_to = drive.signal.value(0.0) if drive is not None and drive.sets else None
         self._springs = law.stiffness > 0.0 or law.damping > 0.0
         self._stops, self._rubs = law.has_stops, law.friction > 0.0
-        self._nothing = Force(0.0)
+        self._nothing, self._only_drive = Force(0.0), drive is not None and law.is_idle
         # A hinge of rigid bodies does not change with their places: nor does what its tangent is made of.
         slope = coordinate.constant_slope
         self._outer = None if slope is None else np.outer(slope, slope)
@@ -48,6 +48,8 @@ class JointLoad:
 
     def total(self, t: float, s: float, rate: float) -> Force:
         """All that acts along the coordinate."""
+        if self._only_drive and self.drive is not None:
+            return self._of_drive(self.drive, t, s, rate)
         law = self.law
         total = self._nothing
         if self._springs:
@@ -57,13 +59,16 @@ class JointLoad:
         if self._rubs:
             total = sum_of(total, friction(law, s, rate, self.anchor))
         if self.drive is not None:
-            if self.set_to is not None:
-                self._wanted = held(self.drive, self.set_to)
-            elif t != self._time:  # all iterations of a step ask for the same instant
-                self._time, self._wanted = t, wanted(self.drive, t)
-            force = drive_force(self.drive, *self._wanted, s, rate)
+            force = self._of_drive(self.drive, t, s, rate)
             total = force if total is self._nothing else sum_of(total, force)
         return total
+
+    def _of_drive(self, drive: Drive, t: float, s: float, rate: float) -> Force:
+        if self.set_to is not None:
+            return drive_force(drive, *held(drive, self.set_to), s, rate)
+        if t != self._time:  # all iterations of a step ask for the same instant
+            self._time, self._wanted = t, wanted(drive, t)
+        return drive_force(drive, *self._wanted, s, rate)
 
     def accept(self, q: Vector, v: Vector) -> None:
         """End of a step at this state (all coordinates of the system, as the engine has them)."""
