@@ -1,7 +1,8 @@
 """Links striking and moving in sand: a plugin for the multibody engine Exudyn.
 
-Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line; a scenario
-with other values is `scenario.replace({"medium.eta_d": 5})`. For an Exudyn model of your own: `GranularBed` with a
+Two doors. For runs from YAML: `load` a config and `simulate` it, or the command line; `load("runner",
+solver={"accuracy": 1e-3})` and `replace(medium={"eta_d": 5})` change values; `Results` have their columns by name and
+are plotted, saved and opened. For an Exudyn model of your own: `GranularBed` with a
 medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
 """
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from granular_contact.laws.static_friction import Elastoplastic, Smooth
     from granular_contact.laws.tsimring_volfson import TsimringVolfson
     from granular_contact.multibody.bed import GranularBed
+    from granular_contact.results import Results
     from granular_contact.run import run as simulate
     from granular_contact.scene.build import build
     from granular_contact.scene.media import preset
@@ -50,6 +52,7 @@ _HOMES = {
     "LeeMarghitu": ("granular_contact.laws.lee_marghitu", "LeeMarghitu"),
     "LinearDepth": ("granular_contact.laws.linear_depth", "LinearDepth"),
     "Poncelet": ("granular_contact.laws.poncelet", "Poncelet"),
+    "Results": ("granular_contact.results", "Results"),
     "Rft": ("granular_contact.laws.rft", "Rft"),
     "Rft3d": ("granular_contact.laws.rft3d", "Rft3d"),
     "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
@@ -79,6 +82,7 @@ __all__ = [
     "LeeMarghitu",
     "LinearDepth",
     "Poncelet",
+    "Results",
     "Rft",
     "Rft3d",
     "RftCoefficients",
@@ -101,3 +105,7 @@ def __getattr__(name: str) -> Any:
 
     module, attribute = _HOMES[name]
     return getattr(import_module(module), attribute)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

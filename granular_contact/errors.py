@@ -56,6 +56,14 @@ class OutOfTimeError(SolveError):
     """The time that a run was given was over before it began: there is nothing to keep."""
 
 
+class ResultsError(GranularContactError):
+    """Results that can't be opened or shown as asked; the message is one line."""
+
+
+class MissingPackageError(GranularContactError, ImportError):
+    """A package that only this call needs is not installed; the message is one line, with how to install it."""
+
+
 def scene_error(key: str, message: str) -> SceneError:
     """A scene error of one fault."""
     return SceneError([Fault(file="", line=None, key=key, message=message)])

@@ -8,6 +8,28 @@ PACKAGE = Path(__file__).parent
 FOLDERS, ENDINGS = ("models", "configs"), (".yaml", ".csv")
 
 
+def home() -> Path | None:
+    """The folder that holds the models and configs that come with the package; of an editable install its checkout."""
+    return next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
+
+
+def config(name: str) -> Path | None:
+    """The shipped config of a name, as `runner` or `runner.yaml`; None if there is none."""
+    place = home()
+    return None if place is None else _called(place / FOLDERS[1], name)
+
+
+def config_names() -> list[str]:
+    """Names of the shipped configs."""
+    place = home()
+    return [] if place is None else sorted(path.stem for path in (place / FOLDERS[1]).glob("*.yaml"))
+
+
+def _called(folder: Path, name: str) -> Path | None:
+    path = folder / (name if name.endswith(".yaml") else f"{name}.yaml")
+    return path if path.parent == folder and path.is_file() else None
+
+
 def shipped() -> dict[str, bytes]:
     """Contents of all files by their relative path, `configs/pendulum.yaml` for example.
 
@@ -16,12 +38,11 @@ def shipped() -> dict[str, bytes]:
     FileNotFoundError
         The package was installed without them.
     """
-    # Of an editable install they stand beside the package.
-    home = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
-    if home is None:
+    place = home()
+    if place is None:
         raise FileNotFoundError(f"no models in {PACKAGE}: this installation is incomplete")
-    files = [path for folder in FOLDERS for path in sorted((home / folder).rglob("*")) if path.suffix in ENDINGS]
-    return {path.relative_to(home).as_posix(): path.read_bytes() for path in files}
+    files = [path for folder in FOLDERS for path in sorted((place / folder).rglob("*")) if path.suffix in ENDINGS]
+    return {path.relative_to(place).as_posix(): path.read_bytes() for path in files}
 
 
 def write(directory: Path) -> list[str]:

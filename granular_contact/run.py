@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.changed import checked
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import scene_error
@@ -14,6 +14,7 @@ from granular_contact.kernels.compiling import announced
 from granular_contact.laws.kinds import WORDS
 from granular_contact.results import Compiling, Progress, Results
 from granular_contact.results.observation import Observation, results
+from granular_contact.scene.build import build as build_scene
 from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def run(
-    scene: Scene,
+    scene: Scene | Scenario | Loaded,
     scenario: Scenario | None = None,
     progress: Progress | None = None,
     *,
@@ -33,8 +34,8 @@ def run(
 
     Parameters
     ----------
-    scene : Scene
-        What `granular_contact.scene.build` made of the scenario.
+    scene : Scene, Scenario or Loaded
+        What `build` made of the scenario; or a scenario, or what `load` gave, of which the scene is built here.
     scenario : Scenario, optional
         What the scene was built from; the scene knows it, and any other is refused.
     progress : callable, optional
@@ -46,11 +47,18 @@ def run(
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled, which is the case the first time in an installation.
 
+    Returns
+    -------
+    Results
+
     Raises
     ------
     SceneError
-        The scenario is another one than the scene was built from, or the scene was not built from any.
+        The geometry contradicts itself; or the scenario is another one than the scene was built from; or the scene was
+        not built from any.
     """
+    if not isinstance(scene, Scene):
+        scene = build_scene(scene)
     known = _scenario_of(scene, scenario)
     if isinstance(scene.method, Reduced):
         seen = _by_modes(scene, scene.method, progress, compiling)

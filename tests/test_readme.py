@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,6 +64,19 @@ def test_the_script_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch
     assert f"depth {depth[1]} mm" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
     assert len([line for line in script.splitlines() if line]) <= 20
+
+
+def test_five_lines_of_python_print_what_they_say(capsys, tmp_path, monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "load(" in block)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(script, names)
+    shown = re.search(r"# (.*)", script)
+    assert shown is not None
+    assert capsys.readouterr().out.strip() == shown[1]
+    results = names["results"]
+    assert type(results).open(results.save("run", figures=False)).summary["name"] == "runner"
+    assert len(results.plot("tip_x_m", "tip_y_m").axes) == 1
 
 
 def test_the_first_run_leaves_what_the_table_names(tmp_path: Path) -> None:
