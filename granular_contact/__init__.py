@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from granular_contact.run import run as simulate
     from granular_contact.scene.build import build
     from granular_contact.scene.media import preset
+    from granular_contact.studies.optimise.calls import optimise
     from granular_contact.studies.sweep.calls import sweep
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
@@ -62,6 +63,7 @@ _HOMES = {
     "add_law": ("granular_contact.config.add_law", "add_law"),
     "build": ("granular_contact.scene.build", "build"),
     "load": ("granular_contact.config.load", "load"),
+    "optimise": ("granular_contact.studies.optimise.calls", "optimise"),
     "preset": ("granular_contact.scene.media", "preset"),
     "simulate": ("granular_contact.run", "run"),
     "sweep": ("granular_contact.studies.sweep.calls", "sweep"),
@@ -92,6 +94,7 @@ __all__ = [
     "add_law",
     "build",
     "load",
+    "optimise",
     "preset",
     "simulate",
     "sweep",

@@ -39,6 +39,17 @@ MAY = {
     "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},
     "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},
     "studies.sweep": {"studies.sweep", "config", "scene", "run", "report", "report.figures", "results", "errors"},
+    "studies.optimise": {
+        "studies.optimise",
+        "studies.sweep",
+        "config",
+        "scene",
+        "run",
+        "report",
+        "report.figures",
+        "results",
+        "errors",
+    },
     "studies.fit": {
         "studies.fit",
         "studies.sweep",

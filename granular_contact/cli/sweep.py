@@ -12,17 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.cli.common import (
-    FAILED,
-    FAULTY_INPUT,
-    FINE,
-    INTERRUPTED,
-    add_output,
-    complain,
-    output_folder,
-    reason,
-    worker_count,
-)
+from granular_contact.cli import many
+from granular_contact.cli.common import FAILED, FINE, complain, output_folder
 from granular_contact.cli.sweep_progress import progress
 from granular_contact.config import Sweep, load_sweep
 from granular_contact.config.messages import unknown
@@ -48,71 +39,38 @@ _SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases, vary or sample")
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
-    words = "run on the workers of a Dask cluster, as tcp://host:8786"
-    where.add_argument("--scheduler", metavar="ADDRESS", help=words)
-    parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
     words = "run all cases, also those that an earlier sweep has finished, and replace its results"
-    parser.add_argument("--restart", action="store_true", help=words)
-    add_output(parser, "results/NAME_OF_FILE")
+    many.add_arguments(parser, "YAML file with a config, and cases, vary or sample", words)
+    parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
 
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.sweep import CrewError, FolderRefused
-
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
-    try:
-        with _crew(chosen, folder) as crew:
-            return _with_crew(chosen, folder, crew)
-    except (CrewError, FolderRefused) as error:
-        complain(str(error))
-        return FAULTY_INPUT
-
-
-def _crew(chosen: argparse.Namespace, folder: Path) -> Crew:
-    from granular_contact.studies.sweep import Crew
-    from granular_contact.studies.sweep.pool import prepare
-
-    if chosen.scheduler is None:
-        prepare()  # while the file is read
-        return Crew(chosen.workers)
-    from granular_contact.studies.sweep.cluster import cluster_crew
-
-    return cluster_crew(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
+    shared = folder.resolve().parent if chosen.plots else None
+    return many.in_crew(chosen, shared, partial(_with_crew, chosen, folder))
 
 
 def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
     from granular_contact import scene
-    from granular_contact.studies.sweep import CrewError, table
-    from granular_contact.studies.sweep.part import finished, opened
+    from granular_contact.studies.sweep import table
+    from granular_contact.studies.sweep.part import finished
     from granular_contact.studies.sweep.runner import faults
 
     sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, crew=crew))
-    if finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
+    work = table.work_of(sweep)
+    if finished(work, folder, chosen.plots and not chosen.restart) and not chosen.restart:
         return _nothing_to_do(folder, chosen.quiet)
-    try:
-        with opened(sweep, folder, chosen.plots, chosen.restart) as part:
-            try:
-                return _run(chosen, sweep, crew, part, folder)
-            except BaseException as error:
-                crew.dismiss()
-                kept = _kept(part, len(sweep.cases))
-                if kept and isinstance(error, KeyboardInterrupt):
-                    table.write(sweep, part.journal, part.folder)
-                    complain(f"interrupted; {kept}")
-                    return INTERRUPTED
-                if kept and isinstance(error, OSError | CrewError):
-                    complain(f"the sweep can't go on: {reason(error)}; {kept}")
-                    return FAULTY_INPUT
-                if not kept or isinstance(error, ConfigError):
-                    part.discard()
-                raise
-    except OSError as error:
-        complain(f"the sweep can't go on, or can't be saved in {folder}: {reason(error)}")
-        return FAULTY_INPUT
+    return many.in_part(
+        chosen,
+        work,
+        folder,
+        crew,
+        lambda part: _run(chosen, sweep, crew, part, folder),
+        count=len(sweep.cases),
+        interrupted=lambda part: table.write(sweep, part.journal, part.folder),
+        cases=chosen.plots,
+    )
 
 
 def _nothing_to_do(folder: Path, quiet: bool) -> int:
@@ -172,14 +130,6 @@ def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
         if output not in numbers:
             message = f"got {output!r}, which is no number of a summary; {unknown(output, numbers)}"
             raise ConfigError([Fault(file, None, "sample.outputs", message)])
-
-
-def _kept(part: Part, count: int) -> str:
-    """What an unfinished sweep leaves, in words; empty if that is nothing."""
-    saved = len(part.journal)
-    return (
-        f"{saved} of {count} cases are kept in {part.folder}, and the same command goes on from there" if saved else ""
-    )
 
 
 def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
