@@ -69,7 +69,7 @@ def _run(chosen: argparse.Namespace, study: Study, crew: Crew, part: Part, folde
     count, begin = study.file.evaluations, time.perf_counter()
     if part.done and not chosen.quiet:
         print(f"going on in {part.folder}: {len(part.done)} of {count} runs are there", flush=True)
-    with progress(sys.stderr, count, len(part.done), chosen.quiet) as advance:
+    with progress(sys.stderr, count, len(part.done), chosen.quiet, "runs") as advance:
         outcome = search(study, crew, journal=part.journal, advance=advance)
     write_outcome(outcome, part.folder, figures=study.sweep.base.output.figures)
     code = _show(part.folder, folder, chosen.quiet)

@@ -11,6 +11,11 @@ from granular_contact.config.yaml_source import read_file
 _SEARCH = {"objective", "parameters"}
 
 
+def is_run(path: str | PathLike[str]) -> bool:
+    """Whether the file at `path` means to be the config of one run; False for one that can't be read."""
+    return "model" in _keys(path)
+
+
 def is_sweep(path: str | PathLike[str]) -> bool:
     """Whether the file at `path` means to be a sweep; False for one that can't be read."""
     keys = _keys(path)
