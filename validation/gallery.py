@@ -46,8 +46,8 @@ Arrows are forces of the medium, thin lines the path of the tip.
 """
 SEARCHES = """## Searches
 
-`granular-contact optimise configs/optimise_speed_close.yaml` takes these; what they gain over the config as it is stands
-in [validation](../validation/README.md#gaitspy)."""
+`granular-contact optimise configs/optimise_speed_close.yaml` takes these; what they gain over the config as it is
+stands in [validation](../validation/README.md#gaitspy)."""
 
 
 @dataclass(frozen=True)
