@@ -51,8 +51,10 @@ def content(folder: Folder) -> dict[str, Any]:
 
 
 def _worth(told: dict[str, Any], key: str) -> str:
-    value = told[key]
-    return "none" if value is None else quantity(told["objective"], value)
+    value, words = told[key], told["objective"]
+    if value is None:
+        return "none"
+    return plain(value) if " " in words else quantity(words, value)  # a sum has no unit
 
 
 def _numbers(name: str, one: dict[str, Any]) -> list[str]:
