@@ -29,7 +29,7 @@ from granular_contact.scene import build
 from granular_contact.studies.optimise import methods
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.optimise.search import search
-from granular_contact.studies.sweep import Crew, FolderRefused, Journal
+from granular_contact.studies.sweep import FolderRefused, Journal, WorkerPool
 
 HERE = {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([ENVIRONMENT["PYTHONPATH"], *filter(None, sys.path)])}
 METHODS = ("cma", "differential_evolution")
@@ -80,8 +80,8 @@ def study(folder: Path, text: str = FILE, name: str = "search.yaml") -> Study:
 
 
 def found(held: Study, workers: int = 1, function=hill, **more) -> Outcome:
-    with Crew(workers, Threads) as crew:
-        return search(held, crew, function=function, **more)
+    with WorkerPool(workers, Threads) as pool:
+        return search(held, pool, function=function, **more)
 
 
 # ---- what is found ----
@@ -229,7 +229,7 @@ def test_a_search_killed_goes_on_to_the_same_best(tmp_path):
 @pytest.fixture
 def here(monkeypatch):
     """Let the command take its runs in threads of this process."""
-    monkeypatch.setattr(shared, "crew", lambda *_: Crew(2, Threads))
+    monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))
 
 
 TINY = REAL.replace("evaluations: 60", "evaluations: 20").replace("false", "true")

@@ -55,7 +55,7 @@ class Spent:
 
     @property
     def lost(self) -> float:
-        """Part of all processor time that is no run's."""
+        """Checkpoint of all processor time that is no run's."""
         return 1.0 - self.runs / (self.workers + self.parent)
 
 
@@ -98,9 +98,9 @@ def by_sweep(name: str, count: int, folder: Path) -> Spent:
     path = folder / "sweep.yaml"
     path.write_text(f"{text(name)}sample: {{method: latin_hypercube, count: {count}, ranges: {ranges}}}\n")
     loaded = load_sweep(path)
-    with sweeps.Crew(WORKERS) as crew:
+    with sweeps.WorkerPool(WORKERS) as pool:
         begin = time.process_time()
-        rows = list(sweeps.run(loaded, crew, journal=Journal(folder), function=timed))
+        rows = list(sweeps.run(loaded, pool, journal=Journal(folder), function=timed))
         return spent(rows, time.process_time() - begin)
 
 
@@ -111,9 +111,9 @@ def by_search(name: str, count: int, folder: Path) -> Spent:
     parameters = f"parameters: {{{one}: {list(ends)}, {other}: {list(others)}}}\n"
     path.write_text(f"{text(name)}{parameters}objective: {{maximise: max_depth_m}}\nevaluations: {count}\n")
     study = load_optimise(path, probe=build)
-    with sweeps.Crew(WORKERS) as crew:
+    with sweeps.WorkerPool(WORKERS) as pool:
         begin = time.process_time()
-        outcome = search(study, crew, journal=Journal(folder), function=timed)
+        outcome = search(study, pool, journal=Journal(folder), function=timed)
         return spent([one.row for one in outcome.runs], time.process_time() - begin)
 
 

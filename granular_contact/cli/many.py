@@ -11,8 +11,8 @@ from granular_contact.cli.common import FAULTY_INPUT, INTERRUPTED, add_output, c
 from granular_contact.errors import ConfigError
 
 if TYPE_CHECKING:
-    from granular_contact.studies.sweep import Crew
-    from granular_contact.studies.sweep.part import Part, Work
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
 
 
 def add_arguments(parser: argparse.ArgumentParser, words: str, restart: str) -> None:
@@ -26,74 +26,74 @@ def add_arguments(parser: argparse.ArgumentParser, words: str, restart: str) -> 
     add_output(parser, "results/NAME_OF_FILE")
 
 
-def in_crew(chosen: argparse.Namespace, shared: Path | None, act: Callable[[Crew], int]) -> int:
-    """Exit code of what is done with the crew that was asked for; shared: a folder that workers must see."""
-    from granular_contact.studies.sweep import CrewError, FolderRefused
+def with_pool(chosen: argparse.Namespace, shared: Path | None, act: Callable[[WorkerPool], int]) -> int:
+    """Exit code of what is done with the pool that was asked for; shared: a folder that workers must see."""
+    from granular_contact.studies.sweep import FolderRefused, WorkerPoolError
 
     try:
-        with crew(chosen, shared) as made:
+        with pool(chosen, shared) as made:
             return act(made)
-    except (CrewError, FolderRefused) as error:
+    except (WorkerPoolError, FolderRefused) as error:
         complain(str(error))
         return FAULTY_INPUT
 
 
-def crew(chosen: argparse.Namespace, shared: Path | None) -> Crew:
+def pool(chosen: argparse.Namespace, shared: Path | None) -> WorkerPool:
     """Who works: processes of this machine, or those of a cluster."""
-    from granular_contact.studies.sweep import Crew
-    from granular_contact.studies.sweep.pool import prepare
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.processes import prepare
 
     if chosen.scheduler is None:
         prepare()  # while the file is read
-        return Crew(chosen.workers)
-    from granular_contact.studies.sweep.cluster import cluster_crew
+        return WorkerPool(chosen.workers)
+    from granular_contact.studies.sweep.cluster import cluster_pool
 
-    return cluster_crew(chosen.scheduler, shared)
+    return cluster_pool(chosen.scheduler, shared)
 
 
-def in_part(
+def with_checkpoint(
     chosen: argparse.Namespace,
-    work: Work,
+    work: Contents,
     folder: Path,
-    crew: Crew,
-    act: Callable[[Part], int],
+    pool: WorkerPool,
+    act: Callable[[Checkpoint], int],
     *,
     count: int,
-    interrupted: Callable[[Part], None],
+    interrupted: Callable[[Checkpoint], None],
     cases: bool = False,
 ) -> int:
     """Exit code of what is done in the work folder; what is finished is kept there, however it ends.
 
     count: runs in all; interrupted: what is written besides after Ctrl-C; cases: whether cases have folders.
     """
-    from granular_contact.studies.sweep import CrewError
-    from granular_contact.studies.sweep.part import opened
+    from granular_contact.studies.sweep import WorkerPoolError
+    from granular_contact.studies.sweep.checkpoint import open_checkpoint
 
     try:
-        with opened(work, folder, cases, chosen.restart) as part:
+        with open_checkpoint(work, folder, cases, chosen.restart) as checkpoint:
             try:
-                return act(part)
+                return act(checkpoint)
             except BaseException as error:
-                crew.dismiss()
-                kept = _kept(part, count)
+                pool.shutdown()
+                kept = _kept(checkpoint, count)
                 if kept and isinstance(error, KeyboardInterrupt):
-                    interrupted(part)
+                    interrupted(checkpoint)
                     complain(f"interrupted; {kept}")
                     return INTERRUPTED
-                if kept and isinstance(error, OSError | CrewError):
+                if kept and isinstance(error, OSError | WorkerPoolError):
                     complain(f"the {work.noun} can't go on: {reason(error)}; {kept}")
                     return FAULTY_INPUT
                 if not kept or isinstance(error, ConfigError):
-                    part.discard()
+                    checkpoint.discard()
                 raise
     except OSError as error:
         complain(f"the {work.noun} can't go on, or can't be saved in {folder}: {reason(error)}")
         return FAULTY_INPUT
 
 
-def _kept(part: Part, count: int) -> str:
+def _kept(checkpoint: Checkpoint, count: int) -> str:
     """What unfinished work leaves, in words; empty if that is nothing."""
-    saved, what = len(part.journal), "cases" if part.work.kind == "sweep" else "runs"
+    saved, what = len(checkpoint.journal), "cases" if checkpoint.work.kind == "sweep" else "runs"
     if not saved:
         return ""
-    return f"{saved} of {count} {what} are kept in {part.folder}, and the same command goes on from there"
+    return f"{saved} of {count} {what} are kept in {checkpoint.folder}, and the same command goes on from there"

@@ -17,8 +17,8 @@ from granular_contact.config import Study, load_optimise
 from granular_contact.errors import MissingPackageError
 
 if TYPE_CHECKING:
-    from granular_contact.studies.sweep import Crew
-    from granular_contact.studies.sweep.part import Part
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint
 
 HELP = "find the numbers of a config that are best, on all cores or a cluster"
 MOST_REASONS = 5
@@ -34,46 +34,46 @@ def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     folder = output_folder(chosen.out, Path(chosen.file).stem, "optimise")
     try:
-        return many.in_crew(chosen, None, partial(_with_crew, chosen, folder))
+        return many.with_pool(chosen, None, partial(_with_pool, chosen, folder))
     except MissingPackageError as error:
         complain(f"{chosen.file}: {error}")
         return FAULTY_INPUT
 
 
-def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
+def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact import scene
     from granular_contact.studies.optimise.writing import work_of
-    from granular_contact.studies.sweep.part import finished
+    from granular_contact.studies.sweep.checkpoint import is_finished
 
     study = load_optimise(chosen.file, probe=scene.build)
     work = work_of(study)
-    if finished(work, folder) and not chosen.restart:
+    if is_finished(work, folder) and not chosen.restart:
         if not chosen.quiet:
             print(f"{folder} holds all runs of this search already; --restart takes them again")
         return _show(folder, folder, chosen.quiet)
-    return many.in_part(
+    return many.with_checkpoint(
         chosen,
         work,
         folder,
-        crew,
-        lambda part: _run(chosen, study, crew, part, folder),
+        pool,
+        lambda checkpoint: _run(chosen, study, pool, checkpoint, folder),
         count=study.file.evaluations,
         interrupted=lambda _: None,
     )
 
 
-def _run(chosen: argparse.Namespace, study: Study, crew: Crew, part: Part, folder: Path) -> int:
+def _run(chosen: argparse.Namespace, study: Study, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
     from granular_contact.studies.optimise.search import search
     from granular_contact.studies.optimise.writing import write_outcome
 
     count, begin = study.file.evaluations, time.perf_counter()
-    if part.done and not chosen.quiet:
-        print(f"going on in {part.folder}: {len(part.done)} of {count} runs are there", flush=True)
-    with progress(sys.stderr, count, len(part.done), chosen.quiet, "runs") as advance:
-        outcome = search(study, crew, journal=part.journal, advance=advance)
-    write_outcome(outcome, part.folder, figures=study.sweep.base.output.figures)
-    code = _show(part.folder, folder, chosen.quiet)
-    part.finish()
+    if checkpoint.done and not chosen.quiet:
+        print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} runs are there", flush=True)
+    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet, "runs") as advance:
+        outcome = search(study, pool, journal=checkpoint.journal, advance=advance)
+    write_outcome(outcome, checkpoint.folder, figures=study.sweep.base.output.figures)
+    code = _show(checkpoint.folder, folder, chosen.quiet)
+    checkpoint.finish()
     if not chosen.quiet:
         taken = time.perf_counter() - begin
         print(

@@ -1,4 +1,4 @@
-"""Scenario -> Scene: place the bodies, merge what is welded, find the surface, check that it all fits together."""
+"""Scenario -> Scene: place the bodies, merge what is welded, find the surface, check the geometry."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 from granular_contact.config import Loaded, schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError
+from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import connections
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import closed, redundant
-from granular_contact.scene.reducible import check_reducible
+from granular_contact.scene.minimal_support import check_minimal
+from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
-from granular_contact.scene.suited import unsuited
-from granular_contact.scene.treelike import check_treelike
 from granular_contact.scene.types import (
     FASTEST,
     Drive,
@@ -100,19 +100,19 @@ def _built(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
     )
-    if faults := [*_beyond_numbers(scene), *unsuited(scene, scenario)]:
+    if faults := [*_beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
     if isinstance(scene.method, Reduced):
-        check_reducible(scene, scene.method.modes)
+        check_reduced(scene, scene.method.modes)
     elif scene.method is not None:
-        check_treelike(scene)
+        check_minimal(scene)
     elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
     return scene
 
 
 def _bow(link: FlexibleLink, force: float) -> float:
-    """Static bow and stretch of a clamped link under a force (N) spread over it, of its length."""
+    """Static deflection and stretch of a clamped link under a distributed force (N), relative to its length."""
     return force * (link.length**2 / (8.0 * link.bending_stiffness) + 1.0 / link.axial_stiffness)
 
 
@@ -157,7 +157,7 @@ def _bodies(layout: Layout, strips: int) -> tuple[tuple[RigidBody, ...], tuple[F
 
 
 def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]) -> float:
-    """Rate (rad/s) of the ground hinge at which the tip has the speed that the run says."""
+    """Rate (rad/s) of the ground hinge at which the tip has the speed given by the run."""
     speed, pins = scenario.initial.impact_tip_speed_m_s, _pins(scenario.model)
     assert speed is not None
     if not pins:
@@ -188,7 +188,7 @@ def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
 
 
 def _joint_faults(layout: Layout) -> Iterator[Fault]:
-    """Joints on a flexible link sit at its root or its tip."""
+    """Faults of joints on a flexible link that are neither at its root nor at its tip."""
     bodies = layout.model.all_bodies
     for kind, name, joint in _all_joints(layout.model):
         sides = (("parent", joint.parent, joint.parent_point_m), ("child", joint.child, joint.child_point_m))
@@ -213,7 +213,7 @@ def _all_joints(model: schema.Model) -> Iterator[tuple[str, str, schema.Joint | 
 
 
 def _closure_faults(layout: Layout) -> Iterator[Fault]:
-    """The child of a closure can move; welded to the ground it would have to be the parent."""
+    """Faults of closures whose child is welded to the ground: it has to be the parent."""
     fixed = next((group for group in layout.groups if GROUND in group), [])
     for name, closure in layout.model.closures.items():
         if closure.child in fixed:
@@ -222,7 +222,8 @@ def _closure_faults(layout: Layout) -> Iterator[Fault]:
 
 @dataclass(frozen=True)
 class _End:
-    """End or corner of an immersible part: its body, place in that body's frame and initial world position, (2,) m.
+    """End or corner of a part that a medium may act on: its body, point in the body's frame, initial world position,
+    (2,) m.
 
     drop: how far the part reaches below it (m).
     """

@@ -12,11 +12,11 @@ from granular_contact.errors import Fault
 from granular_contact.scene import signals
 from granular_contact.scene.types import Drive
 
-FEWEST = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
+FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
 
 
 def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
-    """All drives of a scenario; what can't be made is appended to the faults."""
+    """All drives of a scenario; faults are appended."""
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
@@ -40,18 +40,17 @@ def _without_jumps(
 ) -> signals.Signal:
     """The signal of a motion with a rate that does not jump during the run; a fault is appended where it would.
 
-    A jump of rate is an impact, of a force without bound, of which an integrator makes what its step allows.
+    A jump of the rate takes an infinite force, whose result would depend on the step of the integrator.
     """
     solver, key = scenario.solver, target(spec)
     found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
     if spec.smooth_s is None:
         faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []
         return signal
-    least = FEWEST * solver.step_s
+    least = FEWEST_STEPS * solver.step_s
     if solver.accuracy is None and spec.smooth_s < least:
-        words = (
-            f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST} times solver.step_s, or solver.accuracy"
-        )
+        words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST_STEPS} times solver.step_s"
+        words += ", or solver.accuracy"
         faults.append(Fault("", None, f"drives.{name}.smooth_s", words))
     return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
 
@@ -65,7 +64,7 @@ def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
         "",
         None,
         key,
-        f"{words}, which takes a force without bound; allowed are interpolation: cubic, and smooth_s: a time (s) over "
+        f"{words}, which takes an infinite force; allowed are interpolation: cubic, and smooth_s: a time (s) over "
         "which the rate changes",
     )
 

@@ -1,4 +1,4 @@
-"""Where the joints of a scenario start: at home, as the run says, or as a drive prescribes."""
+"""Initial states of joints: the reference configuration, the values of the run, or those of a prescribed motion."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ AGREEMENT = 1e-6
 
 @dataclass(frozen=True)
 class Start:
-    """States of the joints of the tree; those whose coordinate, or whose rate, was said by the run or a drive."""
+    """States of the joints of the tree; names of those whose coordinate (placed) or rate (moved) a run or a drive
+    gives.
+    """
 
     states: dict[str, JointState]
     placed: frozenset[str]
@@ -60,7 +62,7 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
 
 
 def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
-    """State of a joint by the run, at home and at rest where it says nothing."""
+    """State of a joint as the run gives it; the reference configuration at rest where it does not."""
     if isinstance(joint, schema.Slider):
         at = joint.home_m if said.position_m is None else said.position_m
         return JointState(np.array([at]), np.array([said.speed_m_s or 0.0]))

@@ -41,7 +41,7 @@ FAULTS = {
         "{type: free, parent: thigh",
         9,
         "model.joints.knee.parent",
-        "got 'thigh'; a free body has the parent ground",
+        "got 'thigh'; a free joint has the parent ground",
     ),
     "closure to nobody": (
         "closures: {}",

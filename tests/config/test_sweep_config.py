@@ -100,7 +100,7 @@ FAULTS = {
     "unknown part": (named("  a:\n    mediun.eta_h: 1\n"), 4, "mediun", ["did you mean medium?"]),
     "unknown in a body": (named("  a: {model.bodies.arm.lenght_m: 1}\n"), 3, "model.bodies.arm.lenght_m", ["length_m"]),
     "below a number": (named("  a: {gravity_m_s2.x: 1}\n"), 3, "gravity_m_s2.x", ["has no keys"]),
-    "empty part": (named("  a: {medium..eta_h: 1}\n"), 3, "", ["'medium..eta_h'", "no dotted key"]),
+    "empty part": (named("  a: {medium..eta_h: 1}\n"), 3, "", ["'medium..eta_h'", "not a dotted key"]),
     "bad value": (named("  a: {}\n  b:\n    medium.eta_h: -1\n"), 5, "medium.eta_h", ["-1", "of at least 0"]),
     "bad model": (named("  a: {model: horse}\n"), 3, "model", ["'horse'", "no such model"]),
     "bad set": (named("  a: {}\nset: {medium.eta_q: 1}\n"), 4, "medium.eta_q", ["unknown key"]),

@@ -12,7 +12,7 @@ from granular_contact.config.given import plain_data
 from granular_contact.config.optimise import study_of
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.optimise.search import search
-from granular_contact.studies.sweep.crew import Crew
+from granular_contact.studies.sweep.executor import WorkerPool
 
 
 def optimise(
@@ -84,5 +84,5 @@ def optimise(
     root = tree.made(plain_data(asked), tree.Position("optimise", None))
     assert isinstance(root, tree.Mapping)
     study = study_of(root, Path("optimise"), [], scene.build)
-    with Crew(workers) as crew:
-        return search(study, crew)
+    with WorkerPool(workers) as pool:
+        return search(study, pool)

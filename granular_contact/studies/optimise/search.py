@@ -1,4 +1,4 @@
-"""Study and crew -> outcome: generations asked for, run, judged and told, until all runs are taken."""
+"""Study and pool -> outcome: generations asked for, run, judged and told, until all runs are taken."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from granular_contact.config.messages import unknown
 from granular_contact.studies.optimise.judging import Judged, asked, judged
 from granular_contact.studies.optimise.methods import Generation, Spent, look
 from granular_contact.studies.optimise.outcome import Outcome
-from granular_contact.studies.sweep.crew import Crew
+from granular_contact.studies.sweep.checkpoint import FolderRefused
+from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.journal import Journal, Row
-from granular_contact.studies.sweep.part import FolderRefused
-from granular_contact.studies.sweep.runner import Bench
+from granular_contact.studies.sweep.runner import CaseRunner
 from granular_contact.studies.sweep.worker import Simulate, Task, simulate
 
 Tell = Callable[[Judged], None]
@@ -21,7 +21,7 @@ Tell = Callable[[Judged], None]
 
 def search(
     study: Study,
-    crew: Crew,
+    pool: WorkerPool,
     *,
     journal: Journal | None = None,
     function: Simulate = simulate,
@@ -33,7 +33,7 @@ def search(
     ----------
     study : Study
         Of `granular_contact.config.load_optimise`.
-    crew : Crew
+    pool : WorkerPool
         Who works.
     journal : Journal, optional
         Keeps each row; those that are in it are not run again.
@@ -54,12 +54,12 @@ def search(
         The journal is of another search.
     MissingPackageError
         The method's package is not installed.
-    OSError, CrewError
+    OSError, WorkerPoolError
         As of `granular_contact.studies.sweep.run`.
     """
     there = {} if journal is None else {row.index: row for row in journal}
-    with closing(Bench(study.sweep, crew, journal=journal, function=function)) as bench:
-        runs = _Runs(study, bench, there, advance)
+    with closing(CaseRunner(study.sweep, pool, journal=journal, function=function)) as cases:
+        runs = _Runs(study, cases, there, advance)
         runs([{}])  # the config as it is, by which the objective is checked and the gain is told
         ended = look(study.file, study.start_fractions(), runs.of_fractions)
     return Outcome(study, tuple(runs.judged), ended)
@@ -68,8 +68,8 @@ def search(
 class _Runs:
     """What was run so far, and what runs more."""
 
-    def __init__(self, study: Study, bench: Bench, there: dict[int, Row], advance: Callable[[], None]) -> None:
-        self._study, self._bench, self._there, self._advance = study, bench, there, advance
+    def __init__(self, study: Study, cases: CaseRunner, there: dict[int, Row], advance: Callable[[], None]) -> None:
+        self._study, self._cases, self._there, self._advance = study, cases, there, advance
         self.judged: list[Judged] = []
         self._generation, self._known = 0, False
 
@@ -95,7 +95,7 @@ class _Runs:
                 continue
             sweep = self._study.sweep
             tasks.append(Task(index, case, sweep.scenario(case) if sweep.needs_files(case) else None))
-        for row in self._bench.rows(iter(tasks), len(tasks)):
+        for row in self._cases.rows(iter(tasks), len(tasks)):
             rows[row.index] = row
             self._advance()
         file = self._study.file

@@ -24,14 +24,14 @@ from granular_contact.results import Results
 from granular_contact.results.summary import versions
 from granular_contact.studies.optimise.methods import packages
 from granular_contact.studies.optimise.outcome import Outcome
-from granular_contact.studies.sweep.part import Work
+from granular_contact.studies.sweep.checkpoint import Contents
 from granular_contact.studies.sweep.table import cell
 
 _FIRST = ("run", "generation")
 _WORTH = ("objective", "excess", "failure")
 
 
-def work_of(study: Study) -> Work:
+def work_of(study: Study) -> Contents:
     """What its folder is of.
 
     Raises
@@ -39,7 +39,7 @@ def work_of(study: Study) -> Work:
     MissingPackageError
         The method's package is not installed.
     """
-    return Work("optimise", OPTIMISE, study_text(study), HISTORY, study.case_name, packages(study.file))
+    return Contents("optimise", OPTIMISE, study_text(study), HISTORY, study.case_name, packages(study.file))
 
 
 def study_text(study: Study) -> str:

@@ -11,8 +11,8 @@ from typing import Any
 
 from granular_contact.config import Sweep, scenario_to_dict
 from granular_contact.report import PROGRAM, SWEEP, TABLE, version, write_table, yaml_text
+from granular_contact.studies.sweep.checkpoint import Contents
 from granular_contact.studies.sweep.journal import Row
-from granular_contact.studies.sweep.part import Work
 
 CASE = "case"
 
@@ -51,13 +51,15 @@ def cell(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def work_of(sweep: Sweep) -> Work:
+def work_of(sweep: Sweep) -> Contents:
     """What its folder is of."""
-    return Work("sweep", SWEEP, sweep_text(sweep), TABLE, lambda index: sweep.cases[index].name)
+    return Contents("sweep", SWEEP, sweep_text(sweep), TABLE, lambda index: sweep.cases[index].name)
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """A sweep file that needs no other: the config with every default, and how its cases are drawn, or a line each."""
+    """A self-contained sweep file: the config with every default, and how its cases are drawn, or a line for each
+    case.
+    """
     return "".join(_lines(sweep))
 
 

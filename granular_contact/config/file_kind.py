@@ -29,7 +29,7 @@ def is_optimise(path: str | PathLike[str]) -> bool:
 
 
 def is_fit(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a fit file; False for one that can't be read."""
+    """Whether the file at `path` is a fit file by its keys; False for one that can't be read."""
     return "runs" in _keys(path)
 
 

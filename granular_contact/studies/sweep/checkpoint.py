@@ -37,11 +37,11 @@ _BEGUN = "begun.json"
 
 
 class FolderRefused(GranularContactError):
-    """What is in the way is not of this sweep; the message is one line."""
+    """The folder belongs to another sweep; the message is one line."""
 
 
 @dataclass(frozen=True)
-class Work:
+class Contents:
     """What a work folder is of: a kind of results, the file that says all of it, that file's text, and its table.
 
     case_name: of a case by its index. packages: versions on which the rows depend besides those of all runs.
@@ -61,10 +61,10 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Part:
+class Checkpoint:
     """A work folder that is open. done: cases that had a row when it was opened; cases: folder for their results."""
 
-    work: Work
+    work: Contents
     folder: Path
     target: Path
     journal: Journal
@@ -72,7 +72,7 @@ class Part:
     cases: Path | None
 
     def finish(self) -> None:
-        """Let the folder, in which all is written, take the place of the target.
+        """Move the complete folder to the target.
 
         Raises
         ------
@@ -90,13 +90,13 @@ class Part:
         _remove(self.folder)
 
 
-def part_of(target: Path) -> Path:
+def work_folder(target: Path) -> Path:
     """The work folder of a target; a symbolic link is followed first."""
     target = target.resolve()
     return target.with_name(f"{target.name}.part")
 
 
-def finished(work: Work, target: Path, cases: bool = False) -> bool:
+def is_finished(work: Contents, target: Path, cases: bool = False) -> bool:
     """Whether `target` holds this sweep or search already, with results of its cases if these are asked for.
 
     Raises
@@ -118,7 +118,7 @@ def finished(work: Work, target: Path, cases: bool = False) -> bool:
 
 
 @contextmanager
-def opened(work: Work, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Part]:
+def open_checkpoint(work: Contents, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Checkpoint]:
     """The work folder of a sweep, made or found again, and kept from other processes meanwhile.
 
     cases: whether each case gets a results folder. restart: throw away what there is.
@@ -130,7 +130,7 @@ def opened(work: Work, target: Path, cases: bool = False, restart: bool = False)
     OSError
         The disk refuses, or something else is in the way.
     """
-    folder = part_of(target)
+    folder = work_folder(target)
     report.check_target(folder, work.kind)
     begun: dict[str, Any] = {"versions": versions() | work.packages, "plots": cases}
     fresh = not (folder / JOURNAL / _BEGUN).exists()
@@ -150,7 +150,7 @@ def opened(work: Work, target: Path, cases: bool = False, restart: bool = False)
         place = folder / CASES if cases else None
         if place is not None:
             _keep_only(place, {work.case_name(i) for i in done})
-        yield Part(work, folder, target.resolve(), journal, done, place)
+        yield Checkpoint(work, folder, target.resolve(), journal, done, place)
 
 
 @contextmanager
@@ -167,7 +167,7 @@ def _locked(folder: Path, noun: str) -> Iterator[None]:
         yield
 
 
-def _same(work: Work, folder: Path, remedy: str) -> None:
+def _same(work: Contents, folder: Path, remedy: str) -> None:
     """Raise unless `folder` holds this very sweep or search."""
     path, noun = folder / work.file, work.noun
     if not path.exists():
@@ -215,14 +215,14 @@ def _short(value: Any) -> str:
 
 
 def _clear(folder: Path) -> None:
-    """Remove what an earlier sweep left, the lock excepted."""
+    """Remove the rest of an earlier sweep, but not the lock."""
     for path in (*folder.iterdir(), *(folder / JOURNAL).iterdir()):
         if path.name not in (JOURNAL, ".lock"):
             _remove(path)
 
 
 def _keep_only(folder: Path, names: Set[str]) -> None:
-    """Remove results of cases that have no row: they may be half of it."""
+    """Remove results of cases without a row, which may be incomplete."""
     for path in folder.iterdir() if folder.exists() else ():
         if path.name not in names:
             _remove(path)
@@ -237,7 +237,7 @@ def _remove(path: Path) -> None:
 
 
 def _write_whole(path: Path, text: str) -> None:
-    """Write a file that is there whole or not at all."""
+    """Write a file completely or not at all."""
     making = path.with_suffix(".new")
     making.write_text(text, encoding="utf-8")
     _sync(making)

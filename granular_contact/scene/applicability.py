@@ -1,4 +1,6 @@
-"""Whether every shape has a law that takes it wherever it can get to, and every medium a shape that it takes."""
+"""Whether every shape has a law for its kind at every depth it can reach, and every medium a shape that it can act
+on.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,12 @@ from granular_contact.laws.catalogue import laws_for
 from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.law import Law, what_it_takes
 from granular_contact.scene.bed import Bed, places
-from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import Scene
+from granular_contact.scene.workspace import can_be_immersed, can_get_below
 
 
-def unsuited(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
-    """Shapes that get to where no medium takes them, media that take nothing that gets to them, balls in layers."""
+def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
+    """Shapes that can reach a depth without a law for them, media without a shape to act on, balls in layers."""
     if scene.bed is None or not scene.media:
         return
     layers, keys = scene.bed.layers, [key for _, key, _, _ in places(scenario)]
@@ -27,11 +29,11 @@ def unsuited(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
         return
     for top in sorted({layer.top for layer in layers}):
         here = {keys[i]: layer.medium for i, layer in enumerate(layers) if layer.top == top}
-        yield from _unsuited_at(top, here, _getting_to(scene, scene.bed, top))
+        yield from _inapplicable_at(top, here, _getting_to(scene, scene.bed, top))
 
 
-def _unsuited_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
-    """Mismatches from a depth (m) on, of the media there, by their keys, with the parts that can get there."""
+def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
+    """Mismatches below a depth (m), between the media there, by their keys, and the parts that can get there."""
     taken = {kind for medium in media.values() for kind in medium.takes}
     given = "; ".join(dict.fromkeys(map(what_it_takes, media.values())))
     spared = [(part, kind) for part, kind in parts if kind not in taken]
@@ -54,8 +56,8 @@ def _fitting(kind: Kind) -> str:
 
 
 def _getting_to(scene: Scene, bed: Bed, depth: float) -> list[tuple[str, Kind]]:
-    """Parts that can get below a depth (m), each once, with what a medium meets there."""
+    """Parts that can get below a depth (m), each once, with the kind of shape that a medium meets."""
     ends = [(link, np.array([[0.0, 0.0], [link.length, 0.0]])) for link in scene.links]
-    parts = [(link.name, link.kind) for link, both in ends if reaches(bed, link, *both, depth=depth)]
-    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(bed, body, s, depth)]
+    parts = [(link.name, link.kind) for link, both in ends if can_get_below(bed, link, *both, depth=depth)]
+    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if can_be_immersed(bed, body, s, depth)]
     return list(dict.fromkeys(parts))
