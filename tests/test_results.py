@@ -74,11 +74,11 @@ def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
     summary, table = saved()["summary.json"], saved()["timeseries.csv"]
     odd = json.dumps({**json.loads(summary), "status": "fine"}).encode()
     return {
-        "no table": ({"timeseries": None}, "holds no timeseries.csv: it is no complete run"),
+        "no table": ({"timeseries": None}, "holds no timeseries.csv: it is not a complete run"),
         "a table cut short": ({"timeseries": table[:-40]}, "timeseries.csv: can't be read as a table: "),
         "a table of words": ({"timeseries": table + b"well, x\n"}, "timeseries.csv: can't be read as a table: "),
         "another table": ({"timeseries": b"time_s,x_m\n0,1\n"}, "has other columns than summary.json tells"),
-        "no summary": ({"summary": None}, "holds no summary.json: it is no complete run"),
+        "no summary": ({"summary": None}, "holds no summary.json: it is not a complete run"),
         "no JSON": ({"summary": summary[:100]}, "summary.json: is no JSON"),
         "no columns": ({"summary": b'{"status": "rest"}'}, "tells no columns"),
         "no such status": ({"summary": odd}, "got the status 'fine'"),

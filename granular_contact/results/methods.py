@@ -117,7 +117,7 @@ def _table(file: Path, columns: Sequence[Column]) -> NDArray[np.float64]:
             head = lines.readline().rstrip("\n").split(",")
             table = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
     except FileNotFoundError:
-        raise ResultsError(f"{file.parent} holds no {file.name}: it is no complete run") from None
+        raise ResultsError(f"{file.parent} holds no {file.name}: it is not a complete run") from None
     except (OSError, ValueError) as error:  # of text that is no number, of rows that are cut short
         words = str(getattr(error, "strerror", None) or error).partition("\n")[0]
         raise ResultsError(f"{file}: can't be read as a table: {words}") from None
@@ -134,7 +134,7 @@ def _scenario(folder: Folder, file: Path) -> tuple[dict[str, Any], dict[str, Any
     from granular_contact.scene.build import build
 
     if not folder.has(file.name):
-        raise ResultsError(f"{folder.path} holds no {file.name}: it is no complete run")
+        raise ResultsError(f"{folder.path} holds no {file.name}: it is not a complete run")
     try:
         loaded = load(file)
         return scenario_to_dict(loaded.scenario), bed_of(build(loaded))
