@@ -64,6 +64,11 @@ class MissingPackageError(GranularContactError, ImportError):
     """A package that only this call needs is not installed; the message is one line, with how to install it."""
 
 
+def scene_fault(key: str, message: str) -> Fault:
+    """A fault of a scene, which knows keys, but no files."""
+    return Fault("", None, key, message)
+
+
 def scene_error(key: str, message: str) -> SceneError:
     """A scene error of one fault."""
-    return SceneError([Fault(file="", line=None, key=key, message=message)])
+    return SceneError([scene_fault(key, message)])

@@ -157,7 +157,7 @@ WORDS = {
         "misfit",
         "2 coefficients from 2 instants of 1 measured run: eta_h 8.123 \N{PLUS-MINUS SIGN} 0.12, eta_d 65 (no error",
         "the model misses something",
-        "medium.eta_d stands at",
+        "medium.eta_d is at",
         "\N{MINUS SIGN}0.43",
         "13.7 %",
         "353.55 µm",  # root mean square of 300 and 400

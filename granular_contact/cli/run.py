@@ -145,9 +145,7 @@ def _view_problem(wanted: bool, scene: Scene) -> str | None:
 
 @contextmanager
 def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
-    """Give a callable that shows the simulated time, of `end_time` (s), on stderr, or None if nothing is to be
-    shown.
-    """
+    """Give a callable that shows the simulated time, of `end_time` (s), on stderr; None if nothing is to be shown."""
     if not shown:
         yield None
         return

@@ -1,6 +1,4 @@
-"""`--set dotted.key=value`, and the cases of a sweep: values that replace those in the tree of a config before it is
-checked.
-"""
+"""`--set dotted.key=value` and cases of sweeps: new values in the tree of a config, before it is checked."""
 
 from __future__ import annotations
 

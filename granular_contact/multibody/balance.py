@@ -40,9 +40,7 @@ class Balance:
         self.accept(self.data.GetODE2Coordinates(exu.ConfigurationType.Initial))
 
     def at(self, q: Vector, share: float) -> tuple[Vector, Vector]:
-        """Generalised forces (size,) without those of joints, and constraint residuals (joined,) m or rad, at the
-        coordinates q.
-        """
+        """Generalised forces (size,) without those of joints, and constraint residuals (joined,) m or rad, at q."""
         self.data.SetODE2Coordinates(q)
         self._solver.ComputeODE2RHS(self.mbs)
         self._solver.ComputeAlgebraicEquations(self.mbs, False)

@@ -21,9 +21,7 @@ Vector = NDArray[np.float64]
 
 
 class Overlay:
-    """Overlay on nodes, with their coordinates one after another; forces: generalised forces for the next call of
-    `send`.
-    """
+    """Overlay on nodes, with their coordinates one after another; forces: what `send` applies next."""
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs

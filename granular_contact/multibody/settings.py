@@ -36,9 +36,7 @@ def force_noise(scene: Scene, link: FlexibleLink) -> float:
 
 
 def unresolved(scene: Scene) -> bool:
-    """Whether the round-off of a link's elastic forces exceeds the tolerance of a step, so that it is practically
-    rigid.
-    """
+    """Whether round-off of a link's elastic forces exceeds the tolerance of a step: it is practically rigid."""
     return _noise(scene) > scene.solver.tolerance * scene.force_scale
 
 
@@ -103,7 +101,5 @@ def _coordinate_noise(scene: Scene) -> float:
 
 
 def _elastic_forces_below_round_off(scene: Scene) -> bool:
-    """Whether the round-off of elastic forces exceeds a thousandth of the forces of the scene, so that accelerations
-    are noise.
-    """
+    """Whether round-off of elastic forces exceeds 1e-3 of the scene's forces, so that accelerations are noise."""
     return _noise(scene) > 1e-3 * scene.force_scale

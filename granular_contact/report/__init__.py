@@ -1,6 +1,4 @@
-"""Results -> a folder: summary.json, timeseries.csv, scenario.yaml and figures/*.png, written completely or not at
-all.
-"""
+"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml and figures, written completely or not at all."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Whether every shape has a law for its kind at every depth it can reach, and every medium a shape that it can act
-on.
-"""
+"""Whether every shape has a law at every depth it can reach, and every medium a shape that it can act on."""
 
 from __future__ import annotations
 
@@ -9,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.catalogue import laws_for
 from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.law import Law, what_it_takes
@@ -25,7 +23,7 @@ def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
     layers, keys = scene.bed.layers, [key for _, key, _, _ in places(scenario)]
     parts = _getting_to(scene, scene.bed, 0.0)
     if not all(layer.whole for layer in layers) and any(kind == "ball" for _, kind in parts):
-        yield Fault("", None, "bed.layers", "a sphere is met as a whole: no layers are allowed with one")
+        yield scene_fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
         return
     for top in sorted({layer.top for layer in layers}):
         here = {keys[i]: layer.medium for i, layer in enumerate(layers) if layer.top == top}
@@ -41,14 +39,14 @@ def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, K
         key, what = f"model.bodies.{part}", "can get into the sand"
         if top > 0.0:
             key, what = next(iter(media)), f"{part} can get that deep"
-        yield Fault("", None, key, f"{what}, but {given}; {_fitting(kind)}; or say in_sand: false of the shape")
+        yield scene_fault(key, f"{what}, but {given}; {_fitting(kind)}; or say in_sand: false of the shape")
     if spared or not parts:
         return
     kinds = dict.fromkeys(kind for _, kind in parts)
     for key, medium in media.items():
         if not kinds.keys() & set(medium.takes):
             fit = "; ".join(map(_fitting, kinds))
-            yield Fault("", None, key, f"{what_it_takes(medium)}, and nothing of the kind can get into it; {fit}")
+            yield scene_fault(key, f"{what_it_takes(medium)}, and nothing of the kind can get into it; {fit}")
 
 
 def _fitting(kind: Kind) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.geometry.surface import greatest_depth, height_at, slope_at, surface
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.floor import Floor
@@ -94,13 +94,11 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     if spec.profile_m is not None and profile[:, 1].min() <= floor.height:
         x, y = profile[np.argmin(profile[:, 1])]
         why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "
-        faults.append(Fault("", None, "bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
+        faults.append(scene_fault("bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
     lowest = min((float(end[1]) for end in ends), default=math.inf)
     if lowest < floor.height - NOTHING:
         faults.append(
-            Fault(
-                "",
-                None,
+            scene_fault(
                 "bed.depth_m",
                 f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but at the start the lowest end is "
                 f"at {lowest:.6g} m: allowed is a floor below it",
@@ -110,9 +108,7 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
 
 
 def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
-    """Floors and containers without a medium, which are never checked, as only the load of a medium follows the
-    bodies.
-    """
+    """Floors and containers without a medium: only the load of a medium checks them."""
     if places(scenario):
         return
     bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
@@ -120,18 +116,18 @@ def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
         if value is not None:
             what = "a floor" if key == "depth_m" else "a container"
             why = f"got {what}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
-            yield Fault("", None, f"bed.{key}", why)
+            yield scene_fault(f"bed.{key}", why)
 
 
 def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator[Fault]:
     """Faults of what has no resultant at the middle of the immersed part."""
     if not all(layer.whole for layer in layers):
-        yield Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed")
+        yield scene_fault("load.form", "got resultant, but the bed has layers: allowed is distributed")
     others = dict.fromkeys(one.law for one, *_ in places(scenario) if not one.resultant)
     if others:
         have = ", ".join(tag for tag, law in LAWS.items() if law.resultant)
         why = f"got resultant, but {', '.join(others)} has none; laws with one are {have}, else distributed is allowed"
-        yield Fault("", None, "load.form", why)
+        yield scene_fault("load.form", why)
 
 
 def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
@@ -148,9 +144,7 @@ def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
 def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
     for one, key, top, bottom in places(scenario):
         lacking = [
-            Fault(
-                "",
-                None,
+            scene_fault(
                 f"{key}.{name}",
                 f"got null: the source of {one.name} does not state it; give the number of your case, as "
                 f"{{from: {one.name}, {name}: ...}}",

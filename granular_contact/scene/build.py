@@ -10,7 +10,7 @@ import numpy as np
 
 from granular_contact.config import Loaded, schema
 from granular_contact.config.changed import checked
-from granular_contact.errors import Fault, SceneError
+from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
@@ -81,7 +81,7 @@ def _built(scenario: schema.Scenario) -> Scene:
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
     else:
-        faults.append(_fault("model.joints", "every body is welded to the ground, so nothing can move"))
+        faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
         raise SceneError(faults)
     scene = Scene(
@@ -128,10 +128,6 @@ def _with_rigid(scenario: schema.Scenario, names: tuple[str, ...]) -> schema.Sce
     return scenario.model_copy(update={"model": schema.Model(**fields)})
 
 
-def _fault(key: str, message: str) -> Fault:
-    return Fault(file="", line=None, key=key, message=message)
-
-
 def _laid_out(
     scenario: schema.Scenario, driven: tuple[Drive, ...], speed: float, faults: list[Fault]
 ) -> tuple[Layout, dict[str, JointState]]:
@@ -168,7 +164,7 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]
     arm = float(np.linalg.norm(place(motions[name], at) - pins[0]))
     if not arm > 0.0:
         why = f"got {speed:g}, but no shape reaches beyond the hinge, where there is no speed; give impact_speed_rad_s"
-        faults.append(_fault("initial.impact_tip_speed_m_s", why))
+        faults.append(scene_fault("initial.impact_tip_speed_m_s", why))
         return 0.0
     return speed / arm
 
@@ -184,7 +180,9 @@ def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
     for key in ("impact_speed_rad_s", "impact_tip_speed_m_s"):
         speed = getattr(scenario.initial, key)
         if speed and not hinged:
-            yield _fault(f"initial.{key}", f"got {speed:g}, but no hinge joins the model to the ground: allowed is 0")
+            yield scene_fault(
+                f"initial.{key}", f"got {speed:g}, but no hinge joins the model to the ground: allowed is 0"
+            )
 
 
 def _joint_faults(layout: Layout) -> Iterator[Fault]:
@@ -197,9 +195,9 @@ def _joint_faults(layout: Layout) -> Iterator[Fault]:
             if not isinstance(link, schema.Link) or link.flexible is None:
                 continue
             if isinstance(joint, schema.SliderClosure) and side == "parent":
-                yield _fault(f"model.{kind}.{name}.parent", f"{body} is flexible; a slider has a rigid parent")
+                yield scene_fault(f"model.{kind}.{name}.parent", f"{body} is flexible; a slider has a rigid parent")
             elif tuple(xy) not in ((0.0, 0.0), (link.length_m, 0.0)):
-                yield _fault(
+                yield scene_fault(
                     f"model.{kind}.{name}.{side}_point_m",
                     f"got {list(xy)}, but {body} is flexible: allowed are its root [0, 0] and its tip "
                     f"[{link.length_m:g}, 0]",
@@ -217,7 +215,9 @@ def _closure_faults(layout: Layout) -> Iterator[Fault]:
     fixed = next((group for group in layout.groups if GROUND in group), [])
     for name, closure in layout.model.closures.items():
         if closure.child in fixed:
-            yield _fault(f"model.closures.{name}.child", f"{closure.child} is fixed to the ground: make it the parent")
+            yield scene_fault(
+                f"model.closures.{name}.child", f"{closure.child} is fixed to the ground: make it the parent"
+            )
 
 
 @dataclass(frozen=True)
@@ -270,13 +270,15 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
 def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
-        yield _fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
+        yield scene_fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
         return
     for body in scene.bodies:
         speed, rate = math.hypot(*body.motion.velocity), abs(body.motion.rate)
         for got, unit in ((speed, "m/s"), (rate, "rad/s")):
             if not got < FASTEST:
-                yield _fault("initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}")
+                yield scene_fault(
+                    "initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}"
+                )
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
@@ -290,7 +292,7 @@ def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], l
 
 def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
     if scenario.media and not ends:
-        yield _fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
+        yield scene_fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
 
 
 def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | Minimal | None:

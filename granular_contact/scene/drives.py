@@ -8,7 +8,7 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.config.schema.drives import target
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene import signals
 from granular_contact.scene.types import Drive
 
@@ -26,7 +26,7 @@ def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
             phase, given = given.phase_deg, scenario.signals[given.name]
         if isinstance(given, schema.Csv):
             words = f"{given.file} was not read: load the config from its file, or give the signal as a table"
-            faults.append(Fault("", None, f"drives.{name}.{key}", words))
+            faults.append(scene_fault(f"drives.{name}.{key}", words))
             continue
         signal = _signal(given, math.radians(1.0) if key == "angle_deg" else 1.0, phase)
         if isinstance(spec, schema.Motion):
@@ -51,7 +51,7 @@ def _without_jumps(
     if solver.accuracy is None and spec.smooth_s < least:
         words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST_STEPS} times solver.step_s"
         words += ", or solver.accuracy"
-        faults.append(Fault("", None, f"drives.{name}.smooth_s", words))
+        faults.append(scene_fault(f"drives.{name}.smooth_s", words))
     return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
 
 
@@ -60,9 +60,7 @@ def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
     time, before, after = found[0]
     words = f"at t = {time:g} s the rate jumps from {factor * before:.4g} to {factor * after:.4g} {unit}"
     words += f" (the first of {len(found)} jumps)" if len(found) > 1 else ""
-    return Fault(
-        "",
-        None,
+    return scene_fault(
         key,
         f"{words}, which takes an infinite force; allowed are interpolation: cubic, and smooth_s: a time (s) over "
         "which the rate changes",

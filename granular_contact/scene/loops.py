@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import JointState, Pose, direction, is_rigid, point, pose
 from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive, Vector, rotation, turned
@@ -112,9 +112,7 @@ def _across(joint: schema.SliderClosure, angle: float) -> Vector:
 
 
 def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:
-    """Joint states in which all loops are closed in position and velocity; joints that were not given follow. Faults
-    are appended.
-    """
+    """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended."""
     model = scenario.model
     if not model.closures:
         return begun.states
@@ -140,14 +138,12 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     opening = float(np.abs(slopes @ rates).max(initial=0.0))
     if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
         words = f"the joint rates violate a loop closure by {opening:.3g} m/s or rad/s: give fewer of them"
-        faults.append(Fault("", None, "initial.joints", words))
+        faults.append(scene_fault("initial.joints", words))
     return loops.states(x, rates)
 
 
 def _home(loops: Loops, begun: Start) -> Vector:
-    """Coordinates of the reference configuration, in which the loops have to close; free bodies are where the run has
-    them.
-    """
+    """Reference coordinates, in which the loops have to close; free bodies are where the run has them."""
     home = []
     for name in loops.joints:
         joint = loops.model.all_joints[name]
@@ -174,7 +170,7 @@ def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
             words += f" apart there; allowed are {LARGEST_GAP:g} m" + (
                 f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""
             )
-            faults.append(Fault("", None, f"model.closures.{name}", words))
+            faults.append(scene_fault(f"model.closures.{name}", words))
     return faults
 
 
@@ -206,7 +202,7 @@ def redundant(
         verb = "is" if spare == 1 else "are"
         words = f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} {verb} redundant with the"
         words += " other joints: leave it out, or choose a type with fewer constraints"
-        faults.append(Fault("", None, f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
+        faults.append(scene_fault(f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
     return faults
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import GROUND, JointState
 from granular_contact.scene.types import Drive
 
@@ -19,9 +19,7 @@ AGREEMENT = 1e-6
 
 @dataclass(frozen=True)
 class Start:
-    """States of the joints of the tree; names of those whose coordinate (placed) or rate (moved) a run or a drive
-    gives.
-    """
+    """States of the tree's joints; names of those whose coordinate (placed) or rate (moved) a run or drive gives."""
 
     states: dict[str, JointState]
     placed: frozenset[str]
@@ -52,7 +50,7 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
                 words = (
                     f"the motion starts at {state.rate[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
                 )
-                faults.append(Fault("", None, f"drives.{name}", words))
+                faults.append(scene_fault(f"drives.{name}", words))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
             state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rate), True
         states[name] = state
@@ -94,4 +92,4 @@ def _gaps(
         if given and abs(got - wanted) > AGREEMENT:
             words = f"got {factor * got:g}, but the drive of {name} starts at {factor * wanted:g}, "
             words += f"{factor * abs(got - wanted):.3g} away: allowed is that, or no value"
-            yield Fault("", None, f"initial.joints.{name}.{key}", words)
+            yield scene_fault(f"initial.joints.{name}.{key}", words)

@@ -50,7 +50,7 @@ UNREADABLE = {
     "list as key": (changed("eta_h: 8", "eta_h: 8\n  ? [a, b]\n  : 2"), 27, "medium", "a list or mapping as key"),
     "merge key": (changed("eta_h: 8", "eta_h: 8\n  <<: {eta_q: 1}"), 27, "medium", "merge key"),
     "unknown alias": (changed("eta_h: 8", "eta_h: *eight"), 26, "medium.eta_h", "no anchor &eight"),
-    "alias in itself": (changed("plunging: {", "plunging: &p {a: *p, "), 27, "medium.plunging.a", "inside its own"),
+    "alias in itself": (changed("plunging: {", "plunging: &p {a: *p, "), 27, "medium.plunging.a", "that contains it"),
     "alias bomb": (BOMB, 4, "d.7", "expand to more than 10000"),
     "deep": ("a: " + "[" * 100_000, 1, "", "64 levels"),
     "deep blocks": ("\n".join("  " * i + "a:" for i in range(200)), 65, "", "64 levels"),

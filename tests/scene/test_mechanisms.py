@@ -177,7 +177,7 @@ def test_two_prescribed_motions_of_one_freedom_are_refused() -> None:
     drives = "drives={a: {type: motion, angle_deg: -90}, d: {type: motion, angle_deg: -90}}"
     (fault,) = faults_of(FOUR_BAR, drives)
     assert fault.key == "drives.d"
-    assert fault.message.startswith("1 of the 1 constraint of d holds what")
+    assert fault.message.startswith("1 of the 1 constraint of d is redundant with")
 
 
 def test_rates_that_tear_a_loop_are_refused() -> None:

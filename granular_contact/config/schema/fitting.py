@@ -39,9 +39,7 @@ def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive
 
 
 def _unplaced(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:
-    """A fault if nothing gives the initial angle of a hinge on the ground; other joints have a reference
-    configuration.
-    """
+    """A fault if nothing gives the initial angle of a hinge on the ground; other joints have a default."""
     if initial.impact_angle_deg is not None or initial.joints is not None or initial.settle:
         return
     for name, joint in model.all_joints.items():

@@ -188,9 +188,7 @@ class _Film:
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
     def _arrow(self, force: Force) -> Array | None:
-        """Arrow from the point of application, with a length proportional to the force; None for one too small to be
-        seen.
-        """
+        """Arrow from the point of application, as long as the force is large; None for one too small to be seen."""
         vector = arrow_vector(force.force, self.largest, self.stage)
         if float(np.linalg.norm(vector)) * self.stage.scale < LEAST_ARROW:
             return None

@@ -1,6 +1,4 @@
-"""Problem -> the best parameters: least squares from several starting points, then iteratively weighted by the
-noise.
-"""
+"""Problem -> the best parameters: least squares from several starting points, then weighted by the noise."""
 
 from __future__ import annotations
 

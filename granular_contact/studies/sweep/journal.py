@@ -85,9 +85,7 @@ class Writer:
 
 
 class Journal:
-    """The rows in a folder of such files, in the order of the sweep, read anew each time; the first one of each
-    case.
-    """
+    """The rows in a folder of such files, in the order of the sweep, read anew each time; one for each case."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

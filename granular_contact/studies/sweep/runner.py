@@ -148,16 +148,12 @@ class _Scheduler:
         return chunk
 
     def note(self, cases: int, seconds: float) -> None:
-        """Update the size of chunks by the time of the latest one, as a worker's first chunk is slower than the
-        others.
-        """
+        """Update the size of chunks by the time of the latest one, as a worker's first chunk is slower."""
         self._size = max(1, min(LARGEST_CHUNK, int(CHUNK_SECONDS * cases / max(seconds, 1e-6))))
 
 
 def _together(scheduler: _Scheduler, pool: WorkerPool, job: bytes, suspects: list[Task]) -> Iterator[bytes]:
-    """Lines of all cases but those of lost chunks, which are appended to `suspects`: one of them may have killed its
-    worker.
-    """
+    """Lines of all cases but those of lost chunks, which go to `suspects`: one may have killed its worker."""
     pending: dict[Work, list[Task]] = {}
     while pending or scheduler.left:
         while scheduler.left and len(pending) < 2 * pool.count:

@@ -57,9 +57,7 @@ def work_of(sweep: Sweep) -> Contents:
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """A self-contained sweep file: the config with every default, and how its cases are drawn, or a line for each
-    case.
-    """
+    """A self-contained sweep file: the config with every default, and how cases are drawn, or a line for each."""
     return "".join(_lines(sweep))
 
 
