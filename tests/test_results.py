@@ -79,7 +79,7 @@ def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
         "a table of words": ({"timeseries": table + b"well, x\n"}, "timeseries.csv: can't be read as a table: "),
         "another table": ({"timeseries": b"time_s,x_m\n0,1\n"}, "has other columns than summary.json tells"),
         "no summary": ({"summary": None}, "holds no summary.json: it is not a complete run"),
-        "no JSON": ({"summary": summary[:100]}, "summary.json: is no JSON"),
+        "no JSON": ({"summary": summary[:100]}, "summary.json: is not JSON"),
         "no columns": ({"summary": b'{"status": "rest"}'}, "tells no columns"),
         "no such status": ({"summary": odd}, "got the status 'fine'"),
         "no scenario": ({"scenario": None}, "holds no scenario.yaml"),
