@@ -60,6 +60,14 @@ class OutOfTimeError(SolveError):
     """The time limit was reached before the first step: there is nothing to save."""
 
 
+class ResultsError(GranularContactError):
+    """Results that can't be opened or shown as asked; the message is one line."""
+
+
+class MissingPackageError(GranularContactError, ImportError):
+    """A package that only this call needs is not installed; the message is one line, with how to install it."""
+
+
 def scene_fault(key: str, message: str) -> Fault:
     """A fault of a scene, which knows keys, but no files."""
     return Fault("", None, key, message)

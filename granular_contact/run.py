@@ -48,6 +48,10 @@ def run(
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled, which is the case the first time in an installation.
 
+    Returns
+    -------
+    Results
+
     Raises
     ------
     SceneError

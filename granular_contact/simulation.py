@@ -77,8 +77,7 @@ class Simulation:
     Examples
     --------
     >>> from granular_contact import load
-    >>> from granular_contact.examples import home
-    >>> simulation = Simulation(load(home() / "configs" / "pendulum_rigid.yaml"))
+    >>> simulation = Simulation(load("pendulum_rigid"))
     >>> seen = simulation.step(None, 0.01)
     >>> f"{seen['pivot_angle_deg']:.1f} deg, {1e3 * seen['depth_m']:.1f} mm deep"
     '33.9 deg, 11.2 mm deep'

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from support_runs import CONFIGS
 
 from granular_contact import run as run_module
-from granular_contact.config import Scenario, load_scenario
+from granular_contact.config import Scenario, is_run, load_scenario
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results import FINISHED, REST_MEASURE, Results
@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 # Of every config so much as takes seconds: the impacts whole, of gaits the first strides.
 SHORT = {name: ("solver.end_time_s=0.3",) for name in ("c_leg", "dragged_plate", "stepping_leg", "walker")}
 SHORT |= {name: ("solver.end_time_s=0.3",) for name in ("flexible_leg", "flexible_leg_rigid", "runner")}
-SWEEPS = ("paper_cases", "sensitivity")
-NAMES = sorted(path.stem for path in CONFIGS.glob("*.yaml") if path.stem not in SWEEPS)
+NAMES = sorted(path.stem for path in CONFIGS.glob("*.yaml") if is_run(path))
 _OF_THE_STEPS = ("cost", "versions", "warnings", "message", "status")
 VIBRATES = ("hub_stopping_time_s", "max_deflection_time_s", "energy.damping_work_J")
 

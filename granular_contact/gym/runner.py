@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import Scenario, load
-from granular_contact.examples import home
 from granular_contact.gym.environment import GranularEnv
 from granular_contact.results.observed import Observations
 
@@ -23,7 +22,7 @@ SETTINGS = {"solver.accuracy": 0.05, "solver.tolerance": 1e-3, "load.strips_per_
 
 def scenario(end_time_s: float = 2.0) -> Scenario:
     """The runner of configs/runner.yaml with rates that are set at its hips, and steps for speed."""
-    shipped = load(home() / "configs" / "runner.yaml").scenario
+    shipped = load("runner").scenario
     motor = {"type": "external", "rate_rad_s": 0.0, "range": RATES, "rate_gain_Nm_s_per_rad": GAIN, "limit_Nm": LIMIT}
     start = {"trunk": {"x_m": 0.0, "y_m": 0.045}} | {hip: {"angle_deg": START[hip[-1]]} for hip in HIPS}
     return shipped.replace(

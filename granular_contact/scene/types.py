@@ -235,6 +235,11 @@ class Scene:
     stiff: tuple[str, ...] = ()
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        media = " and ".join(medium.name or medium.law for medium in self.media) or "vacuum"
+        parts = f"{len(self.rigid)} rigid and {len(self.links)} flexible bodies"
+        return f"<scene {self.name}: {parts}, {self.mass:.4g} kg, in {media}>"
+
     @cached_property
     def surface(self) -> float | None:
         """Height of the free surface at x = 0 (m), everywhere if it is level; None without one."""
