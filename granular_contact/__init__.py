@@ -1,8 +1,9 @@
 """Links striking and moving in sand: a plugin for the multibody engine Exudyn.
 
-Two doors. For runs from YAML: `load` a config, `build` its scene and `simulate` it, or the command line; a scenario
-with other values is `scenario.replace({"medium.eta_d": 5})`. For an Exudyn model of your own: `GranularBed` with a
-medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
+Two doors. For runs from YAML: `load` a config and `simulate` it, or the command line; `load("runner",
+solver={"accuracy": 1e-3})` and `replace(medium={"eta_d": 5})` change values; `Results` have their columns by name and
+are plotted, saved and opened; a `Simulation` goes on step by step. For an Exudyn model of your own: `GranularBed` with
+a medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
 """
 
 from __future__ import annotations
@@ -29,9 +30,11 @@ if TYPE_CHECKING:
     from granular_contact.laws.static_friction import Elastoplastic, Smooth
     from granular_contact.laws.tsimring_volfson import TsimringVolfson
     from granular_contact.multibody.bed import GranularBed
-    from granular_contact.run import run as simulate
+    from granular_contact.results import Results
     from granular_contact.scene.build import build
     from granular_contact.scene.media import preset
+    from granular_contact.simulation import Simulation, simulate
+    from granular_contact.studies.optimise.calls import optimise
     from granular_contact.studies.sweep.calls import sweep
 
 # Loaded when first asked for: reading a config must not load the engine, nor a vacuum run the compiler.
@@ -50,17 +53,20 @@ _HOMES = {
     "LeeMarghitu": ("granular_contact.laws.lee_marghitu", "LeeMarghitu"),
     "LinearDepth": ("granular_contact.laws.linear_depth", "LinearDepth"),
     "Poncelet": ("granular_contact.laws.poncelet", "Poncelet"),
+    "Results": ("granular_contact.results", "Results"),
     "Rft": ("granular_contact.laws.rft", "Rft"),
     "Rft3d": ("granular_contact.laws.rft3d", "Rft3d"),
     "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
+    "Simulation": ("granular_contact.simulation", "Simulation"),
     "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
     "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
     "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
     "add_law": ("granular_contact.config.add_law", "add_law"),
     "build": ("granular_contact.scene.build", "build"),
     "load": ("granular_contact.config.load", "load"),
+    "optimise": ("granular_contact.studies.optimise.calls", "optimise"),
     "preset": ("granular_contact.scene.media", "preset"),
-    "simulate": ("granular_contact.run", "run"),
+    "simulate": ("granular_contact.simulation", "simulate"),
     "sweep": ("granular_contact.studies.sweep.calls", "sweep"),
 }
 
@@ -79,15 +85,18 @@ __all__ = [
     "LeeMarghitu",
     "LinearDepth",
     "Poncelet",
+    "Results",
     "Rft",
     "Rft3d",
     "RftCoefficients",
+    "Simulation",
     "Smooth",
     "TsimringVolfson",
     "VerticalResistance",
     "add_law",
     "build",
     "load",
+    "optimise",
     "preset",
     "simulate",
     "sweep",
@@ -101,3 +110,7 @@ def __getattr__(name: str) -> Any:
 
     module, attribute = _HOMES[name]
     return getattr(import_module(module), attribute)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

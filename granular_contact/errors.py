@@ -52,8 +52,20 @@ class SolveError(GranularContactError):
     """The engine could not be set up or started for this scene."""
 
 
+class ControlError(GranularContactError):
+    """Controls, a step or a state that a simulation can't take; it stays as it was."""
+
+
 class OutOfTimeError(SolveError):
     """The time limit was reached before the first step: there is nothing to save."""
+
+
+class ResultsError(GranularContactError):
+    """Results that can't be opened or shown as asked; the message is one line."""
+
+
+class MissingPackageError(GranularContactError, ImportError):
+    """A package that only this call needs is not installed; the message is one line, with how to install it."""
 
 
 def scene_fault(key: str, message: str) -> Fault:

@@ -8,20 +8,40 @@ PACKAGE = Path(__file__).parent
 FOLDERS, ENDINGS = ("models", "configs"), (".yaml", ".csv")
 
 
-def shipped() -> dict[str, bytes]:
-    """Contents of all files by their relative path, `configs/pendulum.yaml` for example.
+def home() -> Path:
+    """The folder that holds them; of an editable install its checkout.
 
     Raises
     ------
     FileNotFoundError
         The package was installed without them.
     """
-    # Of an editable install they stand beside the package.
-    home = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
-    if home is None:
+    found = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
+    if found is None:
         raise FileNotFoundError(f"no models in {PACKAGE}: this installation is incomplete")
-    files = [path for folder in FOLDERS for path in sorted((home / folder).rglob("*")) if path.suffix in ENDINGS]
-    return {path.relative_to(home).as_posix(): path.read_bytes() for path in files}
+    return found
+
+
+def config(name: str) -> Path | None:
+    """The shipped config of a name, as `runner` or `runner.yaml`; None if there is none."""
+    return _called(home() / FOLDERS[1], name)
+
+
+def config_names() -> list[str]:
+    """Names of the shipped configs."""
+    return sorted(path.stem for path in (home() / FOLDERS[1]).glob("*.yaml"))
+
+
+def _called(folder: Path, name: str) -> Path | None:
+    path = folder / (name if name.endswith(".yaml") else f"{name}.yaml")
+    return path if path.parent == folder and path.is_file() else None
+
+
+def shipped() -> dict[str, bytes]:
+    """Contents of all files by their relative path, `configs/pendulum.yaml` for example; errors as of `home`."""
+    top = home()
+    files = [path for folder in FOLDERS for path in sorted((top / folder).rglob("*")) if path.suffix in ENDINGS]
+    return {path.relative_to(top).as_posix(): path.read_bytes() for path in files}
 
 
 def write(directory: Path) -> list[str]:

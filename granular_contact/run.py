@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked
@@ -12,8 +13,9 @@ from granular_contact.config.differences import differing_keys
 from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
 from granular_contact.laws.kinds import WORDS
-from granular_contact.results import Compiling, Progress, Results
+from granular_contact.results import Compiling, Outline, Progress, Results
 from granular_contact.results.observation import Observation, results
+from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
@@ -46,20 +48,24 @@ def run(
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled, which is the case the first time in an installation.
 
+    Returns
+    -------
+    Results
+
     Raises
     ------
     SceneError
         The scenario is another one than the scene was built from, or the scene was not built from any.
     """
-    known = _scenario_of(scene, scenario)
-    if isinstance(scene.method, Reduced):
-        seen = _by_modes(scene, scene.method, progress, compiling)
-    else:
-        seen = _by_coordinates(scene, progress, inspect, compiling)
-    return results(seen, scenario_to_dict(known), most_frames)
+    known = scenario_of(scene, scenario)
+    begun, seen = _observed(scene, progress, inspect, compiling)
+    made = results(seen, scenario_to_dict(known), most_frames)
+    if inspect is None:  # whose caller may go on with the system
+        begun.solving.close()
+    return made
 
 
-def _scenario_of(scene: Scene, given: Scenario | None) -> Scenario:
+def scenario_of(scene: Scene, given: Scenario | None = None) -> Scenario:
     """The scenario that a scene was built from, which results may name; a given one has to be the same."""
     built = scene.scenario
     if built is None:
@@ -87,54 +93,112 @@ def _compiled(scene: Scene) -> str:
     return f"the law {laws} for {shapes}" if laws else "the equations of motion"
 
 
-def _trajectory(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> tuple[System, Trajectory]:
-    """By the engine, or in minimal coordinates: either way in the coordinates of the engine."""
-    if scene.method is None:
-        from granular_contact.multibody.build import build
-        from granular_contact.multibody.solve import solve
+class Solving(Protocol):
+    """A solve under way, by any method."""
 
-        system = build(scene)
-        with announced(compiling, _compiled(scene)):
-            return system, solve(system, progress)
-    from granular_contact.minimal.solve import solve as solve_tree
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing to come."""
+
+    def advance(self, until: float = ...) -> None:
+        """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
+
+    def observe(self) -> Observations:
+        """What is seen of the present state."""
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+
+    def state(self) -> Any:
+        """The present state."""
+
+    def restore(self, kept: Any) -> None:
+        """Go back to a state of this solve or another one of the same scene."""
+
+    def trajectory(self) -> Any:
+        """All steps so far."""
+
+    def close(self) -> None:
+        """Let go of what is held; nothing can be asked any more."""
+
+
+class Begun(NamedTuple):
+    """A solve at its start, what reads its trajectory, and for the engine the system that it solves."""
+
+    solving: Solving
+    observe: Callable[[Any], Observation]
+    system: System | None
+
+
+def begin(scene: Scene, progress: Progress | None, compiling: Compiling | None, *, pauses: bool = False) -> Begun:
+    """Get ready to solve a scene by its method; pauses: whether it is to be looked at and steered on the way."""
+    if scene.method is None:
+        return _by_engine(scene, progress, compiling, pauses)
+    return (_by_modes if isinstance(scene.method, Reduced) else _by_minimal)(scene, progress, compiling)
+
+
+def _by_engine(scene: Scene, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
+    from granular_contact.multibody.build import build
+    from granular_contact.multibody.observe import observe
+    from granular_contact.multibody.solve import Solve
+
+    system = build(scene)
+    with announced(compiling, _compiled(scene)):
+        return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
+
+
+def _by_minimal(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
+    from granular_contact.minimal.solve import Solve
     from granular_contact.minimal.tree import tree
+    from granular_contact.multibody.observe import observe
 
     made = tree(scene)
     with announced(compiling, _compiled(scene)):
-        return made.system, solve_tree(made, progress)
+        return Begun(Solve(made, progress), partial(observe, made.system), None)
 
 
-def _by_coordinates(
+def _by_modes(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
+    from granular_contact.reduced.model import model
+    from granular_contact.reduced.observe import observe
+    from granular_contact.reduced.solve import Solve
+
+    assert isinstance(scene.method, Reduced)
+    reduced = model(scene, scene.method)
+    with announced(compiling, _compiled(scene)):
+        return Begun(Solve(reduced, progress), partial(observe, reduced), None)
+
+
+def _solved(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> tuple[Begun, Any]:
+    """A solve at its end, with its trajectory."""
+    begun = begin(scene, progress, compiling)
+    begun.solving.advance()
+    return begun, begun.solving.trajectory()
+
+
+def _observed(
     scene: Scene,
     progress: Progress | None,
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
-) -> Observation:
-    """By the engine, again with shorter strips where it is to choose them by their error; or in minimal coordinates."""
-    from granular_contact.multibody.observe import observe
-
-    system, trajectory = _trajectory(scene, progress, compiling)
-    if scene.method is not None:
-        return observe(system, trajectory)
+) -> tuple[Begun, Observation]:
+    """Solve to the end; by the engine again with shorter strips where it is to choose them by their error."""
+    begun, trajectory = _solved(scene, progress, compiling)
+    if begun.system is None:
+        return begun, begun.observe(trajectory)
     if trajectory.load is not None:
         from granular_contact.multibody.kinematics import Kinematics
         from granular_contact.multibody.strip_error import finer
 
         spent = trajectory.cost.solve_s
-        while (shorter := finer(Kinematics(system, trajectory))) is not None:
-            system, trajectory = _trajectory(shorter, progress, compiling)
+        while begun.system and (shorter := finer(Kinematics(begun.system, trajectory))) is not None:
+            begun.solving.close()
+            begun, trajectory = _solved(shorter, progress, compiling)
             spent += trajectory.cost.solve_s
         trajectory = replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))
-    if inspect is not None:
-        inspect(system, trajectory)
-    return observe(system, trajectory)
-
-
-def _by_modes(scene: Scene, method: Reduced, progress: Progress | None, compiling: Compiling | None) -> Observation:
-    from granular_contact.reduced.model import model
-    from granular_contact.reduced.observe import observe
-    from granular_contact.reduced.solve import solve
-
-    reduced = model(scene, method)
-    with announced(compiling, _compiled(scene)):
-        return observe(reduced, solve(reduced, progress))
+    if inspect is not None and begun.system is not None:
+        inspect(begun.system, trajectory)
+    return begun, begun.observe(trajectory)

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,12 +32,12 @@ def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_yaml_is_that_of_the_first_run() -> None:
-    shown, _ = blocks("yaml")
+    shown, *_ = blocks("yaml")
     assert yaml.safe_load(shown) == yaml.safe_load((ROOT / "configs" / "pendulum.yaml").read_text(encoding="utf-8"))
 
 
 def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path) -> None:
-    _, shown = blocks("yaml")
+    _, shown, _ = blocks("yaml")
     assert yaml.safe_load(shown) == yaml.safe_load((ROOT / "configs" / "sensitivity.yaml").read_text(encoding="utf-8"))
     (line,) = (line for line in README.splitlines() if "configs/sensitivity.yaml --out" in line)
     arguments = shlex.split(line)[1:]
@@ -48,6 +49,55 @@ def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path) -> 
     assert total["medium.eta_d"] < 0.02
     assert total["initial.impact_speed_rad_s"] > 0.3
     assert total["medium.plunging.eta_v"] > 0.3
+
+
+def test_a_controller_holds_its_angle(capsys, monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "control=pid" in block)
+    monkeypatch.chdir(ROOT)
+    names: dict[str, object] = {}
+    exec(script, names)
+    told = re.search(r"It ends at ([\d.]+) deg, held by ([\d.]+) N m", README)
+    assert told is not None
+    assert f"angle {told[1]} deg, held by {told[2]} N m" in capsys.readouterr().out
+    assert abs(names["results"]["pivot_angle_deg"][-1] - 40.0) < 0.01  # type: ignore[index]
+    written = script[script.index("total =") : script.index("print")]
+    assert len([line for line in written.splitlines() if line]) <= 10
+
+
+def test_a_simulation_is_stepped_brought_back_and_begun_anew(monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "Simulation(" in block)
+    monkeypatch.chdir(ROOT)
+    names: dict[str, object] = {}
+    exec(script, names)  # asserts itself that both futures are the same
+    assert names["results"]["time_s"][-1] == pytest.approx(0.15)  # type: ignore[index]
+    simulation = names["simulation"]
+    assert 0.4 < simulation.scenario.medium.zeta < 0.6  # type: ignore[attr-defined]
+    assert simulation.time == 0.0  # type: ignore[attr-defined]
+
+
+def test_the_runner_of_gymnasium_walks(capsys) -> None:
+    pytest.importorskip("gymnasium")
+    script = next(block for block in blocks("python") if "gymnasium.make" in block)
+    exec(script, {})
+    told = re.fullmatch(r"(\d+) mm, end time 0.5 s reached\n", capsys.readouterr().out)
+    assert told is not None
+    assert int(told[1]) > 20
+
+
+def test_the_search_is_the_shipped_one_and_what_it_finds_runs(tmp_path: Path) -> None:
+    pytest.importorskip("cma")
+    *_, shown = blocks("yaml")
+    held = yaml.safe_load(shown)
+    assert held == yaml.safe_load((ROOT / "configs" / "optimise_speed_close.yaml").read_text(encoding="utf-8"))
+    (found,) = (block for block in blocks("sh") if "optimise configs" in block)
+    search, run = (shlex.split(line.split("#")[0])[1:] for line in found.splitlines())
+    # One population of short runs, in place of minutes.
+    held |= {"config": str(ROOT / "configs" / "runner.yaml"), "evaluations": 5, "population": 4}
+    held["set"] = {"solver.accuracy": 0.01, "solver.end_time_s": 0.02, "output.figures": False}
+    (tmp_path / "search.yaml").write_text(yaml.safe_dump(held), encoding="utf-8")
+    search[1] = str(tmp_path / "search.yaml")
+    assert "largest_drive_torque_Nm" in command(*search, cwd=tmp_path).stdout
+    assert "forward speed" in command(*run[:2], cwd=tmp_path).stdout
 
 
 def test_the_script_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch) -> None:
@@ -63,6 +113,19 @@ def test_the_script_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch
     assert f"depth {depth[1]} mm" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
     assert len([line for line in script.splitlines() if line]) <= 20
+
+
+def test_five_lines_of_python_print_what_they_say(capsys, tmp_path, monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "load(" in block)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(script, names)
+    shown = re.search(r"# (.*)", script)
+    assert shown is not None
+    assert capsys.readouterr().out.strip() == shown[1]
+    results = names["results"]
+    assert type(results).open(results.save("run", figures=False)).summary["name"] == "runner"
+    assert len(results.plot("tip_x_m", "tip_y_m").axes) == 1
 
 
 def test_the_first_run_leaves_what_the_table_names(tmp_path: Path) -> None:

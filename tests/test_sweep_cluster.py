@@ -12,11 +12,12 @@ from pathlib import Path
 
 import psutil
 import pytest
-from support_sweep import ENVIRONMENT, SPEED, command, dying, of_speed, timeless_bytes, write
+from support_sweep import CONFIGS, ENVIRONMENT, SPEED, command, dying, of_speed, timeless_bytes, write
 
 from granular_contact.cli import main
-from granular_contact.config import load_sweep
+from granular_contact.config import load_optimise, load_sweep
 from granular_contact.studies import sweep
+from granular_contact.studies.optimise.search import search
 from granular_contact.studies.sweep import cluster
 from granular_contact.studies.sweep.cluster import cluster_pool
 
@@ -98,6 +99,19 @@ def test_results_of_cases_come_from_a_cluster_too(workers, tmp_path, monkeypatch
     done = command("sweep", path, "--out", "out", "--scheduler", workers, "--quiet", "--plots", folder=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert sorted(entry.name for entry in (tmp_path / "out" / "cases").iterdir()) == ["case_1", "case_2"]
+
+
+def test_a_search_on_a_cluster_is_that_of_this_machine(workers, tmp_path):
+    text = f"config: {CONFIGS / 'pendulum_rigid.yaml'}\nparameters: {{{SPEED}: [1, 9]}}\n"
+    text += "objective: {maximise: speed}\nmethod: differential_evolution\nevaluations: 20\n"
+    (tmp_path / "search.yaml").write_text(text, encoding="utf-8")
+    study = load_optimise(tmp_path / "search.yaml")
+    with cluster_pool(workers) as pool:
+        there = search(study, pool, function=of_speed, journal=sweep.Journal(tmp_path))
+    with sweep.WorkerPool(1) as pool:
+        assert search(study, pool, function=of_speed).rows == there.rows
+    assert there.value > 8
+    assert [row.index for row in sweep.Journal(tmp_path)] == list(range(20))
 
 
 def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_path):

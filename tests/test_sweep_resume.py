@@ -32,6 +32,7 @@ from support_sweep import (
 )
 
 from granular_contact.cli import main
+from granular_contact.cli import many as shared
 from granular_contact.cli import sweep as cli
 from granular_contact.config import load_sweep
 from granular_contact.studies import sweep
@@ -152,7 +153,7 @@ class Threads(ThreadPoolExecutor):
 @pytest.fixture(autouse=True)
 def _here(monkeypatch):
     """Let the command, where it is no process of its own, run its cases in a thread of this one."""
-    monkeypatch.setattr(cli, "_pool", lambda *_: sweep.WorkerPool(1, Threads))
+    monkeypatch.setattr(shared, "pool", lambda *_: sweep.WorkerPool(1, Threads))
 
 
 def small(folder: Path, cases: str = "  a: {}\n  b: {gravity_m_s2: 9}\n", name: str = "many.yaml") -> Path:

@@ -10,12 +10,10 @@ from __future__ import annotations
 import itertools
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
@@ -46,6 +44,10 @@ granular-contact run configs/pendulum.yaml --animate
 This page is written by `python validation/gallery.py`; the tests run every config and hold the number that stands here.
 Arrows are forces of the medium, thin lines the path of the tip.
 """
+SEARCHES = """## Searches
+
+`granular-contact optimise configs/optimise_speed_close.yaml` takes these; what they gain over the config as it is
+stands in [validation](../validation/README.md#gaitspy)."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +66,9 @@ class Entry:
         return number(self.results.summary)
 
 
-def names(single: bool) -> list[str]:
-    """Names of the configs of one run, or of the sweeps."""
-    found = {path.stem: yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(CONFIGS.glob("*.yaml"))}
-    return [name for name, content in found.items() if ("model" in content) == single]
+def names(is_kind: Callable[[Path], bool]) -> list[str]:
+    """Names of the configs of one run, or of sweeps, or of searches."""
+    return [path.stem for path in sorted(CONFIGS.glob("*.yaml")) if is_kind(path)]
 
 
 def number(summary: dict[str, Any]) -> str:
@@ -96,6 +97,11 @@ def cases(name: str, every: int = 1) -> str:
         scenario = sweep.scenario(case)
         done += run(build(scenario), scenario).status.code in ("rest", "end_time")
     return f"{done} of {len(chosen)} cases came to an end"
+
+
+def runs(name: str) -> str:
+    """How many runs a search takes, as it stands in the table."""
+    return f"{config.load_optimise(CONFIGS / f'{name}.yaml', probe=build).file.evaluations} runs"
 
 
 def comment(path: Path) -> str:
@@ -133,9 +139,11 @@ def table(rows: list[tuple[str, str, str]]) -> str:
 
 def main() -> None:
     """Write page and pictures."""
-    entries = [entry(name, FRAMES) for name in names(single=True)]
-    sweeps = [(name, comment(CONFIGS / f"{name}.yaml"), cases(name)) for name in names(single=False)]
-    parts = [INTRODUCTION, *sections(entries), f"## Sweeps\n\n{table(sweeps)}"]
+    entries = [entry(name, FRAMES) for name in names(config.is_run)]
+    sweeps = [(name, comment(CONFIGS / f"{name}.yaml"), cases(name)) for name in names(config.is_sweep)]
+    searches = [(name, comment(CONFIGS / f"{name}.yaml"), runs(name)) for name in names(config.is_optimise)]
+    tables = (f"## Sweeps\n\n{table(sweeps)}", f"{SEARCHES}\n\n{table(searches)}")
+    parts = [INTRODUCTION, *sections(entries), *tables]
     PAGE.write_text("\n".join(parts), encoding="utf-8")
 
 

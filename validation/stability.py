@@ -27,7 +27,7 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from granular_contact.config import is_sweep, load_scenario
+from granular_contact.config import is_run, load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.run import run
 from granular_contact.scene import build
@@ -346,7 +346,7 @@ def study(quick: bool) -> Outcome:
     ]
     made = claims(found, seconds, quick)
     if not quick:
-        coarse = [ten_times(path) for path in sorted(CONFIGS.glob("*.yaml")) if not is_sweep(path)]
+        coarse = [ten_times(path) for path in sorted(CONFIGS.glob("*.yaml")) if is_run(path)]
         text += ["Every config at ten times its step:", coarse_table(coarse)]
         made += (coarse_claim(coarse),)
     return Outcome("\n\n".join(text), made)

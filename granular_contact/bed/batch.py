@@ -104,6 +104,11 @@ class Batch:
         ever = [line for line, depth in zip(self.lines, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0]
         return {(line.body, line.kind, float(line.record["width"][0])) for line in ever}
 
+    @property
+    def depths(self) -> Vector:
+        """Depth (lines,) m of the deepest station of each line where it was accepted last."""
+        return self.proximity[:, kernels.DEEPEST]
+
     def approach(self) -> list[tuple[float, float]]:
         """Of each line after `accept`: depth of its deepest station (m), greatest speed of one downward (m/s)."""
         return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]

@@ -106,6 +106,32 @@ class HistoryTable:
         """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
         self._rows, self._work, self.length = rows, work, len(rows)
 
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that it has columns of."""
+        return self._names[1]
+
+    @property
+    def row(self) -> Vector:
+        """The last row."""
+        row: Vector = self._rows[self.length - 1]
+        return row
+
+    def wrenches(self, row: Vector) -> Vector:
+        """Forces and moments (bodies, 3) of a row, as of `LoadHistory.bodies`."""
+        return row[self._first_body :].reshape(-1, 3).copy()
+
+    def kept(self) -> tuple[Vector, tuple[int, float]]:
+        """A copy of all rows so far, and what is summed up of them."""
+        return self._rows[: self.length].copy(), self._summed
+
+    def restore(self, rows: Vector, summed: tuple[int, float]) -> None:
+        """Take rows and sums that were kept for its own."""
+        self.length = len(rows)
+        if self.length > len(self._rows):
+            self._rows = np.zeros((2 * self.length, len(self.blank)))
+        self._rows[: self.length], self._summed = rows, summed
+
     def last(self) -> LoadHistory:
         """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
         if self._work is not None or self.length < 3:

@@ -1,4 +1,4 @@
-"""The command `check`: faults of configs, sweeps and fit files, without fitting or saving anything."""
+"""The command `check`: faults of configs, sweeps, searches and fit files, without fitting or saving anything."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from granular_contact import config
 from granular_contact.cli.common import FAULTY_INPUT, FINE, complain, read
 from granular_contact.errors import ConfigError, SceneError
 
-HELP = "read configs, sweeps and fit files, with their geometry and data"
+HELP = "read configs, sweeps, searches and fit files, with their geometry and data"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +28,8 @@ def _is_fine(path: str) -> bool:
     try:
         if config.is_sweep(path):
             config.load_sweep(path, probe=scene.build)
+        elif config.is_optimise(path):
+            config.load_optimise(path, probe=scene.build)
         elif config.is_fit(path):
             from granular_contact.studies.fit import load_specification, prepare
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact import config
-from granular_contact.errors import SceneError
 
 if TYPE_CHECKING:
     from granular_contact.scene import Scene
@@ -36,13 +35,10 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
     """Scenario and scene of a config; a fault of the geometry gets the line that its key was written in."""
     from granular_contact import scene
 
-    scenario, sources = config.load(path, overrides)
-    for notice in sources.notices:
+    loaded = config.load(path, overrides)
+    for notice in loaded.sources.notices:
         complain(f"notice: {notice}")
-    try:
-        return scenario, scene.build(scenario)
-    except SceneError as error:
-        raise SceneError(sources.place(error.faults)) from None
+    return loaded.scenario, scene.build(loaded)
 
 
 def worst(statuses: Iterable[str]) -> int:

@@ -19,6 +19,7 @@ from granular_contact.cli import (
     examples,
     fit,
     media,
+    optimise,
     report,
     run,
     schema,
@@ -28,7 +29,7 @@ from granular_contact.cli import (
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
 from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
 
-COMMANDS = (run, sweep, compare, compare_media, fit, report, media, check, examples, validate, schema)
+COMMANDS = (run, sweep, optimise, compare, compare_media, fit, report, media, check, examples, validate, schema)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,7 +12,7 @@ HELP = "make one HTML file of a results folder, to read, print and pass on"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("directory", metavar="DIR", help="folder of a run, a comparison, a sweep or a fit")
+    parser.add_argument("directory", metavar="DIR", help="folder of a run, a comparison, a sweep, a search or a fit")
     parser.add_argument("--out", metavar="FILE", help="file to write (DIR/report.html)")
 
 

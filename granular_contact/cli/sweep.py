@@ -12,19 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.cli.common import (
-    FAILED,
-    FAULTY_INPUT,
-    FINE,
-    INTERRUPTED,
-    add_output,
-    complain,
-    headings,
-    numbers,
-    output_folder,
-    reason,
-    worker_count,
-)
+from granular_contact.cli import many
+from granular_contact.cli.common import FAILED, FINE, complain, headings, numbers, output_folder
 from granular_contact.cli.sweep_progress import progress
 from granular_contact.config import Sweep, load_sweep
 from granular_contact.config.messages import unknown
@@ -49,71 +38,38 @@ _SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases, vary or sample")
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=worker_count, help="worker processes (one per core)")
-    words = "run on the workers of a Dask cluster, as tcp://host:8786"
-    where.add_argument("--scheduler", metavar="ADDRESS", help=words)
-    parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
     words = "run all cases, also those that an earlier sweep has finished, and replace its results"
-    parser.add_argument("--restart", action="store_true", help=words)
-    add_output(parser, "results/NAME_OF_FILE")
+    many.add_arguments(parser, "YAML file with a config, and cases, vary or sample", words)
+    parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
 
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.sweep import FolderRefused, WorkerPoolError
-
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
-    try:
-        with _pool(chosen, folder) as pool:
-            return _with_pool(chosen, folder, pool)
-    except (WorkerPoolError, FolderRefused) as error:
-        complain(str(error))
-        return FAULTY_INPUT
-
-
-def _pool(chosen: argparse.Namespace, folder: Path) -> WorkerPool:
-    from granular_contact.studies.sweep import WorkerPool
-    from granular_contact.studies.sweep.processes import prepare
-
-    if chosen.scheduler is None:
-        prepare()  # while the file is read
-        return WorkerPool(chosen.workers)
-    from granular_contact.studies.sweep.cluster import cluster_pool
-
-    return cluster_pool(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
+    shared = folder.resolve().parent if chosen.plots else None
+    return many.with_pool(chosen, shared, partial(_with_pool, chosen, folder))
 
 
 def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact import scene
-    from granular_contact.studies.sweep import WorkerPoolError, table
-    from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
+    from granular_contact.studies.sweep import table
+    from granular_contact.studies.sweep.checkpoint import is_finished
     from granular_contact.studies.sweep.runner import faults
 
     sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, pool=pool))
-    if is_finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
+    work = table.work_of(sweep)
+    if is_finished(work, folder, chosen.plots and not chosen.restart) and not chosen.restart:
         return _nothing_to_do(folder, chosen.quiet)
-    try:
-        with open_checkpoint(sweep, folder, chosen.plots, chosen.restart) as checkpoint:
-            try:
-                return _run(chosen, sweep, pool, checkpoint, folder)
-            except BaseException as error:
-                pool.shutdown()
-                kept = _kept(checkpoint, len(sweep.cases))
-                if kept and isinstance(error, KeyboardInterrupt):
-                    table.write(sweep, checkpoint.journal, checkpoint.folder)
-                    complain(f"interrupted; {kept}")
-                    return INTERRUPTED
-                if kept and isinstance(error, OSError | WorkerPoolError):
-                    complain(f"the sweep can't go on: {reason(error)}; {kept}")
-                    return FAULTY_INPUT
-                if not kept or isinstance(error, ConfigError):
-                    checkpoint.discard()
-                raise
-    except OSError as error:
-        complain(f"the sweep can't go on, or can't be saved in {folder}: {reason(error)}")
-        return FAULTY_INPUT
+    return many.with_checkpoint(
+        chosen,
+        work,
+        folder,
+        pool,
+        lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
+        count=len(sweep.cases),
+        interrupted=lambda checkpoint: table.write(sweep, checkpoint.journal, checkpoint.folder),
+        cases=chosen.plots,
+    )
 
 
 def _nothing_to_do(folder: Path, quiet: bool) -> int:
@@ -173,16 +129,6 @@ def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
         if output not in numbers:
             message = f"got {output!r}, which is not a number of a summary; {unknown(output, numbers)}"
             raise ConfigError([Fault(file, None, "sample.outputs", message)])
-
-
-def _kept(checkpoint: Checkpoint, count: int) -> str:
-    """What an unfinished sweep keeps, in words; empty if nothing."""
-    saved = len(checkpoint.journal)
-    return (
-        f"{saved} of {count} cases are kept in {checkpoint.folder}, and the same command goes on from there"
-        if saved
-        else ""
-    )
 
 
 def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:

@@ -1,4 +1,4 @@
-"""Progress of a sweep: a bar on a terminal, a line per minute in a log."""
+"""How far a sweep or a search is: a bar on a terminal, a line a minute in a log."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ LINE_SECONDS = 60.0
 
 
 @contextmanager
-def progress(stream: TextIO, count: int, done: int, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Give a callable that reports one more case on `stream`; `done` of the `count` cases were there before."""
+def progress(stream: TextIO, count: int, done: int, quiet: bool, noun: str = "cases") -> Iterator[Callable[[], None]]:
+    """Give a callable that tells on `stream` of one case more; `done` of the `count` cases were there before."""
     if quiet:
         yield lambda: None
     elif stream.isatty():
-        with _bar(stream, count, done) as advance:
+        with _bar(stream, count, done, noun) as advance:
             yield advance
     else:
-        yield _lines(stream, count, done)
+        yield _lines(stream, count, done, noun)
 
 
 @contextmanager
-def _bar(stream: TextIO, count: int, done: int) -> Iterator[Callable[[], None]]:
+def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[[], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    rate = TextColumn("cases, {task.fields[rate]}")
+    rate = TextColumn(noun + ", {task.fields[rate]}")
     columns = (BarColumn(), MofNCompleteColumn(), rate, TimeRemainingColumn(), TextColumn("left"))
     with Progress(*columns, console=Console(file=stream), transient=True) as bar:
         task = bar.add_task("", total=count, completed=done, rate="starting")
@@ -41,7 +41,7 @@ def _bar(stream: TextIO, count: int, done: int) -> Iterator[Callable[[], None]]:
         yield advance
 
 
-def _lines(stream: TextIO, count: int, done: int) -> Callable[[], None]:
+def _lines(stream: TextIO, count: int, done: int, noun: str) -> Callable[[], None]:
     begin = told = time.perf_counter()
     new = 0
 
@@ -53,6 +53,6 @@ def _lines(stream: TextIO, count: int, done: int) -> Callable[[], None]:
             told = now
             rate = new / (now - begin)
             left = (count - done - new) / rate
-            print(f"{done + new} of {count} cases, {rate:.3g} per s, about {left:.0f} s left", file=stream, flush=True)
+            print(f"{done + new} of {count} {noun}, {rate:.3g} per s, about {left:.0f} s left", file=stream, flush=True)
 
     return advance

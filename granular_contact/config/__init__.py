@@ -4,12 +4,14 @@ reading   yaml_source, compose, scalars, tree      text -> tree with positions
 resolving references, overrides                    names, `from` and --set -> one tree
 checking  schema, allowed, messages, sizes         one tree -> Scenario, or faults in sentences
 many      kinds, sweep, sweep_{cases,vary,sample,range}   a config and what to replace in it -> cases
+          optimise                                    a config, what may change in it and what is best
 """
 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
-from granular_contact.config.file_kind import is_fit, is_sweep
+from granular_contact.config.file_kind import is_fit, is_optimise, is_run, is_sweep
 from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
+from granular_contact.config.optimise import Study, load_optimise
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, load_sweep
 from granular_contact.config.sweep_cases import Case
@@ -19,12 +21,16 @@ __all__ = [
     "Loaded",
     "Scenario",
     "SourceMap",
+    "Study",
     "Sweep",
     "is_fit",
+    "is_optimise",
+    "is_run",
     "is_sweep",
     "json_schema",
     "load",
     "load_medium",
+    "load_optimise",
     "load_scenario",
     "load_sweep",
     "medium_names",

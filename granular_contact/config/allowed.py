@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from granular_contact.config.schema.fit import FitFile
+from granular_contact.config.schema.optimise import OptimiseFile
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.config.tree import Path
@@ -22,7 +23,7 @@ _FORMS: dict[Any, str] = {"text": "string", "number": "number", "list": "array",
 @cache
 def definitions() -> dict[str, Schema]:
     """JSON Schemas of all classes of files, by their names; in a scenario model and medium are resolved."""
-    _, whole = models_json_schema([(model, "validation") for model in (Scenario, SweepFile, FitFile)])
+    _, whole = models_json_schema([(model, "validation") for model in (Scenario, SweepFile, FitFile, OptimiseFile)])
     found: dict[str, Schema] = whole["$defs"]
     return found
 

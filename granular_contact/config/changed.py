@@ -7,10 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
-from granular_contact.config import overrides, tree
+from granular_contact.config import tree
 from granular_contact.config.export import scenario_to_dict
+from granular_contact.config.given import changes, plain_data
 from granular_contact.config.load import Template, load_medium, medium_names, scenario_of
 from granular_contact.config.provenance import restated
 from granular_contact.config.schema.scenario import Scenario
@@ -34,8 +35,8 @@ def replaced(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
         With every fault.
     """
     faults: list[Fault] = []
-    parsed = [one for key, value in values.items() if (one := _override(key, value, faults)) is not None]
-    return filled(checked(scenario)).make(overrides.effective(parsed), faults).scenario
+    parsed = changes(values, "replace", faults)
+    return filled(checked(scenario)).make(parsed, faults).scenario
 
 
 def checked(scenario: Scenario) -> Scenario:
@@ -56,23 +57,6 @@ def checked(scenario: Scenario) -> Scenario:
     except ValidationError:  # once more, as a tree, in which messages find what was got
         return scenario_of(tree.made(plain_data(plain), _HERE), [])
     return scenario if not changed and valid == scenario else valid
-
-
-def _override(key: str, value: Any, faults: list[Fault]) -> overrides.Override | None:
-    at = tree.Position(f"replace {key}={value!r}"[:120], None)
-    path = overrides.split(key, at, faults)
-    return None if path is None else overrides.Override(path, tree.made(plain_data(value), at), at)
-
-
-def plain_data(value: Any) -> Any:
-    """A value of Python or numpy in the plain types of YAML."""
-    if isinstance(value, BaseModel):
-        value = value.model_dump(by_alias=True)
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {str(key): plain_data(held) for key, held in value.items()}
-    return [plain_data(held) for held in value] if isinstance(value, list | tuple) else value
 
 
 def _restate(plain: dict[str, Any]) -> bool:

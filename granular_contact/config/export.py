@@ -1,4 +1,4 @@
-"""A scenario as plain data, and the schemas of configs, sweep files and fit files for editors."""
+"""A scenario as plain data, and the schemas of configs, and of files of sweeps, searches and fits, for editors."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from pydantic import BaseModel
 from granular_contact.config.references import FROM
 from granular_contact.config.schema.fit import FitFile
 from granular_contact.config.schema.method import WORDS
+from granular_contact.config.schema.optimise import OptimiseFile
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.signals import SIGNALS
 from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.values.strict import Strict
 
-KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile}
+KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile, "optimise": OptimiseFile}
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -92,25 +93,26 @@ def _texts(owner: type) -> Iterator[tuple[str, str]]:
 
 
 def json_schema(kind: str = "run") -> dict[str, Any]:
-    """JSON Schema of a file of a kind, `run`, `sweep` or `fit`."""
+    """JSON Schema of a file of a kind, a key of `KINDS`."""
     if kind == "run":
         return _run_schema()
     schema = _described(KINDS[kind])
     if kind == "sweep":
-        _complete_sweep(schema)
+        _complete(schema, schema["$defs"]["Sample"]["properties"]["ranges"])
+        schema["oneOf"] = [{"required": [key]} for key in ("cases", "vary", "sample")]
+    if kind == "optimise":
+        _complete(schema, schema["properties"]["parameters"])
     return schema
 
 
-def _complete_sweep(schema: dict[str, Any]) -> None:
-    """Add to the schema of a sweep file its config, ranges in short, and that there is one kind of cases."""
+def _complete(schema: dict[str, Any], ranges: dict[str, Any]) -> None:
+    """Add to the schema of a file of many runs its config, and to its ranges their short form."""
     run = _run_schema()
     schema["$defs"] |= run.pop("$defs")
     schema["$defs"]["Scenario"] = run
     schema["properties"]["config"] = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Scenario"}]}
-    ranges = schema["$defs"]["Sample"]["properties"]["ranges"]
     ends = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
     ranges["additionalProperties"] = {"anyOf": [ends, ranges["additionalProperties"]]}
-    schema["oneOf"] = [{"required": [key]} for key in ("cases", "vary", "sample")]
 
 
 def _run_schema() -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The kind of a YAML file by its keys: a sweep, a fit, or else a config."""
+"""What a YAML file means to be, by its keys: a search, a sweep, a fit, or else a config."""
 
 from __future__ import annotations
 
@@ -8,10 +8,24 @@ from pathlib import Path
 from granular_contact.config import tree
 from granular_contact.config.yaml_source import read_file
 
+_SEARCH = {"objective", "parameters"}
+
+
+def is_run(path: str | PathLike[str]) -> bool:
+    """Whether the file at `path` means to be the config of one run; False for one that can't be read."""
+    return "model" in _keys(path)
+
 
 def is_sweep(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` is a sweep by its keys; False for one that can't be read."""
-    return bool({"config", "cases", "vary", "sample"} & _keys(path))
+    """Whether the file at `path` means to be a sweep; False for one that can't be read."""
+    keys = _keys(path)
+    return bool({"config", "cases", "vary", "sample"} & keys) and not _SEARCH & keys
+
+
+def is_optimise(path: str | PathLike[str]) -> bool:
+    """Whether the file at `path` means to be a search for the best numbers; False for one that can't be read."""
+    keys = _keys(path)
+    return bool(_SEARCH & keys) and "runs" not in keys
 
 
 def is_fit(path: str | PathLike[str]) -> bool:

@@ -7,18 +7,21 @@ from dataclasses import replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
+from granular_contact import examples
 from granular_contact.config import overrides as setting
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
 from granular_contact.config.deprecated import renewed
+from granular_contact.config.given import changes as changes_of
+from granular_contact.config.given import plain_data
 from granular_contact.config.messages import faults_of, is_foreign, kind_of
 from granular_contact.config.provenance import restated_each
-from granular_contact.config.references import MEDIA, MODELS, Resolver
+from granular_contact.config.references import MEDIA, MODELS, Resolver, shown
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.chain import names
 from granular_contact.config.schema.structure import GROUND, structure_faults
@@ -26,9 +29,15 @@ from granular_contact.config.sizes import too_large
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.scalars import resolve
-from granular_contact.values.strict import FAULTS, refusal
+from granular_contact.values.strict import FAULTS, did_you_mean, refusal
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from granular_contact.config.given import Changes
 
 Change = Callable[[tree.Node], tree.Node]
+NAMELESS = "scenario"  # a config that is in no file
 _MOST_KEPT = 64  # trees with their model and medium read in
 
 
@@ -37,11 +46,11 @@ class SourceMap:
 
     def __init__(self, root: tree.Node, notices: Sequence[str] = ()) -> None:
         """Of a tree; notices: sentences on keys that still work, and are better written otherwise."""
-        self._root, self.notices = root, tuple(notices)
+        self.root, self.notices = root, tuple(notices)
 
     def locate(self, key: str) -> tuple[str, int | None]:
         """File and line (from 1; None for an override) of a dotted key, or of the nearest one around it."""
-        return tree.find(self._root, key.split("."))[0].position
+        return tree.find(self.root, key.split("."))[0].position
 
     def place(self, faults: Iterable[Fault]) -> list[Fault]:
         """The faults with file and line filled in where the file is missing, sorted."""
@@ -59,26 +68,74 @@ class Loaded(NamedTuple):
     scenario: Scenario
     sources: SourceMap
 
+    def replace(self, values: Mapping[str, Any] | None = None, /, **changes: Unpack[Changes]) -> Loaded:
+        """The same with other values, as `Scenario.replace`; what stays keeps its lines in messages."""
+        faults: list[Fault] = []
+        given = changes_of({**(values or {}), **changes}, "replace", faults)
+        return Template(self.sources.root, Path(self.scenario.name or NAMELESS), []).make(given, faults)
 
-def load(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Loaded:
+    def __repr__(self) -> str:
+        file = self.sources.locate("model")[0]
+        return f"<loaded from {file}: {self.scenario!r}>" if file else f"<loaded: {self.scenario!r}>"
+
+
+def load(
+    source: str | PathLike[str] | Mapping[str, Any],
+    overrides: Sequence[str] | Mapping[str, Any] = (),
+    **changes: Unpack[Changes],
+) -> Loaded:
     """Read, resolve and check one config.
 
     Parameters
     ----------
-    path
-        YAML file.
-    overrides
-        `dotted.key=value` each, applied once model and medium are in place; those that name the model or medium before.
+    source : str, path or mapping
+        YAML file; or the name of a config that comes with the package, as `runner`; or what such a file would hold.
+    overrides : sequence of str, or mapping
+        `dotted.key=value` each, or values by dotted key; applied once model and medium are in place, those that name
+        the model or medium before.
+    **changes
+        The same by the keys of a config, as `solver={"accuracy": 1e-3}`. Of a mapping only the keys that it names are
+        changed, unless it says its kind (`type`, `law` or `from`).
+
+    Returns
+    -------
+    Loaded
+        The `scenario`, and where its keys were written. `simulate`, `build` and `sweep` take it as it is.
 
     Raises
     ------
     ConfigError
         With every fault found, sorted by file and line.
+
+    Examples
+    --------
+    >>> load("runner", solver={"accuracy": 1e-3}, medium="poppy_seeds_loose").scenario.solver.accuracy
+    0.001
     """
-    path = Path(path)
     faults: list[Fault] = []
-    parsed = setting.parse(overrides, faults)
-    return Template(read_file(path, faults), path, faults).make(parsed, faults)
+    if isinstance(source, Mapping):
+        path, root = Path(NAMELESS), tree.made(plain_data(source), tree.Position(NAMELESS, None))
+    else:
+        path = _file(source, faults)
+        root = tree.Broken(tree.Position(str(path), None)) if faults else read_file(path, faults)
+    values = [] if isinstance(overrides, Mapping) else setting.parse(overrides, faults)
+    given = changes_of({**overrides, **changes} if isinstance(overrides, Mapping) else changes, "load", faults)
+    return Template(root, path, faults).make(setting.effective([*values, *given]), faults)
+
+
+def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
+    """The file that is meant: that of this path, else the shipped config of this name."""
+    path = Path(source)
+    if path.exists() or path.name != str(source):
+        return path
+    found = examples.config(path.name)
+    if found is None:
+        names = examples.config_names()
+        near = did_you_mean(path.stem, names)
+        hint = near or ("" if path.suffix else f"there are {', '.join(names)}")
+        words = f"no such file, and no config of this name is shipped; {hint}" if hint else "no such file"
+        faults.append(Fault(str(path), None, "", words))
+    return path if found is None else shown(found)
 
 
 class Template:

@@ -145,12 +145,12 @@ def sweep_of(
     file = validated(SweepFile, root, faults)
     common = read_overrides(root.nodes.get("set"), ("set",), faults)
     cases = _cases(root, file, faults)
-    loaded = _base(root, path, common, faults)
+    loaded = base_of(root, path, common, faults)
     if loaded is not None:
         keys = tuple(dict.fromkeys(key for case in cases for key in case.keys))
         sweep = Sweep(path.stem, loaded[1], keys, cases, loaded[0], tuple(common))
         found = check(sweep, cases, probe)
-        faults += found if sweep.sample is None else _one_a_place(found)
+        faults += found if sweep.sample is None else one_a_place(found)
     if faults or loaded is None:
         raise ConfigError(_listed(faults))
     return sweep
@@ -167,7 +167,7 @@ def _cases(root: tree.Mapping, file: SweepFile | None, faults: list[Fault]) -> S
     return sampled(root.nodes["sample"], file.sample, faults)
 
 
-def _base(
+def base_of(
     root: tree.Mapping, path: Path, common: Sequence[Override], faults: list[Fault]
 ) -> tuple[Template, Scenario] | None:
     """The config that all cases start from, with `set` in it; None, with faults, if there is none."""
@@ -209,7 +209,7 @@ def _faults(sweep: Sweep, case: Case, probe: Probe | None) -> Iterator[Fault]:
             yield replace(fault, message=f"{fault.message} (in case {case.label})")
 
 
-def _one_a_place(faults: Iterable[Fault]) -> list[Fault]:
+def one_a_place(faults: Iterable[Fault]) -> list[Fault]:
     """The first fault of each key in each line: of a range, hundreds of values may be at fault for one reason."""
     first: dict[tuple[str, int | None, str], Fault] = {}
     for fault in faults:

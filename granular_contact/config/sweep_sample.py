@@ -23,16 +23,23 @@ from granular_contact.errors import Fault
 
 def with_long_ranges(root: tree.Mapping) -> tree.Mapping:
     """The tree of a sweep file with each range `[from, to]` of its sample in the long form."""
-    sample = root.nodes.get("sample")
-    ranges = tree.child(sample, "ranges") if sample is not None else None
-    if not isinstance(sample, tree.Mapping) or not isinstance(ranges, tree.Mapping):
+    return with_long(root, ("sample", "ranges"))
+
+
+def with_long(root: tree.Mapping, path: tuple[str, ...]) -> tree.Mapping:
+    """The tree of a file in which each `[from, to]` under the mapping at `path` has the long form."""
+    held = root.nodes.get(path[0])
+    if not isinstance(held, tree.Mapping):
         return root
-    for key, node in ranges.nodes.items():
+    if len(path) > 1:
+        return tree.set_key(root, path[0], with_long(held, path[1:]), root.keys[path[0]])
+    ranges = held
+    for key, node in held.nodes.items():
         if isinstance(node, tree.Items) and len(node.nodes) == 2:
             ends = dict(zip(("from", "to"), node.nodes, strict=True))
             long = tree.Mapping(node.position, ends, dict.fromkeys(ends, node.position))
             ranges = tree.set_key(ranges, key, long, ranges.keys[key])
-    return tree.set_key(root, "sample", tree.set_key(sample, "ranges", ranges, ranges.position), sample.position)
+    return tree.set_key(root, path[0], ranges, root.keys[path[0]])
 
 
 def sampled(node: tree.Node, sample: Sample, faults: list[Fault]) -> Sequence[Case]:

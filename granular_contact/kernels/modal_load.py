@@ -77,3 +77,9 @@ def drag(q, v, w):
         P, V = np.empty((n, 2)), np.empty((n, 2))
         modal_stations(q, v, geometry, P, V)
         drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.runs[r], w.profile, w.medium[0])
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def rest(q, geometry, anchors):
+    """Put the anchors (n, 2) m of a run where its stations are: no bristle is stretched."""
+    modal_stations(q, np.zeros_like(q), geometry, anchors, np.empty_like(anchors))

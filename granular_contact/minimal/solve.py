@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import time
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.bed.history import HistoryTable, LoadHistory
 from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.state import BatchState, batch_states, restore_batches
 from granular_contact.kernels import tree_march as kernels
 from granular_contact.minimal.tree import Tree
+from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.mass_and_gravity import mass_matrix
-from granular_contact.multibody.system import Trajectory
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.multibody.senses import Senses
+from granular_contact.multibody.system import Trajectory, at_one
+from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.ending import ended
+from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Minimal, Scene, Vector
 
 SHARE = 1024  # steps between two looks at the progress bar
@@ -47,9 +55,12 @@ class March:
         """March until the tables are full, then make room; why is one of the kernels' codes."""
         code = self._march(self.rows)
         if code == kernels.PAUSE:
-            self.states = np.concatenate([self.states, np.zeros((SHARE, self.states.shape[1]))])
-            self.rows = np.concatenate([self.rows, np.zeros((SHARE, self.rows.shape[1]))])
+            self._enlarge()
         return code
+
+    def _enlarge(self) -> None:
+        self.states = np.concatenate([self.states, np.zeros((SHARE, self.states.shape[1]))])
+        self.rows = np.concatenate([self.rows, np.zeros((SHARE, self.rows.shape[1]))])
 
     def _march(self, rows: Vector) -> int:
         state = self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction
@@ -59,6 +70,25 @@ class March:
     def time(self) -> float:
         """Time reached (s)."""
         return float(self.clock[kernels.NOW])
+
+    @property
+    def last(self) -> int:
+        """The row of the present state."""
+        return int(self.counts[kernels.STEPS])
+
+    def kept(self) -> dict[str, NDArray[Any]]:
+        """Copies of all that its future and its rows depend on."""
+        arrays = {name: getattr(self, name).copy() for name in ("y", "clock", "counts", "direction")}
+        return arrays | {name: getattr(self, name)[: self.last + 1].copy() for name in ("states", "rows")}
+
+    def restore(self, kept: dict[str, NDArray[Any]]) -> None:
+        """Go back to what was kept."""
+        for name in ("y", "clock", "counts", "direction"):
+            getattr(self, name)[:] = kept[name]
+        used = len(kept["rows"])
+        while len(self.rows) < used:
+            self._enlarge()
+        self.states[:used], self.rows[:used] = kept["states"], kept["rows"]
 
 
 def _size(scene: Scene) -> tuple[float, float]:
@@ -71,49 +101,127 @@ def _size(scene: Scene) -> tuple[float, float]:
     return reach, max(reach * rate + float(np.sqrt(abs(scene.gravity) * reach)), 1e-6)
 
 
+@dataclass(frozen=True)
+class SolveState:
+    """State of a solve: arrays of the march, rows so far, the states of the batches, and how it stands."""
+
+    march: dict[str, NDArray[Any]]
+    batches: tuple[BatchState, ...]
+    code: int
+    seconds: float
+    interrupted: bool
+
+
+class Solve:
+    """A solve under way, in one go or from pause to pause; see `multibody.solve.Solve`."""
+
+    def __init__(self, tree: Tree, progress: Progress | None = None) -> None:
+        assert isinstance(tree.scene.method, Minimal)
+        self.tree, self.method, self.progress = tree, tree.scene.method, progress
+        self.march = March(tree, self.method)
+        self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
+        self._senses = Senses(tree.system, tree.load)
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return self.march.time
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing to come."""
+        end = self.tree.scene.solver.end_time_s
+        stopped = self._interrupted or self._code in (kernels.REST, kernels.FAILED) or self._late(0.0)
+        return stopped or self.time >= end
+
+    def _late(self, more: float) -> bool:
+        """Whether the wall time is over after some more seconds."""
+        wall = self.tree.scene.solver.max_wall_s
+        return wall is not None and self.seconds + more >= wall
+
+    def advance(self, until: float = math.inf) -> None:
+        """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
+        end = self.tree.scene.solver.end_time_s
+        if self.over:
+            return
+        self.march.control["end"], began = min(until, end), time.perf_counter()
+        self._code = kernels.PAUSE
+        try:
+            while self._code == kernels.PAUSE and not self._late(time.perf_counter() - began):
+                self._code = self.march.go_on()
+                if self.progress is not None:
+                    self.progress(self.time, end)
+        except KeyboardInterrupt:
+            self._interrupted = True
+        self.seconds += time.perf_counter() - began
+
+    def observe(self) -> Observations:
+        """What is seen of the present state."""
+        row, count = self.march.last, 3 * len(self.tree.forest.bodies)
+        state = self.march.states[row]
+        return self._senses.read(self.time, state[:count], state[count : 2 * count], self.march.rows[row])
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        count, system = 3 * len(self.tree.forest.bodies), self.tree.system
+        state = self.march.states[self.march.last][None, :]
+        now = at_one(system, np.array([self.time]), state[:, :count], state[:, count : 2 * count])
+        return Kinematics(system, now).outlines(0)
+
+    def state(self) -> SolveState:
+        """The present state."""
+        batches = () if self.tree.load is None else batch_states(self.tree.load.batches)
+        return SolveState(self.march.kept(), batches, self._code, self.seconds, self._interrupted)
+
+    def restore(self, kept: SolveState) -> None:
+        """Go back to a state of this solve or another one of the same scene."""
+        self.march.restore(kept.march)
+        if self.tree.load is not None:
+            restore_batches(self.tree.load.batches, kept.batches)
+        self._code, self.seconds, self._interrupted = kept.code, kept.seconds, kept.interrupted
+
+    def close(self) -> None:
+        """Let go of what is held: nothing that Python would not let go of."""
+
+    def trajectory(self) -> Trajectory:
+        """All steps so far, in the engine's coordinates."""
+        march, tree = self.march, self.tree
+        steps, _, evaluations = (int(count) for count in march.counts)
+        count = 3 * len(tree.forest.bodies)
+        states = march.states[: steps + 1]
+        return Trajectory(
+            status=self._status(),
+            cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
+            time=march.rows[: steps + 1, 0].copy(),
+            q=states[:, :count],
+            v=states[:, count : 2 * count],
+            load=None if tree.load is None else _history(tree.load, march.rows[: steps + 1], states[:, 2 * count]),
+            mass=mass_matrix(tree.system),
+            reactions={},
+        )
+
+    def _status(self) -> Status:
+        solver, t = self.tree.scene.solver, self.time
+        if self._interrupted:
+            return ended("interrupted", t, solver)
+        if self._code == kernels.FAILED:
+            return Status(
+                "failed",
+                f"no step is small enough for method.minimal.rtol ({self.method.rtol:g}) at {t:.6g} s; raise it",
+            )
+        if self._code == kernels.PAUSE:
+            return ended("time_limit", t, solver)
+        return ended("rest" if self._code == kernels.REST else "end_time", t, solver)
+
+
 def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
     """Run a tree; its trajectory is in the engine's coordinates."""
-    scene = tree.scene
-    assert isinstance(scene.method, Minimal)
-    march = March(tree, scene.method)
-    code, began = kernels.PAUSE, time.perf_counter()
-    wall = scene.solver.max_wall_s
-    try:
-        while code == kernels.PAUSE and (wall is None or time.perf_counter() - began < wall):
-            code = march.go_on()
-            if progress is not None:
-                progress(march.time, scene.solver.end_time_s)
-        status = _status(scene, scene.method, code, march.time)
-    except KeyboardInterrupt:
-        status = ended("interrupted", march.time, scene.solver)
-    seconds = time.perf_counter() - began
-    steps, _, evaluations = (int(count) for count in march.counts)
-    count = 3 * len(tree.forest.bodies)
-    states = march.states[: steps + 1]
-    return Trajectory(
-        status=status,
-        cost=Cost(solve_s=seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
-        time=march.rows[: steps + 1, 0].copy(),
-        q=states[:, :count],
-        v=states[:, count : 2 * count],
-        load=None if tree.load is None else _history(tree.load, march.rows[: steps + 1], states[:, 2 * count]),
-        mass=mass_matrix(tree.system),
-        reactions={},
-    )
+    under_way = Solve(tree, progress)
+    under_way.advance()
+    return under_way.trajectory()
 
 
 def _history(load: GranularLoad, rows: Vector, work: Vector) -> LoadHistory:
     """What the medium did, with the work as it was integrated along with the motion."""
     load.table.adopt(rows, work)
     return load.history
-
-
-def _status(scene: Scene, method: Minimal, code: int, t: float) -> Status:
-    if code == kernels.FAILED:
-        return Status(
-            "failed",
-            f"no step is small enough for method.minimal.rtol ({method.rtol:g}) at {t:.6g} s; raise it",
-        )
-    if code == kernels.PAUSE:
-        return ended("time_limit", t, scene.solver)
-    return ended("rest" if code == kernels.REST else "end_time", t, scene.solver)

@@ -64,7 +64,9 @@ class End:
 
 
 class Hinge:
-    """Angle of a hinge."""
+    """Angle of a hinge. constant_slope: its gradient, where that is the same everywhere."""
+
+    constant_slope: Numbers | None = None
 
     def __init__(self, joint: Connection, parent: End, child: End) -> None:
         self.joint, self.parent, self.child = joint, parent, child
@@ -92,6 +94,7 @@ class RigidHinge(Hinge):
         super().__init__(joint, parent, child)
         self._start = joint.offset - child.reference[2] + (parent.reference[2] if parent.size else 0.0)
         self._slope: Numbers = [0.0, 0.0, 1.0, 0.0, 0.0, -1.0] if parent.size else [0.0, 0.0, -1.0]
+        self.constant_slope = self._slope
 
     def at(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
         """Coordinate, its rate and gradient, by the coordinates of the parent's node and then the child's."""
@@ -102,6 +105,8 @@ class RigidHinge(Hinge):
 
 class Slider:
     """Position along the axis of a slider, whose parent is rigid."""
+
+    constant_slope: Numbers | None = None
 
     def __init__(self, joint: Connection, parent: End, child: End) -> None:
         assert joint.axis is not None

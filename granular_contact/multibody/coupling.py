@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from typing import Any, NamedTuple
 
 import exudyn as exu
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granular_contact.bed import state
 from granular_contact.bed.contact_lines import Body, ContactLine, beam
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import scene_error
@@ -25,6 +26,22 @@ from granular_contact.multibody.overlay import Overlay
 
 Vector = NDArray[np.float64]
 MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
+
+
+class Acting(NamedTuple):
+    """What of a load its tangent depends on: whether anything may be touched, and the states of its batches."""
+
+    active: bool
+    batches: tuple[state.BatchState, ...]
+
+
+class CouplingState(NamedTuple):
+    """State of the load; time (s) of the step for which forces were asked last, coordinates accepted last, calls."""
+
+    load: state.LoadState
+    time: float | None
+    last: Vector
+    load_calls: int
 
 
 class Coupling:
@@ -123,6 +140,31 @@ class Coupling:
             self.load.start(q, *self._places())
         self.load.accept(t, q, v)
         self._last = q.copy()
+
+    # ---- to go back to an earlier state ----
+
+    @property
+    def acting(self) -> Acting:
+        """What the tangent depends on beside the coordinates."""
+        return Acting(self.load.active, state.batch_states(self.load.batches))
+
+    def act(self, t: float, acting: Acting) -> None:
+        """Act as it once did, at a state within a step to a time (s), whose start is accepted already."""
+        data = self.mbs.systemData
+        self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
+        self._time, self.load.active = t, acting.active
+        state.restore_batches(self.load.batches, acting.batches)
+
+    @property
+    def kept(self) -> CouplingState:
+        """What its future depends on beside the engine's state, and its history."""
+        return CouplingState(state.state(self.load), self._time, self._last, self.load_calls)
+
+    def restore(self, kept: CouplingState) -> None:
+        """Go back to what was kept; the next forces are sent, whatever was sent last."""
+        state.restore(self.load, kept.load)
+        self._time, self._last, self.load_calls = kept.time, kept.last, kept.load_calls
+        self._acts = True
 
     def present(self) -> AbstractContextManager[None]:
         """The system's current state counts as accepted within; it is taken back afterwards."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granular_contact.multibody.joint_laws import drive_force, follow, friction, stop, wanted
+from granular_contact.multibody.joint_laws import drive_force, follow, friction, held, stop, wanted
 from granular_contact.results.energy import work
 from granular_contact.scene.types import Drive, JointLaw, Vector
 
@@ -82,7 +82,11 @@ def _friction(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Vector:
     return np.array(forces)
 
 
-def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector) -> Vector:
-    """Torque or force (n,) of a drive that is no prescribed motion."""
-    states: Iterable[tuple[float, float, float]] = zip(time.tolist(), s.tolist(), rate.tolist(), strict=True)
-    return np.array([drive_force(drive, *wanted(drive, t), place, speed).value for t, place, speed in states])
+def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:
+    """Torque or force (n,) of a drive that is no prescribed motion; set_to (n,): of one that is set from outside."""
+    if set_to is None:
+        targets = [wanted(drive, t) for t in time.tolist()]
+    else:
+        targets = [held(drive, value) for value in set_to.tolist()]
+    states: Iterable[tuple[float, float]] = zip(s.tolist(), rate.tolist(), strict=True)
+    return np.array([drive_force(drive, *one, *state).value for one, state in zip(targets, states, strict=True)])

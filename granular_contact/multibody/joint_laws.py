@@ -67,6 +67,11 @@ def drive_force(drive: Drive, value: float, value_rate: float, s: float, rate: f
     return Force(force, by_place, -drive.rate_gain)
 
 
+def held(drive: Drive, value: float) -> tuple[float, float]:
+    """What a drive that is set from outside wants while it is set to a value, and the rate that it wants."""
+    return value, value if drive.of_rate else 0.0
+
+
 def sum_of(one: Force, other: Force) -> Force:
     """Two forces at once."""
     return Force(one[0] + other[0], one[1] + other[1], one[2] + other[2])

@@ -105,12 +105,14 @@ def _end(system: System, body: str | None, point: Vector) -> End:
         return End([], point.tolist())
     reference = system.mbs.GetNode(system.node_at(body, point))["referenceCoordinates"]
     at = point.tolist() if body in system.rigid else [0.0, 0.0]
-    return End([float(x) for x in reference], at, system.scene.body(body).motion.angle)
+    system.ends.append(End([float(x) for x in reference], at, system.scene.body(body).motion.angle))
+    return system.ends[-1]
 
 
-def _whole(end: End) -> End:
+def _whole(system: System, end: End) -> End:
     """The same end for those who have the reference values in the coordinates already."""
-    return End([0.0] * end.size, end.point, end.last)
+    system.ends.append(End([0.0] * end.size, end.point, end.last))
+    return system.ends[-1]
 
 
 def _add_spring(system: System, joint: Connection) -> None:
@@ -160,7 +162,7 @@ def _add_turning(system: System, joint: Connection, drive: Drive) -> int:
 def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
     """Constraint s(q) = signal(t)."""
     mbs, s = system.mbs, _coordinate(system, joint)
-    s = coordinate(joint, _whole(s.parent), _whole(s.child))  # as markers of nodes have them
+    s = coordinate(joint, _whole(system, s.parent), _whole(system, s.child))  # as markers of nodes have them
     nodes = _nodes(system, joint)
     if joint.parent is None:
         nodes = [mbs.AddNode(items.NodePointGround()), *nodes]

@@ -75,7 +75,8 @@ def drive_forces(motion: Kinematics) -> Driven:
         if drive.kind == "motion":
             force = motion.trajectory.reactions[drive.joint]
         else:
-            force = joint_history.drive_history(drive, motion.trajectory.time, s, rate)
+            set_to = motion.trajectory.set_to.get(drive.joint)
+            force = joint_history.drive_history(drive, motion.trajectory.time, s, rate, set_to)
         found[drive.joint] = force, force * rate
     return found
 
@@ -143,3 +144,9 @@ def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
         "forward_speed_second_half_m_s": later / (0.5 * lasted) if lasted > 0.0 else None,
         "cost_of_transport": put_in / (weight * abs(distance)) if weight * abs(distance) > 0.0 else None,
     }
+
+
+def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
+    """Greatest torque (N m) that any drive of a hinge gives at any step; nothing where none is driven."""
+    torques = [force for name, (force, _) in driven.items() if _joint(scene, name).kind == "hinge"]
+    return {"largest_drive_torque_Nm": max(float(np.max(np.abs(one))) for one in torques)} if torques else {}

@@ -157,6 +157,7 @@ def _key_numbers(
         numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
     if scene.drives and any(mechanism.travels(joint) for joint in scene.connections):
         numbers |= mechanism.travel(motion, driven)
+    numbers |= mechanism.largest_torque(scene, driven)
     if scene.solver.accuracy is not None and load is not None:  # which chose its strips by their error
         chosen = {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}
         numbers["strips"] = chosen

@@ -32,6 +32,8 @@ class Recorder:
         self.lever = levers(system)
         self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
         self.reactions: list[Vector] = []
+        self.external = {name: load for name, load in system.loads.items() if load.set_to is not None}
+        self.set_to: list[list[float]] = []
         self.resting_since: float | None = None
         self.reason = ""
         self.control: StepControl | None = None
@@ -39,9 +41,14 @@ class Recorder:
         fixed = self.solver.accuracy is None
         self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf
+        self.time = 0.0  # of the last step recorded (s)
+        self._paused, self._outdated = False, False
 
     def __call__(self, mbs: Any, t: float) -> bool:
         """After a step accepted at t (s): whether to go on."""
+        if self._paused:
+            self._go_on(t)
+            return True
         data = mbs.systemData
         v = data.GetODE2Coordinates_t(copy=False)
         if not np.abs(v).max(initial=0.0) < FASTEST:  # not a number, too
@@ -50,16 +57,16 @@ class Recorder:
         if self.rows == len(self.states):
             self.states = np.concatenate([self.states, np.empty_like(self.states)])
         row = self.states[self.rows]
-        row[0] = t
+        row[0] = self.time = t
         q = data.GetODE2Coordinates(copy=False)
         row[1 : 1 + self.size] = q
         row[1 + self.size :] = v
         self._count(t)
-        if self.rows == 0 and self.solver.max_wall_s is not None:
-            self.deadline = time.perf_counter() + self.solver.max_wall_s  # from here: kernels are compiled by now
         self.rows += 1
         if self.multipliers:
             self.reactions.append(data.GetAECoordinates()[self.multipliers])
+        if self.external:
+            self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
         for load in self.system.loads.values():
             load.accept(row[1 : 1 + self.size], v)
         if self.system.bed is not None:
@@ -69,6 +76,43 @@ class Recorder:
         if self.progress is not None and self.rows % 64 == 0:
             self.progress(t, self.solver.end_time_s)
         return not self._is_over(t, v)
+
+    def resume(self, conv: Any, spent: float) -> None:
+        """Get ready to go on from the last state recorded, in a solve that has taken so many seconds.
+
+        The engine begins as if for the first time: it tells that state once more, and is then told what it has
+        forgotten, the step to come and whether its Jacobian serves.
+        """
+        if self.solver.max_wall_s is not None:
+            self.deadline = time.perf_counter() + self.solver.max_wall_s - spent
+        self._paused, self._conv, self._outdated = True, conv, conv.jacobianUpdateRequested
+
+    def _go_on(self, t: float) -> None:
+        self._paused = False
+        if not self._outdated:  # as the engine takes it to be
+            self._conv.jacobianUpdateRequested = False
+        if self.control is not None:
+            self.control.go_on(t)
+
+    def clear(self) -> None:
+        """Forget the state at the start, which is told once more."""
+        self.rows, self.reactions, self.set_to = 0, [], []
+
+    def kept(self) -> dict[str, Any]:
+        """All that was recorded so far."""
+        held: dict[str, Any] = {name: getattr(self, name) for name in ("rows", "resting_since", "reason", "shortened")}
+        lists = {"reactions": list(self.reactions), "set_to": list(self.set_to)}
+        return held | lists | {"states": self.states[: self.rows].copy()}
+
+    def restore(self, kept: dict[str, Any]) -> None:
+        """Go back to what was recorded by an earlier time."""
+        rows = kept["rows"]
+        vars(self).update({name: value for name, value in kept.items() if name != "states"})
+        self.time = float(kept["states"][-1, 0])
+        self.reactions, self.set_to = list(self.reactions), list(self.set_to)
+        if rows > len(self.states):
+            self.states = np.empty((2 * rows, 1 + 2 * self.size))
+        self.states[:rows] = kept["states"]
 
     def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
         """Signal handler: stop after the step under way; asked again, at once."""

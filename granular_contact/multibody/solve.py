@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from _signal import signal as set_handler  # type: ignore[import-not-found]
+from collections.abc import Callable
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 import numpy as np
@@ -19,34 +20,222 @@ from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.settings import control_steps, settings
 from granular_contact.multibody.settle import settle
-from granular_contact.multibody.stepping import StepControl
-from granular_contact.multibody.system import System, Trajectory
-from granular_contact.results import Cost, Progress
+from granular_contact.multibody.stepping import END, StepControl
+from granular_contact.multibody.system import System, Trajectory, at_one
+from granular_contact.results import Cost, Outline, Progress
+from granular_contact.results.observed import Observations
 from granular_contact.scene.types import FASTEST
 
-
-@contextmanager
-def _on_interrupt(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Let a handler take Ctrl-C; only the main thread may."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+if TYPE_CHECKING:
+    from granular_contact.multibody.senses import Senses
+    from granular_contact.multibody.state import Keeper, SolveState
 
 
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Keep the engine from printing; how a run ended is told by its status."""
-    before = exu.config.printToConsole
-    exu.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exu.config.printToConsole = before
+class _Guarded:
+    """Within it a handler takes Ctrl-C, which only the main thread may, and the engine does not print.
+
+    Every pause of a solve leaves and enters it: so by the function below `signal.signal`, which makes an enum of all
+    that it is given and gives, ten times slower.
+    """
+
+    def __init__(self, handler: Callable[[int, FrameType | None], None]) -> None:
+        self._handler, self._main = handler, threading.main_thread().ident
+
+    def __enter__(self) -> None:
+        self._prints, self._takes = exu.config.printToConsole, threading.get_ident() == self._main
+        if self._prints:  # how a run ended is told by its status
+            exu.config.printToConsole = False
+        if self._takes:
+            self._before = set_handler(signal.SIGINT, self._handler)
+
+    def __exit__(self, *_: object) -> None:
+        if self._takes:
+            set_handler(signal.SIGINT, self._before)
+        if self._prints:
+            exu.config.printToConsole = True
+
+
+class Solve:
+    """A solve under way, in one go or from pause to pause, by the same steps of the engine.
+
+    time (s): what it has reached; over: whether there is nothing to come, as it is at rest, at its end or has failed.
+    """
+
+    def __init__(
+        self, system: System, progress: Progress | None = None, simulation: Any = None, *, pauses: bool = False
+    ) -> None:
+        """Find rest, if the scene is to, and tell the state at the start; raises as `settle` does.
+
+        simulation: Exudyn's settings, those of `settings` unless given. pauses: whether it may be looked at and brought
+        back to its states on the way.
+        """
+        self.system, mbs, scene = system, system.mbs, system.scene
+        self.simulation = settings(scene) if simulation is None else simulation
+        self.recorder = Recorder(system, progress)
+        self.solver = exu.MainSolverImplicitSecondOrder()
+        self._it, self._conv = self.solver.it, self.solver.conv  # the solver's own, no copies
+        self.seconds, self._problem, self._success = 0.0, "", True
+        self._restarts = False  # with other accelerations
+        self._end = scene.solver.end_time_s
+        self._reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        self._senses: Senses | None = None
+        self._keeper: Keeper | None = None
+        self._guarded = _Guarded(self.recorder.interrupt)
+        with self._guarded:
+            if scene.settle:
+                settle(system, self.recorder)
+            if scene.solver.accuracy is not None:
+                control = StepControl(system, self.solver, self.recorder.lever, scene.solver.accuracy)
+                self.recorder.control = control
+                mbs.SetPostNewtonUserFunction(control)
+                control_steps(self.simulation, control)
+            mbs.SetPostStepUserFunction(self.recorder)
+            if system.bed is not None:
+                system.bed.accept()  # loads its kernels, which is no part of the solve
+            if pauses:
+                from granular_contact.multibody.senses import Senses
+                from granular_contact.multibody.state import Keeper
+
+                self._senses = Senses(system, None if system.bed is None else system.bed.load)
+                self._keeper = Keeper(system, self.solver, self.recorder, self.simulation)
+            self._run(self._begin)
+        if self.recorder.rows == 0:
+            raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
+
+    def _run(self, part: Callable[[], bool]) -> None:
+        """Do a part of the solve and keep how it ended, with the time that it took."""
+        start = time.perf_counter()
+        try:
+            self._success = part()
+        except (exu.ExudynError, RuntimeError) as error:
+            self._success, self._problem = False, str(error).strip().splitlines()[0]
+        self.seconds += time.perf_counter() - start
+
+    def _begin(self) -> bool:
+        it, mbs, self._restarts = self.solver.it, self.system.mbs, False
+        if not self.solver.InitializeSolver(mbs, self.simulation):
+            return False
+        it.currentStepSize = it.maxStepSize  # as the engine begins
+        self.solver.conv.jacobianUpdateRequested = True
+        self.recorder(mbs, mbs.systemData.GetTime())
+        return True
+
+    def advance(self, until: float = math.inf) -> None:
+        """Go on to a time (s), the scene's end at the latest; does nothing when it is over.
+
+        Where steps are fixed they divide the time to go evenly, none longer than the scene's.
+        """
+        if self.over:
+            return
+        with self._guarded:
+            if self._restarts:
+                self.recorder.clear()
+                self._run(self._begin)
+            self._plan(min(until, self._end))
+            before = self.recorder.rows
+            self._run(self._steps)
+        if self.system.links and self._senses is not None:
+            rows = self.recorder.states[before : self.recorder.rows, 1 : 1 + self.recorder.size]
+            self._senses.follow(rows + self._reference)
+
+    def _steps(self) -> bool:
+        return bool(self.solver.SolveSteps(self.system.mbs, self.simulation))
+
+    def _plan(self, until: float) -> None:
+        """Tell the engine where to stop next, and how to go on to there from where it is."""
+        it, recorder, now = self._it, self.recorder, self.recorder.time
+        it.endTime = until
+        if recorder.control is not None:
+            whole = now == 0.0 and until == self._end
+            recorder.control.until = math.inf if whole else until
+        else:
+            it.maxStepSize = (until - now) / max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
+        recorder.resume(self._conv, self.seconds)
+
+    def _too_fast(self) -> str:
+        if self.recorder.reason == "away":
+            return f"a speed at the start is not below {FASTEST:g} m/s (or rad/s): give a slower one"
+        return "it gave no reason"
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return self.recorder.time
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing to come."""
+        return not self._success or self.recorder.reason != "" or self.recorder.time >= self._end - END
+
+    # ---- of a solve that pauses ----
+
+    def observe(self) -> Observations:
+        """What is seen of the present state."""
+        assert self._senses is not None  # of one that pauses
+        recorder, bed = self.recorder, self.system.bed
+        row, count = recorder.states[recorder.rows - 1], recorder.size
+        q = row[1 : 1 + count] + self._reference
+        return self._senses.read(recorder.time, q, row[1 + count :], None if bed is None else bed.load.table.row)
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        from granular_contact.multibody.kinematics import Kinematics
+
+        recorder = self.recorder
+        row, count = recorder.states[recorder.rows - 1 : recorder.rows], recorder.size
+        q, v = row[:, 1 : 1 + count] + self._reference, row[:, 1 + count :]
+        return Kinematics(self.system, at_one(self.system, row[:, 0], q, v)).outlines(0)
+
+    def set_to(self, joint: str, value: float) -> None:
+        """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""
+        load = self.recorder.external[joint]
+        self._restarts |= self.recorder.rows == 1 and load.set_to != value
+        load.set_to = value
+
+    def state(self) -> SolveState:
+        """The present state."""
+        assert self._keeper is not None  # of one that pauses
+        return self._keeper.state(self.seconds, self._success, self._problem, self._restarts)
+
+    def restore(self, kept: SolveState) -> None:
+        """Go back to a state of this solve or another one of the same scene."""
+        assert self._keeper is not None  # of one that pauses
+        with self._guarded:
+            self._keeper.restore(kept)
+        self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
+        self._restarts = kept.restarts
+
+    def close(self) -> None:
+        """Let go of the engine's system. Its functions hold this solve and are held by it, so Python never would."""
+        self.system.container.Reset()
+
+    def trajectory(self) -> Trajectory:
+        """All steps so far."""
+        system, recorder, it = self.system, self.recorder, self.solver.it
+        states, count = recorder.states[: recorder.rows], recorder.size
+        return Trajectory(
+            status=status(recorder, self._success, self._problem, it.currentStepSize),
+            cost=Cost(
+                solve_s=self.seconds,
+                steps=recorder.rows - 1,
+                newton_iterations=it.newtonStepsCount,
+                jacobians=it.newtonJacobiCount,
+                load_calls=0 if system.bed is None else system.bed.load_calls,
+                full_newton=it.rejectedModifiedNewtonSteps,
+                shortened_steps=recorder.shortened,
+                refused_steps=0 if recorder.control is None else recorder.control.refused,
+            ),
+            time=states[:, 0],
+            q=states[:, 1 : 1 + count] + self._reference,
+            v=states[:, 1 + count :],
+            load=None if system.bed is None else system.bed.load.history.since(0.0),
+            mass=mass_matrix(system),
+            # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+            reactions={
+                name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
+            },
+            set_to=dict(zip(recorder.external, np.transpose(recorder.set_to), strict=True)),
+        )
 
 
 def solve(system: System, progress: Progress | None = None, simulation: Any = None) -> Trajectory:
@@ -54,55 +243,6 @@ def solve(system: System, progress: Progress | None = None, simulation: Any = No
 
     simulation: Exudyn's settings, those of `settings` unless given.
     """
-    mbs, scene = system.mbs, system.scene
-    if simulation is None:
-        simulation = settings(scene)
-    recorder = Recorder(system, progress)
-    solver = exu.MainSolverImplicitSecondOrder()
-    problem, success = "", False
-    with _on_interrupt(recorder.interrupt), _silent():
-        if scene.settle:
-            settle(system, recorder)
-        if scene.solver.accuracy is not None:
-            recorder.control = StepControl(system, solver, recorder.lever, scene.solver.accuracy)
-            mbs.SetPostNewtonUserFunction(recorder.control)
-            control_steps(simulation, recorder.control)
-        mbs.SetPostStepUserFunction(recorder)
-        if system.bed is not None:
-            system.bed.accept()  # loads its kernels, which is no part of the solve
-        began = time.perf_counter()
-        try:
-            success = solver.SolveSystem(mbs, simulation)
-        except (exu.ExudynError, RuntimeError) as error:
-            problem = str(error).strip().splitlines()[0]
-        seconds = time.perf_counter() - began
-    if recorder.rows == 0:
-        fast = (
-            f"a speed at the start is not below {FASTEST:g} m/s (or rad/s): give a slower one"
-            if recorder.reason == "away"
-            else ""
-        )
-        raise SolveError(f"the engine could not begin: {problem or fast or 'it gave no reason'}")
-    states, count = recorder.states[: recorder.rows], recorder.size
-    return Trajectory(
-        status=status(recorder, success, problem, solver.it.currentStepSize),
-        cost=Cost(
-            solve_s=seconds,
-            steps=recorder.rows - 1,
-            newton_iterations=solver.it.newtonStepsCount,
-            jacobians=solver.it.newtonJacobiCount,
-            load_calls=0 if system.bed is None else system.bed.load_calls,
-            full_newton=solver.it.rejectedModifiedNewtonSteps,
-            shortened_steps=recorder.shortened,
-            refused_steps=0 if recorder.control is None else recorder.control.refused,
-        ),
-        time=states[:, 0],
-        q=states[:, 1 : 1 + count] + mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference),
-        v=states[:, 1 + count :],
-        load=None if system.bed is None else system.bed.load.history.since(0.0),
-        mass=mass_matrix(system),
-        # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-        reactions={
-            name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
-        },
-    )
+    under_way = Solve(system, progress, simulation)
+    under_way.advance()
+    return under_way.trajectory()

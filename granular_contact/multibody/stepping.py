@@ -30,6 +30,9 @@ from granular_contact.scene.types import Vector
 
 SAFETY, MOST, LEAST = 0.85, 2.0, 0.2
 KEEP = 0.8, 1.25  # within these factors of the last step its Jacobian serves, and no longer one is taken
+# What of a control its future depends on. The arrays are never written over.
+KEPT = ("speed", "next", "last", "chosen", "start", "change", "slope", "now", "refused")
+END = 1e-10  # s, within which the engine takes an end for reached
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
 SLOWED = 4.0
@@ -59,6 +62,9 @@ class StepControl:
         self.rigid = np.array([i for rigid in system.rigid.values() for i in data.GetNodeLTGODE2(rigid.node)], int)
         arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.connections}
         self.motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
+        self.until = math.inf  # time (s) that a step has to end at
+        self.last = self.next  # step taken last
+        self.chosen = self.next  # step to come, but for where it has to end
         self.start: Vector | None = None
         self.change = self.slope = np.zeros_like(lever)
         self.now = 0.0
@@ -115,9 +121,28 @@ class StepControl:
         self.start = self.lever * mbs.systemData.GetODE2Coordinates_tt()
         self.now = float(np.abs(self.lever * v).max())
         self.speed = max(self.speed, self.now)
-        step = max(self._foreseen(mbs.systemData.GetTime(), min(self.next, self._until_touch())), it.minStepSize)
-        factor = step / it.currentStepSize
-        if factor < 1.0 or factor > KEEP[1]:
+        t = mbs.systemData.GetTime()
+        self.last = it.currentStepSize
+        self.chosen = max(self._foreseen(t, min(self.next, self._until_touch())), it.minStepSize)
+        self._take(t)
+
+    def go_on(self, t: float) -> None:
+        """Set the step to come where a solve goes on from t (s) after a pause."""
+        self.solver.it.currentStepSize = self.last
+        if self.start is not None:
+            self._take(t)
+
+    def _take(self, t: float) -> None:
+        """Set the step chosen, shortened so that some of its like end where they have to."""
+        it, step = self.solver.it, self.chosen
+        fitted = math.isfinite(self.until)
+        if fitted:
+            left = self.until - t
+            if left < END:  # a pause comes first
+                return
+            step = left / math.ceil(left / step - 1e-9)
+        factor = step / self.last
+        if fitted or factor < 1.0 or factor > KEEP[1]:
             it.currentStepSize = step
         if not KEEP[0] < factor < KEEP[1]:
             self.solver.conv.jacobianUpdateRequested = True

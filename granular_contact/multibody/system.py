@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.results import Cost, Status
+from granular_contact.results.ending import paused
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory
+    from granular_contact.multibody.coordinates import End
     from granular_contact.multibody.coupling import Coupling
     from granular_contact.multibody.joint_loads import JointLoad
 
@@ -41,7 +43,7 @@ class System:
     """An assembled Exudyn system and where the scene's bodies are in it.
 
     bed: the granular load in it, None where none is needed. loads: what acts in joints, by name. motions: constraint
-    objects of prescribed motions, by joint.
+    objects of prescribed motions, by joint. ends: of joints, which count the turns of flexible links.
     """
 
     scene: Scene
@@ -52,6 +54,7 @@ class System:
     bed: Coupling | None
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
+    ends: list[End] = field(default_factory=list)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""
@@ -64,7 +67,7 @@ class Trajectory:
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
     did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
-    force (N) of prescribed motions, (n,) each, by joint.
+    force (N) of prescribed motions, (n,) each, by joint; set_to: what drives were set to from outside, likewise.
     """
 
     status: Status
@@ -75,3 +78,11 @@ class Trajectory:
     load: LoadHistory | None
     mass: Any
     reactions: dict[str, Vector]
+    set_to: dict[str, Vector] = field(default_factory=dict)
+
+
+def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:
+    """A trajectory of one instant, time (1,), q, v (1, m), that knows where everything is and no more."""
+    nothing = Cost(solve_s=0.0, steps=0, newton_iterations=0, jacobians=0, load_calls=0)
+    standing = paused(float(time[0]), system.scene.solver)
+    return Trajectory(standing, nothing, time, q, v, load=None, mass=None, reactions={})

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
-from granular_contact.kernels.lines import reset_friction
+from granular_contact.kernels.modal_load import rest
 from granular_contact.kernels.modal_motion import decide, follow, rates
 from granular_contact.reduced.model import Model
 from granular_contact.reduced.world import world
@@ -54,8 +55,7 @@ class March:
     def _rest_bristles(self) -> None:
         w, q = self.world, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
-            P, V = np.empty((2, end - first, 2))
-            reset_friction(q, w.geometry[first:end], P, V, w.anchors[first:end])
+            rest(q, w.geometry[first:end], w.anchors[first:end])
 
     @property
     def time(self) -> float:
@@ -104,9 +104,31 @@ class March:
         rows = self.rows[:count]
         if count and rows[-1, 0] >= self.time:
             return rows.copy()
-        last = np.zeros_like(self.rows[0])  # the table may be full
-        kernels.write_row(self.time, self.y, self.regime, self.world, last)
-        return np.vstack([rows, last])
+        return np.vstack([rows, self.now()])
+
+    def now(self) -> Vector:
+        """Row of the instant reached, which the table need not have room for."""
+        row: Vector = np.zeros_like(self.rows[0])
+        kernels.write_row(self.time, self.y, self.regime, self.world, row)
+        return row
+
+    def kept(self) -> dict[str, NDArray[Any]]:
+        """Copies of all that its future and its rows depend on."""
+        held = {name: array.copy() for name, array in self._changing().items()}
+        return held | {"rows": self.rows[: int(self.counts[kernels.ROWS])].copy()}
+
+    def restore(self, kept: dict[str, NDArray[Any]]) -> None:
+        """Go back to what was kept."""
+        for name, array in self._changing().items():
+            array[...] = kept[name]
+        used = len(kept["rows"])
+        if used >= len(self.rows):
+            self.rows = np.zeros((2 * used, self.rows.shape[1]))
+        self.rows[:used] = kept["rows"]
+
+    def _changing(self) -> dict[str, NDArray[Any]]:
+        own = {name: getattr(self, name) for name in ("y", "regime", "stopped", "clock", "counts", "watch")}
+        return own | {"anchors": self.world.anchors, "still": self.world.pendulum["still"]}
 
 
 # scipy's interpolants are read at these places of a step, and taken on as polynomials.

@@ -11,6 +11,7 @@ from granular_contact.results import Outline, energy, series
 from granular_contact.results.interpolation import Track
 from granular_contact.results.limits import Reach
 from granular_contact.results.observation import Observation, pictures
+from granular_contact.results.observed import Observations, Seen, Told
 from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
 
@@ -42,6 +43,29 @@ def observe(model: Model, trajectory: Trajectory) -> Observation:
         outlines=seen.outlines,
         pictures=lambda at: pictures(lambda sampled: Motion(model, sampled).outlines, trajectory, at),
         more={"static_turns": trajectory.turns},
+    )
+
+
+def now(model: Model, trajectory: Trajectory) -> Observations:
+    """What is seen of a trajectory of one row: the pivot, the body on it, the force of the medium on all of it."""
+    seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
+    assert pin is not None  # or the scene was refused
+    root = scene.rigid[0]
+    center = model.view.of(root, np.zeros(2))[None, :]
+    place, velocity = seen.positions(None, center)[0, 0], seen.velocities(None, center)[0, 0]
+    angle, rate = seen.angle + model.turn, seen.rate
+    depths = [float(track.values[0]) for track in seen.all_depths()]
+    wrench = trajectory.terms.sum(axis=1)
+    forces = np.array([[*wrench[0, :2], series.clockwise_moment(wrench, place)[0]]])
+    met = ("all",) if depths and scene.media else ()
+    return Observations(
+        Seen((pin.name,), (True,), (root.name.split("+")[0],), met),
+        float(trajectory.time[0]),
+        Told(
+            (angle, rate),
+            (np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])),
+            (forces[: len(met)], np.array([max(depths)] if met else [])),
+        ),
     )
 
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
 
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import World
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
-from granular_contact.results import Cost, Progress, Status
+from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.ending import ended
+from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Vector
 
 OWN = "dormand_prince"
@@ -42,55 +46,131 @@ class Trajectory:
     world: World
 
 
+@dataclass(frozen=True)
+class SolveState:
+    """State of a solve: arrays of the march, when regimes ended, and how it stands."""
+
+    march: dict[str, NDArray[Any]]
+    turns: tuple[float, ...]
+    crowd: tuple[float, ...]
+    code: int
+    seconds: float
+    interrupted: bool
+
+
+class Solve:
+    """A solve under way, in one go or from pause to pause; see `multibody.solve.Solve`."""
+
+    def __init__(self, model: Model, progress: Progress | None = None) -> None:
+        self.model, self.progress = model, progress
+        self.march = (March if model.method.integrator == OWN else ScipyMarch)(model)
+        self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
+        self._turns: list[float] = []  # times (s) at which regimes ended
+        self._crowd: list[float] = []  # the latest of them
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return self.march.time
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing to come."""
+        stopped = self._code in (kernels.REST, kernels.FAILED, CHATTERING, OVERTIME)
+        return self._interrupted or stopped or self.time >= self.model.scene.solver.end_time_s * (1.0 - 1e-14)
+
+    def advance(self, until: float = math.inf) -> None:
+        """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
+        if self.over:
+            return
+        self.march.control["end"] = min(until, self.model.scene.solver.end_time_s)
+        began = time.perf_counter()
+        try:
+            self._code = self._integrate(began)
+        except KeyboardInterrupt:
+            self._interrupted = True
+        self.seconds += time.perf_counter() - began
+
+    def _integrate(self, began: float) -> int:
+        """March on until something ends it; began: by the clock (s)."""
+        solver, march, crowd = self.model.scene.solver, self.march, self._crowd
+        deadline = math.inf if solver.max_wall_s is None else began + solver.max_wall_s - self.seconds
+        while True:
+            code = march.go_on()
+            if code == kernels.REGIME_END:
+                self._turns.append(march.time)
+                crowd.append(march.time)
+                if len(crowd) > CROWD and crowd[-1] - crowd[-CROWD] < 0.1 * solver.step_s:
+                    crowd.clear()
+                    if not march.blur():
+                        return CHATTERING
+                march.decide()
+            elif code != kernels.PAUSE:
+                return code
+            if time.perf_counter() > deadline:
+                return OVERTIME
+            if self.progress is not None:
+                self.progress(march.time, solver.end_time_s)
+
+    def observe(self) -> Observations:
+        """What is seen of the present state."""
+        from granular_contact.reduced.observe import now
+
+        return now(self.model, self._rows(self.march.now()[None, :]))
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        from granular_contact.reduced.observe import Motion
+
+        return Motion(self.model, self._rows(self.march.now()[None, :])).outlines(0)
+
+    def state(self) -> SolveState:
+        """The present state."""
+        turns, crowd = tuple(self._turns), tuple(self._crowd)
+        return SolveState(self.march.kept(), turns, crowd, self._code, self.seconds, self._interrupted)
+
+    def restore(self, kept: SolveState) -> None:
+        """Go back to a state of this solve or another one of the same scene."""
+        self.march.restore(kept.march)
+        self._turns[:], self._crowd[:] = kept.turns, kept.crowd
+        self._code, self.seconds, self._interrupted = kept.code, kept.seconds, kept.interrupted
+
+    def close(self) -> None:
+        """Let go of what is held: nothing that Python would not let go of."""
+
+    def trajectory(self) -> Trajectory:
+        """All rows so far."""
+        return self._rows(self.march.table())
+
+    def _rows(self, rows: Vector) -> Trajectory:
+        march, m = self.march, self.march.size
+        steps, _, evaluations, _ = (int(count) for count in march.counts)
+        _, _, stop_time, stop_angle, _, hub_time = march.watch
+        return Trajectory(
+            status=self._status(),
+            cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
+            time=rows[:, 0],
+            q=rows[:, 1 : 1 + m],
+            v=rows[:, 1 + m : 1 + 2 * m],
+            work=rows[:, 1 + 2 * m],
+            damping=rows[:, 2 + 2 * m],
+            terms=rows[:, 3 + 2 * m :].reshape(-1, 3, 3),
+            stop=(float(stop_time), float(stop_angle), float(hub_time)),
+            turns=len(self._turns),
+            world=march.world,
+        )
+
+    def _status(self) -> Status:
+        if self._interrupted:
+            return ended("interrupted", self.time, self.model.scene.solver)
+        return _status(self.model, self.march, self._code)
+
+
 def solve(model: Model, progress: Progress | None = None) -> Trajectory:
     """Run a model to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept."""
-    march = (March if model.method.integrator == OWN else ScipyMarch)(model)
-    turns: list[float] = []
-    began = time.perf_counter()
-    try:
-        code = _integrate(march, turns, progress)
-        status = _status(model, march, code)
-    except KeyboardInterrupt:
-        status = ended("interrupted", march.time, model.scene.solver)
-    seconds = time.perf_counter() - began
-    steps, _, evaluations, _ = (int(count) for count in march.counts)
-    rows, m = march.table(), march.size
-    _, _, stop_time, stop_angle, _, hub_time = march.watch
-    return Trajectory(
-        status=status,
-        cost=Cost(solve_s=seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
-        time=rows[:, 0],
-        q=rows[:, 1 : 1 + m],
-        v=rows[:, 1 + m : 1 + 2 * m],
-        work=rows[:, 1 + 2 * m],
-        damping=rows[:, 2 + 2 * m],
-        terms=rows[:, 3 + 2 * m :].reshape(-1, 3, 3),
-        stop=(float(stop_time), float(stop_angle), float(hub_time)),
-        turns=len(turns),
-        world=march.world,
-    )
-
-
-def _integrate(march: March, turns: list[float], progress: Progress | None) -> int:
-    """March on until it is over; the times at which regimes ended are appended to turns."""
-    solver, crowd = march.model.scene.solver, list[float]()
-    deadline = math.inf if solver.max_wall_s is None else time.perf_counter() + solver.max_wall_s
-    while True:
-        code = march.go_on()
-        if code == kernels.REGIME_END:
-            turns.append(march.time)
-            crowd.append(march.time)
-            if len(crowd) > CROWD and crowd[-1] - crowd[-CROWD] < 0.1 * solver.step_s:
-                crowd.clear()
-                if not march.blur():
-                    return CHATTERING
-            march.decide()
-        elif code != kernels.PAUSE:
-            return code
-        if time.perf_counter() > deadline:
-            return OVERTIME
-        if progress is not None:
-            progress(march.time, solver.end_time_s)
+    under_way = Solve(model, progress)
+    under_way.advance()
+    return under_way.trajectory()
 
 
 def _status(model: Model, march: March, code: int) -> Status:

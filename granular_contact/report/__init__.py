@@ -36,10 +36,13 @@ ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of res
 COMPARISON = "compare.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
+OPTIMISE, HISTORY, OPTIMUM = "optimise.yaml", "history.csv", "optimise.json"
+BEST_CONFIG, BEST = "best.yaml", "best"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
     "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES),
+    "optimise": (OPTIMISE, HISTORY, OPTIMUM, BEST_CONFIG, BEST, JOURNAL, FIGURES),
     "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
     "compare-media": ("compare-media.csv", FIGURES),
     "media": (LAW,),

@@ -1,13 +1,23 @@
-"""What a run leaves behind: how it ended, its time series, key numbers and snapshots. Plain data, no engine in it."""
+"""What a run leaves behind: how it ended, its time series, key numbers and snapshots. Plain data, no engine in it.
+
+What of it needs the parts above (folders, figures) is in `methods`, and loaded when it is called.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from difflib import get_close_matches
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
 # What a stopping time is of: of a pendulum, and of all else that is not driven.
@@ -87,7 +97,7 @@ class Snapshot:
     forces: tuple[Force, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Results:
     """A finished run.
 
@@ -118,8 +128,98 @@ class Results:
     sizes: tuple[float, ...] = ()
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """Column `name` as an array (rows,); KeyError lists the columns there are."""
+        """Column `name` as an array (rows,); KeyError says which is meant, or lists the columns there are."""
         for i, column in enumerate(self.columns):
             if column.name == name:
                 return self.table[:, i]
-        raise KeyError(f"no column {name!r}; there are: {', '.join(c.name for c in self.columns)}")
+        near = get_close_matches(name, self.names, 1)
+        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(self.names)}"
+        raise KeyError(f"no column {name!r}; {hint}")
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+        return [column.name for column in self.columns]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.names
+
+    def __repr__(self) -> str:
+        rows, columns = self.table.shape
+        doubts = f", {len(self.warnings)} warning{'s' * (len(self.warnings) > 1)}" if self.warnings else ""
+        return f"<results of {self.name}: {self.status.message}; {rows} rows, {columns} columns{doubts}>"
+
+    def _repr_html_(self) -> str:
+        from granular_contact.results.methods import notebook
+
+        return notebook(self)
+
+    def to_dataframe(self) -> DataFrame:
+        """The table as a pandas DataFrame, one row per accepted step; what columns mean is in its `attrs`.
+
+        Raises
+        ------
+        MissingPackageError
+            There is no pandas.
+        """
+        from granular_contact.results.methods import dataframe
+
+        return dataframe(self)
+
+    def plot(self, *names: str) -> Figure:
+        """Columns over time, a panel for each unit; a notebook shows the figure, `savefig` saves it.
+
+        Raises
+        ------
+        KeyError
+            There is no such column.
+        """
+        from granular_contact.results.methods import plot
+
+        return plot(self, names)
+
+    def figures(self) -> dict[str, Figure]:
+        """All figures that a run is saved with, by name: motion, forces, energy, mechanism."""
+        from granular_contact.results.methods import figures
+
+        return figures(self)
+
+    def save(self, directory: str | PathLike[str], *, figures: bool = True) -> Path:
+        """Write a results folder, as the command `run` does, in place of an earlier run's results there.
+
+        Parameters
+        ----------
+        directory : str or path
+            Folder; it is there whole or not at all.
+        figures : bool
+            Whether to draw the figures, which takes a second or two.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        OSError
+            The disk refuses, or the folder holds what no run wrote.
+        """
+        from granular_contact.results.methods import save
+
+        return save(self, Path(directory), figures)
+
+    @classmethod
+    def open(cls, directory: str | PathLike[str]) -> Results:
+        """The results in a folder that a run or `save` wrote: the same table, summary, warnings and scenario.
+
+        NaN in a summary is None after it. Pictures of the mechanism (`snapshots`, `frames`) and `sizes` are not saved,
+        so there are none.
+
+        Raises
+        ------
+        ResultsError
+            The folder holds no run, or a damaged one; one line says which file and what is wrong.
+        """
+        from granular_contact.results.methods import opened
+
+        return opened(Path(directory))

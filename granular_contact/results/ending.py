@@ -19,3 +19,8 @@ def ended(code: StatusCode, reached: float, solver: Solver) -> Status:
     else:
         words = f"end time {solver.end_time_s:g} s reached"
     return Status(code, words)
+
+
+def paused(reached: float, solver: Solver) -> Status:
+    """Status of a run that is stepped and stands at a time (s) before its end."""
+    return Status("interrupted", f"stopped at {reached:.6g} s of {solver.end_time_s:g} s, from where it can go on")

@@ -106,12 +106,10 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
         summary=summary,
         scenario=scenario,
         snapshots=tuple(Snapshot(label, float(time[i]), seen.outlines(i)) for label, i in moments.items()),
-        surface=_surface(scene),
+        **bed_of(scene),
         warnings=tuple(summary["warnings"]),
         frames=_frames(seen, most_frames) if most_frames else (),
         terms=seen.terms,
-        layers=tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
-        floor=scene.bed.floor.height if scene.bed and scene.bed.floor else None,
         sizes=() if seen.reach is None else tuple(sorted({size for _, size in seen.reach.sizes})),
     )
 
@@ -119,10 +117,19 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
 def _frames(seen: Observation, most: int) -> tuple[Snapshot, ...]:
     at = instants(float(seen.time[0]), float(seen.time[-1]), most)
     loads = {part: resample(seen.time, wrench, at) for part, wrench in seen.body_forces.items()}
-    return frames(at, seen.pictures(at), loads, _surface(seen.scene))
+    return frames(at, seen.pictures(at), loads, surface(seen.scene))
 
 
-def _surface(scene: Scene) -> float | Vector | None:
+def bed_of(scene: Scene) -> dict[str, Any]:
+    """Surface, layers and floor, as `Results` has them."""
+    return {
+        "surface": surface(scene),
+        "layers": tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
+        "floor": scene.bed.floor.height if scene.bed and scene.bed.floor else None,
+    }
+
+
+def surface(scene: Scene) -> float | Vector | None:
     """The free surface, see `Results`; None in vacuum."""
     if scene.bed is None or not scene.media:
         return None

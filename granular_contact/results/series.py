@@ -97,9 +97,8 @@ def clockwise_moment(wrench: Vector, about: Vector) -> Vector:
     wrench (n, 3): force x, y (N) and moment about the origin (N m, right-handed: counter-clockwise), as a bed tells it.
     Here alone moments of the results change their sense.
     """
-    fx, fy, moment = wrench.T
-    x, y = np.asarray(about).T
-    turned: Vector = x * fy - y * fx - moment
+    about = np.asarray(about)
+    turned: Vector = about[..., 0] * wrench[:, 1] - about[..., 1] * wrench[:, 0] - wrench[:, 2]
     return turned
 
 

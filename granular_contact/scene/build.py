@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from granular_contact.config import schema
+from granular_contact.config import Loaded, schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.applicability import inapplicable
@@ -38,8 +38,17 @@ MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
 
 
-def build(scenario: schema.Scenario) -> Scene:
+def build(scenario: schema.Scenario | Loaded) -> Scene:
     """Resolve a scenario into a scene, which holds it as its `scenario`.
+
+    Parameters
+    ----------
+    scenario : Scenario or Loaded
+        Of what `load` gave, faults get the lines that their keys were written in.
+
+    Returns
+    -------
+    Scene
 
     Raises
     ------
@@ -48,6 +57,11 @@ def build(scenario: schema.Scenario) -> Scene:
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
     """
+    if isinstance(scenario, Loaded):
+        try:
+            return build(scenario.scenario)
+        except SceneError as error:
+            raise SceneError(scenario.sources.place(error.faults)) from None
     valid = checked(scenario)
     scene = _built(valid)
     object.__setattr__(scene, "scenario", valid)  # no argument of a scene, so that none but this can say it

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 
@@ -20,6 +21,9 @@ def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
+        if isinstance(spec, schema.External):
+            made.append(_external(name, spec, key))
+            continue
         given: schema.AnySignal = getattr(spec, key)
         phase = 0.0
         if isinstance(given, schema.Shared):
@@ -64,6 +68,27 @@ def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
         key,
         f"{words}, which takes an infinite force; allowed are interpolation: cubic, and smooth_s: a time (s) over "
         "which the rate changes",
+    )
+
+
+def _external(name: str, spec: schema.External, key: str) -> Drive:
+    """A drive that is set from outside while it runs."""
+    unit = math.radians(1.0) if key == "angle_deg" else 1.0
+    kind: Literal["load", "control"] = "load" if key in ("torque_Nm", "force_N") else "control"
+    # Of each pair one is that of the other kind of joint, and not given.
+    gain = max(spec.gain_Nm_per_rad, spec.gain_N_per_m)
+    rate_gain = max(spec.rate_gain_Nm_s_per_rad, spec.speed_gain_N_s_per_m)
+    limit = spec.limit_Nm or spec.limit_N or math.inf
+    return Drive(
+        name,
+        kind,
+        signals.Constant(unit * getattr(spec, key)),
+        gain=gain,
+        rate_gain=rate_gain,
+        limit=limit,
+        of_rate=key in ("rate_rad_s", "speed_m_s"),
+        sets=key,
+        bounds=(-math.inf, math.inf) if spec.range is None else (unit * spec.range[0], unit * spec.range[1]),
     )
 
 

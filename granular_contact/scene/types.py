@@ -192,6 +192,8 @@ class Drive:
 
     load: the signal is the torque or force. motion: the coordinate follows the signal. control: gain times the error of
     the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the reference rate.
+    sets: of a drive that is set from outside during the run what is set, as the config names it (`torque_Nm`), and the
+    signal is what acts until then; empty for all others. bounds: between which it can be set.
     """
 
     joint: str
@@ -201,6 +203,8 @@ class Drive:
     rate_gain: float = 0.0
     limit: float = math.inf
     of_rate: bool = False
+    sets: str = ""
+    bounds: tuple[float, float] = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -230,6 +234,11 @@ class Scene:
     body_columns: bool = False
     stiff: tuple[str, ...] = ()
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        media = " and ".join(medium.name or medium.law for medium in self.media) or "vacuum"
+        parts = f"{len(self.rigid)} rigid and {len(self.links)} flexible bodies"
+        return f"<scene {self.name}: {parts}, {self.mass:.4g} kg, in {media}>"
 
     @cached_property
     def surface(self) -> float | None:

@@ -6,7 +6,7 @@ import pytest
 import yaml
 from support_config import GOOD, changed
 
-from granular_contact.config import is_sweep, load, scenario_to_dict
+from granular_contact.config import is_run, load, scenario_to_dict
 from granular_contact.errors import ConfigError
 
 START = "initial: {impact_angle_deg: 31}\n"
@@ -219,7 +219,7 @@ def test_a_bad_override(faults, override, key, words):
         assert str(found[0]).startswith(f"--set {override}: ")
 
 
-CONFIGS = sorted(path for path in (Path(__file__).parents[2] / "configs").glob("*.yaml") if not is_sweep(path))
+CONFIGS = sorted(path for path in (Path(__file__).parents[2] / "configs").glob("*.yaml") if is_run(path))
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from granular_contact import cli
-from granular_contact.config import is_sweep, json_schema, schema
+from granular_contact.config import is_run, is_sweep, json_schema, schema
 from granular_contact.config.schema import fit
 from granular_contact.config.schema.drives import DRIVES
 from granular_contact.config.schema.joints import CLOSURES, JOINTS, SYNONYMS
@@ -117,15 +117,15 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
 
 
 def test_every_shipped_file_fits_the_printed_schema(capsys):
-    schemas = {kind: printed(capsys, kind) for kind in ("run", "sweep", "fit")}
+    schemas = {kind: printed(capsys, kind) for kind in ("run", "sweep", "fit", "optimise")}
     assert printed(capsys) == schemas["run"]
     files = sorted(CONFIGS.glob("*.yaml"))
-    kinds = {path: "sweep" if is_sweep(path) else "run" for path in files}
-    assert list(kinds.values()).count("sweep") == 2
+    kinds = {path: "sweep" if is_sweep(path) else "run" if is_run(path) else "optimise" for path in files}
+    assert [list(kinds.values()).count(kind) for kind in ("sweep", "optimise")] == [2, 5]
     for path, kind in kinds.items():
         data = plain(read_file(path, []))  # PyYAML takes 1e-3 for a text
-        assert {one: fits(schemas[one], data, schemas[one]) for one in ("run", "sweep")} == {
-            one: one == kind for one in ("run", "sweep")
+        assert {one: fits(schemas[one], data, schemas[one]) for one in ("run", "sweep", "optimise")} == {
+            one: one == kind for one in ("run", "sweep", "optimise")
         }, path
     example = yaml.safe_load(fit.__doc__.partition("\n\n")[2])
     assert fits(schemas["fit"], example, schemas["fit"])

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numba import njit
 from support_pendulum import CROOKED, lagrange, mass_matrix, reduce
 from support_runs import GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, LINE_MASS, STIFFNESS, order, scenario_of, scene_of
 
-from granular_contact.kernels import kinematics, pendulum
+from granular_contact.kernels import pendulum
+from granular_contact.kernels.modal import modal_scatter as scatter
+from granular_contact.kernels.modal import modal_stations as stations
 from granular_contact.kernels.modal_load import load
 from granular_contact.reduced.marching import March
 from granular_contact.reduced.world import world
 from granular_contact.run import run
 from granular_contact.scene import build
-
-
-# The overloads, called from compiled code as the kernels do.
-@njit
-def stations(q, v, geometry, place, speed):
-    kinematics.stations(q, v, geometry, place, speed)
-
-
-@njit
-def scatter(q, geometry, place, forces, out):
-    kinematics.scatter(q, geometry, place, forces, out)
-
 
 RNG = np.random.default_rng(3)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from granular_contact.config import load_sweep
+from granular_contact.config import is_optimise, is_run, is_sweep, load_sweep
 from validation import gallery
 
 PAGE = gallery.PAGE.read_text(encoding="utf-8")
@@ -16,7 +16,7 @@ SHOWN = dict(re.findall(r"^\| \[(\w+)\]\(\1\.yaml\) \| .* \| (.*) \|$", PAGE, fl
 ADVICE = "run python validation/gallery.py, and look at what it changed"
 
 
-@pytest.mark.parametrize("name", gallery.names(single=True))
+@pytest.mark.parametrize("name", gallery.names(is_run))
 def test_a_config_gives_the_number_shown(name: str) -> None:
     assert name in SHOWN, ADVICE
     entry = gallery.entry(name)
@@ -36,7 +36,7 @@ def split(number: str) -> tuple[str, float, str]:
     return words, float(value), unit
 
 
-@pytest.mark.parametrize("name", gallery.names(single=False))
+@pytest.mark.parametrize("name", gallery.names(is_sweep))
 def test_a_sweep_comes_to_its_end(name: str) -> None:
     """One in eleven, of inputs in which neighbours differ; tests/test_readme.py runs all of the sensitivity's."""
     done, of = (int(number) for number in re.findall(r"\d+", SHOWN[name]))
@@ -46,9 +46,12 @@ def test_a_sweep_comes_to_its_end(name: str) -> None:
 
 
 def test_the_page_shows_what_there_is_and_no_more() -> None:
-    assert set(SHOWN) == {*gallery.names(single=True), *gallery.names(single=False)}, ADVICE
+    assert set(SHOWN) == {name for kind in (is_run, is_sweep, is_optimise) for name in gallery.names(kind)}, ADVICE
+    assert {name: SHOWN[name] for name in gallery.names(is_optimise)} == {
+        name: gallery.runs(name) for name in gallery.names(is_optimise)
+    }
     pictures = re.findall(r"!\[(.+)\]\(\.\./(validation/figures/gallery_\w+\.png)\)", PAGE)
-    assert len(pictures) == PAGE.count("\n## ") - 1
+    assert len(pictures) == PAGE.count("\n## ") - 2
     assert {name for _, name in pictures} == {
         path.relative_to(gallery.HERE.parent).as_posix() for path in gallery.FIGURES.glob("gallery_*.png")
     }

@@ -9,7 +9,7 @@ solver, `scenario` the run around them.
 # ruff: noqa: F401
 
 from granular_contact.config.schema.bed import Bed, BedLayer
-from granular_contact.config.schema.drives import AnyDrive, Force, HingeControl, Motion, Torque
+from granular_contact.config.schema.drives import AnyDrive, External, Force, HingeControl, Motion, Torque
 from granular_contact.config.schema.initial import Initial, JointStart
 from granular_contact.config.schema.joints import Closure, Free, Hinge, HingeClosure, Joint, Slider, SliderClosure, Weld
 from granular_contact.config.schema.mechanism import Body, Flexible, Link, Rigid

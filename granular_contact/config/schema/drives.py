@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import model_validator
 
 from granular_contact.config.schema.signals import Buehler, Signal
-from granular_contact.values.strict import NotNegative, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Listed, NotNegative, Positive, Strict, Tagged, refusal
 
 
 def _exactly_one(drive: Strict, names: tuple[str, ...]) -> None:
@@ -101,6 +101,72 @@ class SliderControl(Strict):
         return self
 
 
+class External(Strict):
+    """Set by a program while the run goes on, see `granular_contact.Simulation`: a torque or force, or a PD target.
+
+    One of the first six keys says what is set; its value acts until then. Of a target the torque or force is gain
+    (target - coordinate) + rate gain (target of the rate - rate), within a limit; the rate that goes with an angle or a
+    position is 0.
+    """
+
+    type: Literal["external"]
+    torque_Nm: float | None = None
+    """Of a hinge."""
+    angle_deg: float | None = None
+    """Of a hinge: its target."""
+    rate_rad_s: float | None = None
+    """Of a hinge: target of its rate."""
+    force_N: float | None = None
+    """Of a slider."""
+    position_m: float | None = None
+    """Of a slider: its target."""
+    speed_m_s: float | None = None
+    """Of a slider: target of its speed."""
+    range: Annotated[tuple[float, float], Listed] | None = None
+    """Least and greatest value that can be set; what lies beyond is set to them. null: any."""
+    gain_Nm_per_rad: NotNegative = 0.0
+    rate_gain_Nm_s_per_rad: NotNegative = 0.0
+    limit_Nm: Positive | None = None
+    """null: no limit."""
+    gain_N_per_m: NotNegative = 0.0
+    speed_gain_N_s_per_m: NotNegative = 0.0
+    limit_N: Positive | None = None
+    """null: no limit."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> External:
+        _exactly_one(self, tuple(TARGETS))
+        key = target(self)
+        gain, rate_gain, limit = OF_TARGET[TARGETS[key]]
+        others = [name for one in OF_TARGET.values() for name in one if name not in (gain, rate_gain, limit)]
+        if key in ("torque_Nm", "force_N"):
+            others += [gain, rate_gain, limit]
+        else:
+            _gains(self, gain, rate_gain, by_rate=key in ("rate_rad_s", "speed_m_s"))
+        for name in others:
+            if getattr(self, name):
+                raise refusal([((name,), f"got {getattr(self, name):g}, but {key} is set: allowed is nothing")])
+        _check_range(self, key)
+        return self
+
+
+# Type of joint -> keys of the gains and the limit of its control.
+OF_TARGET = {
+    "hinge": ("gain_Nm_per_rad", "rate_gain_Nm_s_per_rad", "limit_Nm"),
+    "slider": ("gain_N_per_m", "speed_gain_N_s_per_m", "limit_N"),
+}
+
+
+def _check_range(drive: External, key: str) -> None:
+    if drive.range is None:
+        return
+    least, most = drive.range
+    if not least < most:
+        raise refusal([(("range",), f"got {least:g} to {most:g}; allowed are two numbers that grow")])
+    if not least <= getattr(drive, key) <= most:
+        raise refusal([((key,), f"got {getattr(drive, key):g}; allowed is {least:g} to {most:g}, its range")])
+
+
 def _gains(drive: Strict, gain: str, rate_gain: str, *, by_rate: bool) -> None:
     if by_rate and getattr(drive, gain) != 0.0:
         raise refusal([((gain,), f"got {getattr(drive, gain):g}, but a speed is controlled: allowed is {rate_gain}")])
@@ -115,8 +181,9 @@ DRIVES: dict[str, type[Strict]] = {
     "motion": Motion,
     "pd": HingeControl,
     "pd_slider": SliderControl,
+    "external": External,
 }
-AnyDrive = Torque | Force | Motion | HingeControl | SliderControl
+AnyDrive = Torque | Force | Motion | HingeControl | SliderControl | External
 Drive = Annotated[AnyDrive, Tagged("type", DRIVES)]
 # Key of the signal -> type of joint that has such a coordinate.
 TARGETS = {

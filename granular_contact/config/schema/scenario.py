@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import yaml
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.bed import Bed
@@ -18,6 +19,11 @@ from granular_contact.config.schema.signals import Signal
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.values.strict import Positive, Strict, Tagged, Text, refusal
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from granular_contact.config.given import Changes
 
 FRICTIONS: dict[str, type[Strict]] = {"elastoplastic": Elastoplastic, "smooth": Smooth}
 Friction = Annotated[Elastoplastic | Smooth, Tagged("type", FRICTIONS)]
@@ -98,10 +104,11 @@ class Scenario(Strict):
     method: Method = Method()
     output: Output = Output()
 
-    def replace(self, values: Mapping[str, Any]) -> Scenario:
-        """The run with other values, by dotted key: `scenario.replace({"medium.eta_d": 5, "model": "chain"})`.
+    def replace(self, values: Mapping[str, Any] | None = None, /, **changes: Unpack[Changes]) -> Scenario:
+        """The run with other values: `replace({"medium.eta_d": 5, "model": "chain"})`, `replace(medium={"eta_d": 5})`.
 
-        Checked as `--set` is. A medium with a changed number no longer says that it is what its source published.
+        Checked as `--set` is. A medium with a changed number no longer says that it is what its source published. Of a
+        mapping only the keys that it names are changed, unless it says its kind (`type`, `law` or `from`).
         Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
         are looked up, paths are from the working folder.
 
@@ -112,7 +119,21 @@ class Scenario(Strict):
         """
         from granular_contact.config.changed import replaced  # which needs this class
 
-        return replaced(self, values)
+        return replaced(self, {**(values or {}), **changes})
+
+    def __repr__(self) -> str:
+        medium = " and ".join(law.name or law.law for law in self.media) or "vacuum"
+        how = next((key for key in ("reduced", "minimal") if getattr(self.method, key) is not None), "engine")
+        return f"<scenario {self.name or self.model.name}: {medium}, {self.solver.end_time_s:g} s, by {how}>"
+
+    def _repr_html_(self) -> str:
+        import html
+
+        from granular_contact.config.export import scenario_to_dict
+
+        text = yaml.safe_dump(scenario_to_dict(self), sort_keys=False, default_flow_style=None, width=100)
+        words = f"<summary>{html.escape(repr(self)[1:-1])}</summary>"
+        return f"<details>{words}<pre>{html.escape(text)}</pre></details>"
 
     @property
     def media(self) -> tuple[Law, ...]:

@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 
 from granular_contact.report.figures.outlines import edge, fixed_points
 from granular_contact.report.figures.stage import (
+    FLATTEST,
     FOOTER,
     SIDE,
+    WIDTH,
     Stage,
     arrow_vector,
     backdrop,
@@ -46,6 +48,16 @@ FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 def pictures(results: Results) -> Iterator[Picture]:
     """A picture (height, width, 3) of each frame."""
     return _Film(results, stage_of(results)).pictures(results.frames)
+
+
+def still(results: Results, wide: float, width: int = WIDTH) -> Picture:
+    """A picture of the only frame, so wide (m) and so many px, around the middle of the mechanism."""
+    low, high = bounds(results.frames)
+    height = round(FLATTEST * width) // 2 * 2
+    scale = width / wide
+    left, bottom = 0.5 * (low + high) - 0.5 * np.array([width, height]) / scale
+    stage = Stage(float(left), float(bottom), scale, width, height)
+    return next(_Film(results, stage, words=False).pictures(results.frames))
 
 
 def strip(results: Results, count: int, width: int) -> Picture:

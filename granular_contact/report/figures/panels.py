@@ -6,6 +6,7 @@ Drawn on an Agg canvas directly, without the cost of importing pyplot.
 
 from __future__ import annotations
 
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,18 @@ _PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths, mm: of a panel, of what sta
 ROUND_OFF = 1e-9  # of its scale: what is smaller is no motion, force or energy
 
 
+class _Shown(Figure):
+    """A figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        picture = BytesIO()
+        self.savefig(picture, dpi=DPI, format="png")
+        return picture.getvalue()
+
+
 def blank(width: float, height: float, **options: Any) -> Figure:
     """An empty figure (mm) with an Agg canvas."""
-    figure = Figure(figsize=(width / 25.4, height / 25.4), **options)
+    figure = _Shown(figsize=(width / 25.4, height / 25.4), **options)
     FigureCanvasAgg(figure)
     return figure
 

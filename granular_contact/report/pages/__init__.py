@@ -1,7 +1,7 @@
 """Results folder -> one HTML file that holds everything: text, numbers, figures, animation, scenario, warnings.
 
 folder                        what is on the disk
-run, comparison, sweep, fit   what is shown of each kind of results
+run, comparison, sweep, fit, optimise   what is shown of each kind of results
 templates, rendering          the words and the look of pages; what templates ask for
 """
 
@@ -18,7 +18,7 @@ from typing import Any
 from jinja2 import TemplateError
 
 from granular_contact.report import ENTRIES, PAGE, version
-from granular_contact.report.pages import comparison, fit, run, sweep
+from granular_contact.report.pages import comparison, fit, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
 from granular_contact.report.pages.rendering import GENERATOR, rendered
 
@@ -43,6 +43,7 @@ def html(directory: Path) -> str:
         "run": run.content,
         "compare": comparison.content,
         "fit": fit.content,
+        "optimise": optimise.content,
     }
     try:
         if folder.kind != "sweep":

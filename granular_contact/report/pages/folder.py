@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.config.csv_table import ragged, table_of
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, ResultsError
 from granular_contact.report import ANIMATION, ENTRIES, FIGURES, kind_of
 
 
-class FolderError(Exception):
+class FolderError(ResultsError):
     """A folder that holds no results, or results that can't be read; the message says what and where."""
 
 

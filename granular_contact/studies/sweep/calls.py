@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact import scene
-from granular_contact.config import Scenario, scenario_to_dict, tree
-from granular_contact.config.changed import plain_data
+from granular_contact.config import Loaded, Scenario, scenario_to_dict, tree
+from granular_contact.config.given import plain_data
 from granular_contact.config.sweep import sweep_of
 from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 
 
 def sweep(
-    scenario: Scenario,
+    scenario: Scenario | Loaded,
     vary: Mapping[str, Any] | None = None,
     *,
     sample: Mapping[str, Any] | None = None,
@@ -26,8 +26,8 @@ def sweep(
 
     Parameters
     ----------
-    scenario : Scenario
-        What all cases start from, as `load(path).scenario`.
+    scenario : Scenario or Loaded
+        What all cases start from.
     vary : mapping, optional
         Values by dotted key: a list or an array, or a range `{"from": 1, "to": 9, "count": 5, "scale": "log"}`.
     sample : mapping, optional
@@ -52,11 +52,12 @@ def sweep(
     --------
     In a script these lines stand below `if __name__ == "__main__":`, since the processes import it.
 
-    >>> scenario = load("configs/pendulum.yaml").scenario
-    >>> rows = sweep(scenario, {"medium.eta_d": [4, 5, 6]})
+    >>> rows = sweep(load("pendulum"), {"medium.eta_d": [4, 5, 6]})
     >>> [row["stopping_time_s"] for row in rows]
     """
     given = {"vary": vary, "sample": sample, "combine": combine}
+    if isinstance(scenario, Loaded):
+        scenario = scenario.scenario
     asked = {"config": scenario_to_dict(scenario)} | {key: one for key, one in given.items() if one is not None}
     root = tree.made(plain_data(asked), tree.Position("sweep", None))
     assert isinstance(root, tree.Mapping)

@@ -1,6 +1,6 @@
-"""The work folder of a sweep, `DIR.part` beside its target DIR: finished cases are kept there until all are done.
+"""The work folder of many runs, `DIR.part` beside its target DIR: what is finished is kept there until all is.
 
-    DIR.part/sweep.yaml     the sweep; a folder of another one is refused
+    DIR.part/sweep.yaml     the sweep (or optimise.yaml, the search); a folder of another one is refused
     DIR.part/journal/       rows as they were finished, and what began them
     DIR.part/cases/         results of cases, with --plots
 
@@ -12,22 +12,20 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterator, Set
+from collections.abc import Callable, Iterator, Set
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from granular_contact import report
-from granular_contact.config import Sweep
 from granular_contact.config.differences import MISSING, differences
 from granular_contact.config.tree import dotted
 from granular_contact.errors import GranularContactError
-from granular_contact.report import CASES, JOURNAL, SWEEP, TABLE
+from granular_contact.report import CASES, JOURNAL
 from granular_contact.results.summary import versions
-from granular_contact.studies.sweep import table
 from granular_contact.studies.sweep.journal import Journal
 
 try:
@@ -43,9 +41,30 @@ class FolderRefused(GranularContactError):
 
 
 @dataclass(frozen=True)
+class Contents:
+    """What a work folder is of: a kind of results, the file that says all of it, that file's text, and its table.
+
+    case_name: of a case by its index. packages: versions on which the rows depend besides those of all runs.
+    """
+
+    kind: str
+    file: str
+    text: str
+    table: str
+    case_name: Callable[[int], str]
+    packages: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def noun(self) -> str:
+        """What messages call it."""
+        return {"optimise": "search"}.get(self.kind, self.kind)
+
+
+@dataclass(frozen=True)
 class Checkpoint:
     """A work folder that is open. done: cases that had a row when it was opened; cases: folder for their results."""
 
+    work: Contents
     folder: Path
     target: Path
     journal: Journal
@@ -60,7 +79,7 @@ class Checkpoint:
         OSError
             The disk refuses; the folder stays as it is.
         """
-        for path in (self.folder / SWEEP, self.folder / TABLE):
+        for path in (self.folder / self.work.file, self.folder / self.work.table):
             _sync(path)
         report.swap(self.folder, self.target)
         _remove(self.folder)  # an earlier result of the same sweep, run again
@@ -77,8 +96,8 @@ def work_folder(target: Path) -> Path:
     return target.with_name(f"{target.name}.part")
 
 
-def is_finished(sweep: Sweep, target: Path, cases: bool) -> bool:
-    """Whether `target` holds this sweep already, with results of its cases if these are asked for.
+def is_finished(work: Contents, target: Path, cases: bool = False) -> bool:
+    """Whether `target` holds this sweep or search already, with results of its cases if these are asked for.
 
     Raises
     ------
@@ -87,20 +106,20 @@ def is_finished(sweep: Sweep, target: Path, cases: bool) -> bool:
     OSError
         It is no folder of a sweep.
     """
-    report.check_target(target, "sweep")
+    report.check_target(target, work.kind)
     visible = [path for path in target.iterdir() if not path.name.startswith(".")] if target.exists() else []
     if not visible:
         return False
-    _same(sweep, target, "give another --out, or remove it")
+    _same(work, target, "give another --out, or remove it")
     if cases and not (target / CASES).is_dir():
-        raise FolderRefused(f"{target} holds this sweep without --plots: --restart runs it again")
+        raise FolderRefused(f"{target} holds this {work.noun} without --plots: --restart runs it again")
     _remove(target / JOURNAL)  # the end may have been cut short
     return True
 
 
 @contextmanager
-def open_checkpoint(sweep: Sweep, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Checkpoint]:
-    """The work folder of a sweep, new or of an earlier try, locked against other processes.
+def open_checkpoint(work: Contents, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Checkpoint]:
+    """The work folder of a sweep, made or found again, and kept from other processes meanwhile.
 
     cases: whether each case gets a results folder. restart: throw away what there is.
 
@@ -112,31 +131,31 @@ def open_checkpoint(sweep: Sweep, target: Path, cases: bool = False, restart: bo
         The disk refuses, or something else is in the way.
     """
     folder = work_folder(target)
-    report.check_target(folder, "sweep")
-    begun: dict[str, Any] = {"versions": versions(), "plots": cases}
+    report.check_target(folder, work.kind)
+    begun: dict[str, Any] = {"versions": versions() | work.packages, "plots": cases}
     fresh = not (folder / JOURNAL / _BEGUN).exists()
     if fresh or restart:
         (folder / JOURNAL).mkdir(parents=True, exist_ok=True)
-    with _locked(folder):
+    with _locked(folder, work.noun):
         if fresh or restart:
             _clear(folder)
-            (folder / SWEEP).write_text(table.sweep_text(sweep), encoding="utf-8")
+            (folder / work.file).write_text(work.text, encoding="utf-8")
             _write_whole(folder / JOURNAL / _BEGUN, json.dumps(begun) + "\n")
         else:
-            _same(sweep, folder, "--restart throws it away")
+            _same(work, folder, "--restart throws it away")
             _same_start(folder, begun)
-        (folder / TABLE).unlink(missing_ok=True)
+        (folder / work.table).unlink(missing_ok=True)
         journal = Journal(folder / JOURNAL)
         done = frozenset(journal.done())
         place = folder / CASES if cases else None
         if place is not None:
-            _keep_only(place, {sweep.cases[i].name for i in done})
-        yield Checkpoint(folder, target.resolve(), journal, done, place)
+            _keep_only(place, {work.case_name(i) for i in done})
+        yield Checkpoint(work, folder, target.resolve(), journal, done, place)
 
 
 @contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Lock `folder` for this process; the system releases the lock when the process dies."""
+def _locked(folder: Path, noun: str) -> Iterator[None]:
+    """Keep `folder` for this process; the system takes the lock away when the process dies."""
     if fcntl is None:
         yield
         return
@@ -144,18 +163,18 @@ def _locked(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise FolderRefused(f"{folder}: another process is at work on this sweep") from None
+            raise FolderRefused(f"{folder}: another process is at work on this {noun}") from None
         yield
 
 
-def _same(sweep: Sweep, folder: Path, remedy: str) -> None:
-    """Raise unless `folder` holds this very sweep."""
-    path, here = folder / SWEEP, table.sweep_text(sweep)
+def _same(work: Contents, folder: Path, remedy: str) -> None:
+    """Raise unless `folder` holds this very sweep or search."""
+    path, noun = folder / work.file, work.noun
     if not path.exists():
-        raise FolderRefused(f"{folder} does not tell which sweep it is of, as it has no {SWEEP}: {remedy}")
+        raise FolderRefused(f"{folder} does not tell which {noun} it is of, as it has no {work.file}: {remedy}")
     there = path.read_text(encoding="utf-8")
-    if here != there:
-        raise FolderRefused(f"{folder} is of another sweep ({_difference(there, here)}): {remedy}")
+    if work.text != there:
+        raise FolderRefused(f"{folder} is of another {noun} ({_difference(there, work.text, work.file)}): {remedy}")
 
 
 def _same_start(folder: Path, begun: dict[str, Any]) -> None:
@@ -172,13 +191,13 @@ def _same_start(folder: Path, begun: dict[str, Any]) -> None:
 _ABOUT = (".standing", ".provenance")
 
 
-def _difference(there: str, here: str) -> str:
+def _difference(there: str, here: str, file: str) -> str:
     """The first key that differs, with both values."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
         found = differences(yaml.load(here, loader), yaml.load(there, loader))
     except yaml.YAMLError:
-        return f"its {SWEEP} can't be read"
+        return f"its {file} can't be read"
     # What a medium's numbers rest on changes with them, and the numbers say more.
     first = min(found, key=lambda one: dotted(one[0]).endswith(_ABOUT), default=None)
     if first is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from contextlib import closing
 from itertools import islice
 from pathlib import Path
 
@@ -74,25 +75,47 @@ def run(
     WorkerPoolError
         The workers can't be reached any more.
     """
-    local = journal is not None and pool.local  # then the workers write
-    keep = None if journal is None else journal.writer()
-    job = Job(sweep, function, cases_folder, journal.folder if journal is not None and local else None).packed()
-    scheduler = _Scheduler(_tasks(sweep, done), len(sweep.cases) - len(done), pool.count)
-    suspects: list[Task] = []
-    try:
-        for line in _together(scheduler, pool, job, suspects):
-            if keep is not None and not local:
-                keep.append(line)
+    with closing(CaseRunner(sweep, pool, journal=journal, cases_folder=cases_folder, function=function)) as cases:
+        yield from cases.rows(_tasks(sweep, done), len(sweep.cases) - len(done))
+
+
+class CaseRunner:
+    """Runs cases of one config in a pool, handed over at once or in portions; to be closed."""
+
+    def __init__(
+        self,
+        sweep: Sweep,
+        pool: WorkerPool,
+        *,
+        journal: Journal | None = None,
+        cases_folder: Path | None = None,
+        function: Simulate = simulate,
+    ) -> None:
+        """As of `run`; the cases of the sweep itself do not matter here."""
+        self._sweep, self._pool, self._journal = sweep, pool, journal
+        self._local = journal is not None and pool.local  # then the workers write
+        self._keep = None if journal is None else journal.writer()
+        folder = journal.folder if journal is not None and self._local else None
+        self._job = Job(sweep, function, cases_folder, folder).packed()
+
+    def rows(self, tasks: Iterator[Task], count: int) -> Iterator[Row]:
+        """Rows of so many tasks as they are finished; errors as of `run`."""
+        scheduler, suspects = _Scheduler(tasks, count, self._pool.count), list[Task]()
+        for line in _together(scheduler, self._pool, self._job, suspects):
+            if self._keep is not None and not self._local:
+                self._keep.append(line)
             yield Row.of(line)
-        if suspects and journal is not None and local:
-            suspects = yield from _without_finished(suspects, journal)
-        for line, lost in _one_by_one(suspects, sweep, pool, job) if suspects else ():
-            if keep is not None and (lost or not local):
-                keep.append(line)
+        if suspects and self._journal is not None and self._local:
+            suspects = yield from _without_finished(suspects, self._journal)
+        for line, lost in _one_by_one(suspects, self._sweep, self._pool, self._job) if suspects else ():
+            if self._keep is not None and (lost or not self._local):
+                self._keep.append(line)
             yield Row.of(line)
-    finally:
-        if keep is not None:
-            keep.close()
+
+    def close(self) -> None:
+        """No more rows; the pool stays as it is."""
+        if self._keep is not None:
+            self._keep.close()
 
 
 def _without_finished(tasks: Sequence[Task], journal: Journal) -> Generator[Row, None, list[Task]]:

@@ -11,6 +11,7 @@ from typing import Any
 
 from granular_contact.config import Sweep, scenario_to_dict
 from granular_contact.report import PROGRAM, SWEEP, TABLE, version, write_table, yaml_text
+from granular_contact.studies.sweep.checkpoint import Contents
 from granular_contact.studies.sweep.journal import Row
 
 CASE = "case"
@@ -26,7 +27,7 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
     """
     names = columns(sweep, rows)
     found = ({**row.summary, **row.values, CASE: row.name} for row in rows)
-    write_table(folder / TABLE, names, ([_cell(cells.get(name)) for name in names] for cells in found))
+    write_table(folder / TABLE, names, ([cell(cells.get(name)) for name in names] for cells in found))
 
 
 def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
@@ -37,17 +38,22 @@ def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
     return list(dict.fromkeys([CASE, *sweep.keys, *told[0], *told[1]]))
 
 
-def _cell(value: Any) -> str:
+def cell(value: Any) -> str:
     """`repr` of a float is the shortest text that reads back as the same one; nothing for what is not known."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list) and not any(isinstance(entry, dict | list) for entry in value):
-        return "; ".join(map(_cell, value))
+        return "; ".join(map(cell, value))
     if isinstance(value, dict | list):
         return json.dumps(value, ensure_ascii=False)
     return repr(value) if isinstance(value, float) else str(value)
+
+
+def work_of(sweep: Sweep) -> Contents:
+    """What its folder is of."""
+    return Contents("sweep", SWEEP, sweep_text(sweep), TABLE, lambda index: sweep.cases[index].name)
 
 
 def sweep_text(sweep: Sweep) -> str:

@@ -1,0 +1,99 @@
+"""What the commands that run many scenes share: who works, where unfinished work is kept, and what is said of it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granular_contact.cli.common import FAULTY_INPUT, INTERRUPTED, add_output, complain, reason, worker_count
+from granular_contact.errors import ConfigError
+
+if TYPE_CHECKING:
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
+
+
+def add_arguments(parser: argparse.ArgumentParser, words: str, restart: str) -> None:
+    """Add the arguments of such a command; words: what its FILE holds; restart: what --restart does."""
+    parser.add_argument("file", metavar="FILE", help=words)
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
+    words = "run on the workers of a Dask cluster, as tcp://host:8786"
+    where.add_argument("--scheduler", metavar="ADDRESS", help=words)
+    parser.add_argument("--restart", action="store_true", help=restart)
+    add_output(parser, "results/NAME_OF_FILE")
+
+
+def with_pool(chosen: argparse.Namespace, shared: Path | None, act: Callable[[WorkerPool], int]) -> int:
+    """Exit code of what is done with the pool that was asked for; shared: a folder that workers must see."""
+    from granular_contact.studies.sweep import FolderRefused, WorkerPoolError
+
+    try:
+        with pool(chosen, shared) as made:
+            return act(made)
+    except (WorkerPoolError, FolderRefused) as error:
+        complain(str(error))
+        return FAULTY_INPUT
+
+
+def pool(chosen: argparse.Namespace, shared: Path | None) -> WorkerPool:
+    """Who works: processes of this machine, or those of a cluster."""
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.processes import prepare
+
+    if chosen.scheduler is None:
+        prepare()  # while the file is read
+        return WorkerPool(chosen.workers)
+    from granular_contact.studies.sweep.cluster import cluster_pool
+
+    return cluster_pool(chosen.scheduler, shared)
+
+
+def with_checkpoint(
+    chosen: argparse.Namespace,
+    work: Contents,
+    folder: Path,
+    pool: WorkerPool,
+    act: Callable[[Checkpoint], int],
+    *,
+    count: int,
+    interrupted: Callable[[Checkpoint], None],
+    cases: bool = False,
+) -> int:
+    """Exit code of what is done in the work folder; what is finished is kept there, however it ends.
+
+    count: runs in all; interrupted: what is written besides after Ctrl-C; cases: whether cases have folders.
+    """
+    from granular_contact.studies.sweep import WorkerPoolError
+    from granular_contact.studies.sweep.checkpoint import open_checkpoint
+
+    try:
+        with open_checkpoint(work, folder, cases, chosen.restart) as checkpoint:
+            try:
+                return act(checkpoint)
+            except BaseException as error:
+                pool.shutdown()
+                kept = _kept(checkpoint, count)
+                if kept and isinstance(error, KeyboardInterrupt):
+                    interrupted(checkpoint)
+                    complain(f"interrupted; {kept}")
+                    return INTERRUPTED
+                if kept and isinstance(error, OSError | WorkerPoolError):
+                    complain(f"the {work.noun} can't go on: {reason(error)}; {kept}")
+                    return FAULTY_INPUT
+                if not kept or isinstance(error, ConfigError):
+                    checkpoint.discard()
+                raise
+    except OSError as error:
+        complain(f"the {work.noun} can't go on, or can't be saved in {folder}: {reason(error)}")
+        return FAULTY_INPUT
+
+
+def _kept(checkpoint: Checkpoint, count: int) -> str:
+    """What unfinished work leaves, in words; empty if that is nothing."""
+    saved, what = len(checkpoint.journal), "cases" if checkpoint.work.kind == "sweep" else "runs"
+    if not saved:
+        return ""
+    return f"{saved} of {count} {what} are kept in {checkpoint.folder}, and the same command goes on from there"

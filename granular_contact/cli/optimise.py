@@ -1,0 +1,124 @@
+"""The command `optimise`: the best numbers of a config looked for, going on where an earlier search was killed."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granular_contact.cli import many
+from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, complain, output_folder, print_table
+from granular_contact.cli.sweep_progress import progress
+from granular_contact.config import Study, load_optimise
+from granular_contact.errors import MissingPackageError
+
+if TYPE_CHECKING:
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint
+
+HELP = "find the numbers of a config that are best, on all cores or a cluster"
+MOST_REASONS = 5
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    words = "take all runs anew, also those that an earlier search has finished, and replace its results"
+    many.add_arguments(parser, "YAML file with a config, parameters and an objective", words)
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    folder = output_folder(chosen.out, Path(chosen.file).stem, "optimise")
+    try:
+        return many.with_pool(chosen, None, partial(_with_pool, chosen, folder))
+    except MissingPackageError as error:
+        complain(f"{chosen.file}: {error}")
+        return FAULTY_INPUT
+
+
+def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
+    from granular_contact import scene
+    from granular_contact.studies.optimise.writing import work_of
+    from granular_contact.studies.sweep.checkpoint import is_finished
+
+    study = load_optimise(chosen.file, probe=scene.build)
+    work = work_of(study)
+    if is_finished(work, folder) and not chosen.restart:
+        if not chosen.quiet:
+            print(f"{folder} holds all runs of this search already; --restart takes them again")
+        return _show(folder, folder, chosen.quiet)
+    return many.with_checkpoint(
+        chosen,
+        work,
+        folder,
+        pool,
+        lambda checkpoint: _run(chosen, study, pool, checkpoint, folder),
+        count=study.file.evaluations,
+        interrupted=lambda _: None,
+    )
+
+
+def _run(chosen: argparse.Namespace, study: Study, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+    from granular_contact.studies.optimise.search import search
+    from granular_contact.studies.optimise.writing import write_outcome
+
+    count, begin = study.file.evaluations, time.perf_counter()
+    if checkpoint.done and not chosen.quiet:
+        print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} runs are there", flush=True)
+    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet, "runs") as advance:
+        outcome = search(study, pool, journal=checkpoint.journal, advance=advance)
+    write_outcome(outcome, checkpoint.folder, figures=study.sweep.base.output.figures)
+    code = _show(checkpoint.folder, folder, chosen.quiet)
+    checkpoint.finish()
+    if not chosen.quiet:
+        taken = time.perf_counter() - begin
+        print(
+            f"{study.name}: {len(outcome.runs)} runs in {taken:.2f} s, saved in {folder}; best.yaml is a config to run"
+        )
+    return code
+
+
+def _show(place: Path, folder: Path, quiet: bool) -> int:
+    """Print what a search found, as it lies in a place; returns the exit code."""
+    from granular_contact.report import OPTIMUM
+
+    told: dict[str, Any] = json.loads((place / OPTIMUM).read_text(encoding="utf-8"))
+    if not quiet:
+        _tables(told)
+    if told["failed"]:
+        reasons = list(told["failures"].items())
+        complain(f"{told['failed']} of {told['runs']} runs failed and count as worst:")
+        for words, count in reasons[:MOST_REASONS]:
+            complain(f"  {count} times: {words}")
+    if told["ended"]:
+        complain(f"notice: it ended before all runs were taken: {told['ended']}")
+    if told["best"] is None:
+        complain(f"every run failed, so there is no best; saved in {folder}")
+        return FAILED
+    if not told["best_is_allowed"]:
+        complain("warning: no run keeps all constraints; the best is the one that breaks them least")
+    return FINE
+
+
+def _tables(told: dict[str, Any]) -> None:
+    rows = [
+        [name, *(_number(one[key]) for key in ("from", "to", "start", "best"))]
+        for name, one in told["parameters"].items()
+    ]
+    print_table("parameter", ("from", "to", "as it was", "best"), rows)
+    worth = [[told["objective"], "", "", *(_number(told[key]) for key in ("start", "best"))]]
+    worth += [
+        [name, *(_number(one[key]) for key in ("at_least", "at_most", "start", "best"))]
+        for name, one in told["constraints"].items()
+    ]
+    print_table(f"{told['sense']}, and constraints", ("at least", "at most", "as it was", "best"), worth)
+    if told["gain_relative"] is not None:
+        print(f"better by {100 * told['gain_relative']:.3g} % than the config as it was")
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.5g}"

@@ -1,0 +1,103 @@
+"""Values given in Python -> what `--set` makes of its texts: overrides of a config, checked in the same words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from pydantic import BaseModel
+
+from granular_contact.config import overrides, tree
+from granular_contact.errors import Fault
+
+if TYPE_CHECKING:
+    from typing_extensions import TypedDict
+
+    Section: TypeAlias = Mapping[str, Any]
+    Named: TypeAlias = str | PathLike[str] | Mapping[str, Any] | BaseModel
+
+    class SolverChanges(TypedDict, total=False):
+        """Keys of `solver`."""
+
+        end_time_s: float
+        step_s: float
+        rest_time_s: float | None
+        rest_speed_m_s: float
+        accuracy: float | None
+        max_wall_s: float | None
+        spectral_radius: float | None
+        tolerance: float
+
+    class OutputChanges(TypedDict, total=False):
+        """Keys of `output`."""
+
+        interval_s: float | None
+        figures: bool
+        bodies: str
+
+    class LoadChanges(TypedDict, total=False):
+        """Keys of `load`."""
+
+        form: str
+        end_cap: bool
+        strips_per_element: int
+        strips_per_rigid_part: int
+        friction: Section
+
+    class Changes(TypedDict, total=False):
+        """Parts of a config, for editors; a test holds them to the schema."""
+
+        name: str | None
+        model: Named
+        medium: Named | Sequence[Named] | None
+        gravity_m_s2: float
+        surface_height_m: float | None
+        bed: Section | None
+        initial: Section
+        drives: Section
+        signals: Section
+        load: LoadChanges
+        solver: SolverChanges
+        method: str | Section
+        output: OutputChanges
+
+
+# A mapping with one of these says what kind of thing it is, and takes the place of another one as a whole.
+TAGS = ("from", "law", "type")
+WHOLE = (("method",),)
+
+
+def changes(values: Mapping[str, Any], caller: str, faults: list[Fault]) -> list[overrides.Override]:
+    """The overrides of values by dotted key, or in mappings as in a config.
+
+    Of a mapping only the keys that it names are changed, unless it says its kind (`type`, `law` or `from`).
+    caller: what messages name as their place.
+    """
+    return overrides.effective([one for key, value in values.items() for one in _leaves(key, value, caller, faults)])
+
+
+def _leaves(key: str, value: Any, caller: str, faults: list[Fault]) -> Iterator[overrides.Override]:
+    value = plain_data(value)
+    at = tree.Position(f"{caller} {key}={value!r}"[:120], None)
+    path = overrides.split(key, at, faults)
+    if path is None:
+        return
+    if not isinstance(value, dict) or not value or path in WHOLE or any(tag in value for tag in TAGS):
+        yield overrides.Override(path, tree.made(value, at), at)
+        return
+    for below, held in value.items():
+        yield from _leaves(f"{key}.{below}", held, caller, faults)
+
+
+def plain_data(value: Any) -> Any:
+    """A value of Python or numpy in the plain types of YAML."""
+    if isinstance(value, BaseModel):
+        value = value.model_dump(by_alias=True)
+    if isinstance(value, PathLike):
+        value = str(value)
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain_data(held) for key, held in value.items()}
+    return [plain_data(held) for held in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,194 @@
+"""Coordinates of one instant -> Observations, in the coordinates of the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.multibody.coordinates import End, Hinge, RigidHinge, Slider, coordinate
+from granular_contact.multibody.mass_and_gravity import mass_matrix
+from granular_contact.multibody.mechanism import label
+from granular_contact.multibody.system import System
+from granular_contact.results.observed import Observations, Seen, Told
+from granular_contact.results.series import clockwise_moment
+from granular_contact.scene.types import Connection, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.bed.load import GranularLoad
+
+
+Places = NDArray[np.int64]
+
+
+class Senses:
+    """Reads observations of a system; `seen`: what there is of them.
+
+    It follows links that bend from row to row, for their slopes do not tell whole turns.
+    """
+
+    def __init__(self, system: System, load: GranularLoad | None) -> None:
+        self.system, self.load = system, load
+        scene = system.scene
+        joints = [joint for joint in scene.connections if joint.has_coordinate]
+        bodies = [body.name for body in scene.bodies]
+        of_load = () if load is None else load.table.bodies
+        self.seen = Seen(
+            tuple(joint.name for joint in joints),
+            tuple(joint.kind == "hinge" for joint in joints),
+            tuple(label(name) for name in bodies),
+            tuple(label(name) for name in of_load),
+        )
+        self._nodes: dict[str, list[list[int]]] = {
+            name: [list(system.mbs.systemData.GetNodeLTGODE2(node)) for node in nodes]
+            for name, nodes in self._all_nodes().items()
+        }
+        self._turning: list[tuple[End, list[int]]] = []  # ends on links, with the places of their coordinates
+        self._joints = [self._joint(joint) for joint in joints]
+        self._rigid = np.array([self._nodes[name][0] for name in system.rigid], int).reshape(-1, 3)
+        self._links = [self._link(name) for name in system.links]
+        self._hinges = self._rigid_hinges(joints)
+        self._met = np.array([bodies.index(name) for name in of_load], int)
+        self._lines = _lines_of(load)
+        self._above = np.full(len(of_load), -np.inf)
+
+    def _all_nodes(self) -> dict[str, tuple[int, ...]]:
+        rigid = {name: (handle.node,) for name, handle in self.system.rigid.items()}
+        return rigid | {name: handle.nodes for name, handle in self.system.links.items()}
+
+    # ---- set up ----
+
+    def _end(self, body: str | None, point: Vector) -> tuple[End, list[int]]:
+        """End of a joint for coordinates with their reference values, and the places of these."""
+        if body is None:
+            return End([], point.tolist()), []
+        bends = body in self.system.links
+        places = self._nodes[body][self.system.links[body].end(point) if bends else 0]
+        end = End([0.0] * len(places), [0.0, 0.0] if bends else point.tolist(), self._start(body))
+        if bends:
+            self._turning.append((end, places))
+            self.system.ends.append(end)
+        return end, places
+
+    def _start(self, body: str) -> float:
+        return self.system.scene.body(body).motion.angle
+
+    def _joint(self, joint: Connection) -> tuple[Hinge | Slider, list[int]]:
+        (parent, first), (child, second) = (
+            self._end(joint.parent, joint.parent_point),
+            self._end(joint.child, joint.child_point),
+        )
+        return coordinate(joint, parent, child), first + second
+
+    def _link(self, name: str) -> tuple[Vector, End, list[int]]:
+        """Shares (2, m) of coordinates in a link's centre of mass, the end at its root, and its places."""
+        mass, nodes = mass_matrix(self.system), np.array(self._nodes[name])
+        shares = []
+        for axis in (0, 1):
+            along = np.zeros(mass.shape[0])
+            along[nodes[:, axis]] = 1.0
+            shares.append(mass @ along / (along @ mass @ along))
+        return np.array(shares), *self._end(name, np.zeros(2))
+
+    def _rigid_hinges(self, joints: list[Connection]) -> tuple[Vector, Vector, list[int]]:
+        """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies; the joints that are none."""
+        matrix, offsets = np.zeros((len(joints), self.system.mbs.systemData.ODE2Size())), np.zeros(len(joints))
+        others = []
+        for i, (joint, (how, places)) in enumerate(zip(joints, self._joints, strict=True)):
+            if not isinstance(how, RigidHinge):
+                others.append(i)
+                continue
+            offsets[i] = joint.offset
+            matrix[i, places[-1]] = -1.0
+            if joint.parent is not None:
+                matrix[i, places[2]] = 1.0
+        return matrix, offsets, others
+
+    # ---- read ----
+
+    def follow(self, q: Vector) -> None:
+        """Count the turns of links over rows (n, m) of coordinates that came since it was told some last."""
+        for end, places in self._turning:
+            end.last = float(np.unwrap([end.last, *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1])
+
+    def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
+        """Observations at a time (s) of coordinates (m,), reference values included, and rates.
+
+        row: of the history of the load, None without one. Arrays that are written over later are copied.
+        """
+        batches = () if self.load is None else self.load.batches
+        now = _Now(self, q, v.copy(), None if row is None else row.copy(), [batch.depths.copy() for batch in batches])
+        if self._turning:  # which later lie elsewhere
+            return Observations(self.seen, time, Told(now.joints(), now.bodies(), now.medium()))
+        return Observations(self.seen, time, now)
+
+    def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """Coordinates and rates of joints."""
+        matrix, offsets, others = self._hinges
+        coordinates, rates = matrix @ q + offsets, matrix @ v
+        for i in others:
+            how, places = self._joints[i]
+            coordinates[i], rates[i], _ = how.at(q[places].tolist(), v[places].tolist())
+        return coordinates, rates
+
+    def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """Poses and velocities of bodies."""
+        poses, velocities = q[self._rigid], v[self._rigid]
+        if self._links:
+            bent = [self._of_link(q, v, *link) for link in self._links]
+            poses = np.vstack([poses, [pose for pose, _ in bent]])
+            velocities = np.vstack([velocities, [velocity for _, velocity in bent]])
+        poses[:, 2] = 0.0 - poses[:, 2]  # no zero below zero
+        velocities[:, 2] = 0.0 - velocities[:, 2]
+        return poses, velocities
+
+    @staticmethod
+    def _of_link(q: Vector, v: Vector, shares: Vector, end: End, places: list[int]) -> tuple[Vector, Vector]:
+        angle, rate, _ = end.angle(q[places].tolist(), v[places].tolist())
+        return np.array([*(shares @ q), angle]), np.array([*(shares @ v), rate])
+
+    def medium(self, poses: Vector, row: Vector | None, depths: list[Vector]) -> tuple[Vector, Vector]:
+        """Forces and depths of bodies at their poses; depths: of the lines of each batch."""
+        if self.load is None or row is None:
+            return np.zeros((0, 3)), np.zeros(0)
+        forces = self.load.table.wrenches(row)
+        forces[:, 2] = clockwise_moment(forces, poses[self._met, :2])
+        deepest = self._above.copy()
+        for of_lines, (order, starts, bodies) in zip(depths, self._lines, strict=True):
+            deepest[bodies] = np.maximum(deepest[bodies], np.maximum.reduceat(of_lines[order], starts))
+        return forces, deepest
+
+
+@dataclass
+class _Now:
+    """One instant, see `Instant`."""
+
+    senses: Senses
+    q: Vector
+    v: Vector
+    row: Vector | None
+    depths: list[Vector]
+
+    def joints(self) -> tuple[Vector, Vector]:
+        return self.senses.joints(self.q, self.v)
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        return self.senses.bodies(self.q, self.v)
+
+    def medium(self) -> tuple[Vector, Vector]:
+        return self.senses.medium(self.bodies()[0], self.row, self.depths)
+
+
+def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:
+    """Of each batch: an order of its lines by their bodies, where in it each body begins, and which body that is."""
+    if load is None:
+        return []
+    found = []
+    for batch in load.batches:
+        body = np.array([load.table.bodies.index(line.body) for line in batch.lines])
+        order = np.argsort(body, kind="stable")
+        bodies, starts = np.unique(body[order], return_index=True)
+        found.append((order, starts, bodies))
+    return found

@@ -1,0 +1,126 @@
+"""State of a solve between two steps: all that its future and its results depend on, to go back to it later.
+
+The future is the same bit for bit: beside the motion there are the friction state of bed and joints, the algorithmic
+acceleration of the scheme, the choice of steps, and the Jacobian that Newton's method goes on with (see `tangent`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import exudyn as exu
+
+from granular_contact.multibody.recorder import Recorder
+from granular_contact.multibody.stepping import KEPT
+from granular_contact.multibody.system import System
+from granular_contact.multibody.tangent import Place, Tangent, joint_states, set_joints, set_turns, turns
+from granular_contact.scene.types import Vector
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.coupling import CouplingState
+
+COUNTS = ("newtonStepsCount", "newtonJacobiCount", "rejectedModifiedNewtonSteps")
+
+
+@dataclass(frozen=True)
+class SolveState:
+    """Of the engine, of what follows its steps, and of the granular load.
+
+    time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
+    constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints, turns: see
+    `tangent`. recorded, control: fields of the recorder and of the choice of steps. bed: None without one.
+    """
+
+    time: float
+    q: Vector
+    v: Vector
+    a: Vector
+    algorithmic: Vector
+    multipliers: Vector
+    step: float
+    outdated: bool
+    place: Place | None
+    counts: tuple[int, ...]
+    joints: tuple[tuple[float, float | None], ...]
+    first_anchors: tuple[float, ...]
+    turns: tuple[float, ...]
+    recorded: dict[str, Any]
+    control: dict[str, Any] | None
+    bed: CouplingState | None
+    seconds: float
+    success: bool
+    problem: str
+    restarts: bool
+
+
+class Keeper:
+    """Takes states of a solve, and goes back to them; made before its first step."""
+
+    def __init__(self, system: System, solver: Any, recorder: Recorder, simulation: Any) -> None:
+        self.system, self.solver, self.recorder, self.simulation = system, solver, recorder, simulation
+        self.tangent = Tangent(system, solver, simulation)
+
+    def state(self, seconds: float, success: bool, problem: str, restarts: bool) -> SolveState:
+        """The present state."""
+        system, solver, data = self.system, self.solver, self.system.mbs.systemData
+        control = self.recorder.control
+        return SolveState(
+            time=data.GetTime(),
+            q=data.GetODE2Coordinates(),
+            v=data.GetODE2Coordinates_t(),
+            a=data.GetODE2Coordinates_tt(),
+            algorithmic=solver.GetAAlgorithmic(),
+            multipliers=data.GetAECoordinates(),
+            step=solver.it.currentStepSize,
+            outdated=solver.conv.jacobianUpdateRequested,
+            place=self.tangent.place,
+            counts=tuple(getattr(solver.it, name) for name in COUNTS),
+            joints=joint_states(system),
+            first_anchors=tuple(load.first_anchor for load in system.loads.values()),
+            turns=turns(system),
+            recorded=self.recorder.kept(),
+            control=None if control is None else {name: getattr(control, name) for name in KEPT},
+            bed=None if system.bed is None else system.bed.kept,
+            seconds=seconds,
+            success=success,
+            problem=problem,
+            restarts=restarts,
+        )
+
+    def restore(self, kept: SolveState) -> None:
+        """Go back to a state of a solve of the same scene."""
+        system, solver, recorder, data = self.system, self.solver, self.recorder, self.system.mbs.systemData
+        system.mbs.SetRenderEngineStopFlag(False)  # what a finished solve left
+        if kept.place is not None and not kept.outdated:
+            self.tangent.again(kept.place)
+        self.tangent.place = kept.place
+        self._set_engine(kept, data)
+        for name, count in zip(COUNTS, kept.counts, strict=True):
+            setattr(solver.it, name, count)
+        set_joints(system, kept.joints)
+        for load, anchor in zip(system.loads.values(), kept.first_anchors, strict=True):
+            load.first_anchor = anchor
+        set_turns(system, kept.turns)
+        recorder.restore(kept.recorded)
+        if recorder.control is not None:
+            vars(recorder.control).update(kept.control or {})
+        if system.bed is not None and kept.bed is not None:
+            system.bed.restore(kept.bed)
+
+    def _set_engine(self, kept: SolveState, data: Any) -> None:
+        """Bring the engine's own state back; its scheme takes the accelerations of an initial state for its own."""
+        start, scheme = exu.ConfigurationType.Initial, self.simulation.timeIntegration.generalizedAlpha
+        data.SetODE2Coordinates(kept.q, start)
+        data.SetODE2Coordinates_t(kept.v, start)
+        data.SetODE2Coordinates_tt(kept.algorithmic, start)
+        computes, resets = scheme.computeInitialAccelerations, scheme.resetAccelerations
+        scheme.computeInitialAccelerations = scheme.resetAccelerations = False
+        self.solver.InitializeSolverInitialConditions(self.system.mbs, self.simulation)
+        scheme.computeInitialAccelerations, scheme.resetAccelerations = computes, resets
+        data.SetODE2Coordinates_tt(kept.a)
+        data.SetAECoordinates(kept.multipliers)
+        data.SetTime(kept.time)
+        it = self.solver.it
+        it.currentTime, it.currentStepSize = kept.time, kept.step
+        self.solver.conv.jacobianUpdateRequested = kept.outdated

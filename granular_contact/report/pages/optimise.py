@@ -1,0 +1,65 @@
+"""What the page of a search shows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from granular_contact.report import BEST, BEST_CONFIG, FIGURES, HISTORY, OPTIMISE, OPTIMUM, PROGRAM
+from granular_contact.report.pages.folder import Folder
+from granular_contact.report.units import label, plain, quantity
+
+MOST_ROWS = 100  # shown; the rest is in the table
+MOST_REASONS = 10
+_WORDS = {
+    "history": "The objective of each run, the best so far, and half of each generation.",
+    "parameters": "What each run tried; the line is the best run.",
+}
+
+
+def content(folder: Folder) -> dict[str, Any]:
+    """What its template asks for."""
+    told = folder.read(OPTIMUM)
+    head, rows = folder.table(HISTORY)
+    parameters = told["parameters"]
+    shown = ["run", "generation", *parameters, "objective", "excess", "failure"]
+    places = [head.index(name) for name in shown]
+    reasons = sorted(told["failures"].items(), key=lambda item: -item[1])
+    return {
+        "title": told["name"],
+        "version": told["versions"].get(PROGRAM, ""),
+        "told": told,
+        "gain": None if told["gain_relative"] is None else f"{100 * told['gain_relative']:.3g} %",
+        "start": _worth(told, "start"),
+        "best": _worth(told, "best"),
+        "parameters": [
+            [label(name), *(quantity(name, one[key]) for key in ("from", "to")), one["scale"], *_numbers(name, one)]
+            for name, one in parameters.items()
+        ],
+        "constraints": [
+            [label(name), *(_number(name, one[key]) for key in ("at_least", "at_most", "start", "best"))]
+            for name, one in told["constraints"].items()
+        ],
+        "reasons": [[words, count] for words, count in reasons[:MOST_REASONS]],
+        "pictures": [(path, _WORDS.get(path.stem, path.stem)) for path in folder.figures()],
+        "mechanism": next(iter(sorted((folder.path / BEST / FIGURES).glob("mechanism.png"))), None),
+        "config": folder.text(BEST_CONFIG),
+        "search": folder.text(OPTIMISE),
+        "columns": shown,
+        "rows": [[row[place] for place in places] for row in rows],
+        "most": MOST_ROWS,
+    }
+
+
+def _worth(told: dict[str, Any], key: str) -> str:
+    value, words = told[key], told["objective"]
+    if value is None:
+        return "none"
+    return plain(value) if " " in words else quantity(words, value)  # a sum has no unit
+
+
+def _numbers(name: str, one: dict[str, Any]) -> list[str]:
+    return [_number(name, one[key]) for key in ("start", "best")]
+
+
+def _number(name: str, value: Any) -> str:
+    return "" if value is None else quantity(name, value) or plain(value)

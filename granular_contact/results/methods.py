@@ -1,0 +1,167 @@
+"""What users ask of results that the parts above do: folders by `report`, figures by `report.figures`."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.errors import ConfigError, MissingPackageError, ResultsError, SceneError
+from granular_contact.results import Column, Results, Status, StatusCode
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from granular_contact.report.pages.folder import Folder
+
+_TERM = re.compile(r"(.+)_force_x_N")
+_SHOWN = (
+    *("stopping_time_s", "angle_at_stop_deg", "max_depth_m", "max_deflection_m"),
+    *("forward_speed_m_s", "forward_speed_second_half_m_s", "cost_of_transport"),
+)
+
+
+def dataframe(results: Results) -> Any:
+    """The table as a DataFrame."""
+    try:
+        pandas: Any = importlib.import_module("pandas")
+    except ImportError:
+        raise MissingPackageError("to_dataframe() needs pandas: pip install pandas") from None
+    frame = pandas.DataFrame(results.table.copy(), columns=results.names)
+    frame.attrs = {column.name: column.description for column in results.columns}
+    return frame
+
+
+def plot(results: Results, names: Sequence[str]) -> Figure:
+    """Columns over time."""
+    from granular_contact.report.figures import style
+    from granular_contact.report.figures.chosen import chosen
+
+    with style():
+        return chosen(results, names)
+
+
+def figures(results: Results) -> dict[str, Figure]:
+    """All figures of a run."""
+    from granular_contact.report import figures as drawn
+
+    with drawn.style():
+        return drawn.figures(results)
+
+
+def save(results: Results, directory: Path, with_figures: bool) -> Path:
+    """Write a results folder."""
+    from granular_contact import report
+
+    report.write(results, directory, figures=with_figures)
+    return directory
+
+
+# ---- a folder read back ----
+
+
+def opened(directory: Path) -> Results:
+    """The results of a run in a folder."""
+    from granular_contact.report import SCENARIO, SERIES, SUMMARY, kind_of
+    from granular_contact.report.pages.folder import Folder
+
+    if not directory.is_dir():
+        raise ResultsError(f"{directory} is {'a file' if directory.exists() else 'not there'}; a folder is needed")
+    kind, folder = kind_of(directory), Folder(directory, "run")
+    if kind not in (None, "run"):
+        raise ResultsError(f"{directory} holds results of a {kind}, and not of one run")
+    summary = folder.read(SUMMARY)
+    columns = tuple(_columns(summary.pop("columns", None), directory / SUMMARY))
+    table = _table(directory / SERIES, columns)
+    status = _status(summary, directory / SUMMARY)
+    scenario, bed = _scenario(folder, directory / SCENARIO)
+    terms = tuple(found[1] for column in columns if (found := _TERM.fullmatch(column.name)))
+    warnings = tuple(map(str, summary.get("warnings") or ()))
+    return Results(
+        name=str(summary.get("name")),
+        status=status,
+        columns=columns,
+        table=table,
+        summary=summary,
+        scenario=scenario,
+        snapshots=(),
+        warnings=warnings,
+        terms=terms,
+        **bed,
+    )
+
+
+def _columns(told: object, file: Path) -> Iterator[Column]:
+    if not isinstance(told, dict) or not told:
+        raise ResultsError(f"{file}: tells no columns, as this program writes them")
+    yield from (Column(str(name), str(words)) for name, words in told.items())
+
+
+def _status(summary: dict[str, Any], file: Path) -> Status:
+    code: Any = summary.get("status")
+    message = summary.get("message")
+    if code not in get_args(StatusCode) or not isinstance(message, str):
+        raise ResultsError(f"{file}: got the status {code!r}; allowed is one of {', '.join(get_args(StatusCode))}")
+    return Status(code, message)
+
+
+def _table(file: Path, columns: Sequence[Column]) -> NDArray[np.float64]:
+    try:
+        with file.open(encoding="utf-8") as lines:
+            head = lines.readline().rstrip("\n").split(",")
+            table = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
+    except FileNotFoundError:
+        raise ResultsError(f"{file.parent} holds no {file.name}: it is not a complete run") from None
+    except (OSError, ValueError) as error:  # of text that is no number, of rows that are cut short
+        words = str(getattr(error, "strerror", None) or error).partition("\n")[0]
+        raise ResultsError(f"{file}: can't be read as a table: {words}") from None
+    names = [column.name for column in columns]
+    if head != names or (table.size and table.shape[1] != len(names)):
+        raise ResultsError(f"{file}: has other columns than summary.json tells")
+    return table.reshape(-1, len(names))
+
+
+def _scenario(folder: Folder, file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The scenario as plain data, and what its bed looks like."""
+    from granular_contact.config import load, scenario_to_dict
+    from granular_contact.results.observation import bed_of
+    from granular_contact.scene.build import build
+
+    if not folder.has(file.name):
+        raise ResultsError(f"{folder.path} holds no {file.name}: it is not a complete run")
+    try:
+        loaded = load(file)
+        return scenario_to_dict(loaded.scenario), bed_of(build(loaded))
+    except (ConfigError, SceneError) as error:
+        more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
+        raise ResultsError(f"{error.faults[0]}{more}") from None
+
+
+# ---- in a notebook ----
+
+
+def notebook(results: Results) -> str:
+    """Results as a piece of HTML: how the run ended, key numbers, warnings, and the columns to unfold."""
+    from granular_contact.report.units import label, quantity
+
+    known = [
+        (label(key), quantity(key, results.summary[key])) for key in _SHOWN if results.summary.get(key) is not None
+    ]
+    numbers = "".join(f"<tr><td>{escape(words)}</td><td>{escape(value)}</td></tr>" for words, value in known)
+    warnings = "".join(f"<p>warning: {escape(words)}</p>" for words in results.warnings)
+    columns = _rows((f"<code>{escape(one.name)}</code>", escape(one.description)) for one in results.columns)
+    count = f"{len(results.table)} rows, {len(results.columns)} columns"
+    return (
+        f"<p><b>{escape(results.name)}</b>: {escape(results.status.message)}</p>{warnings}"
+        f"<table>{numbers}</table><details><summary>{count}</summary><table>{columns}</table></details>"
+    )
+
+
+def _rows(pairs: Iterable[tuple[str, str]]) -> str:
+    return "".join(f"<tr><td>{left}</td><td>{right}</td></tr>" for left, right in pairs)

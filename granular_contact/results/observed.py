@@ -1,0 +1,196 @@
+"""What is seen of a scene at one instant, by name: the same names, units and signs as the columns of the results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+DEGREES = math.degrees(1.0)
+COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as an instant tells them
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Whose numbers stand where in observations.
+
+    joints: of hinges and sliders; hinges: which of them are hinges; bodies: by the label of their columns; met: those
+    that can meet the medium.
+    """
+
+    joints: tuple[str, ...]
+    hinges: tuple[bool, ...]
+    bodies: tuple[str, ...]
+    met: tuple[str, ...]
+
+    @cached_property
+    def places(self) -> dict[str, tuple[int, int, int, float]]:
+        """Array, row, column and factor of the unit of each name."""
+        found: dict[str, tuple[int, int, int, float]] = {}
+        for i, (name, turns) in enumerate(zip(self.joints, self.hinges, strict=True)):
+            if turns:
+                found |= _angle(f"{name}_angle", COORDINATES, i, 0) | {f"{name}_rate_rad_s": (RATES, i, 0, 1.0)}
+            else:
+                found |= {f"{name}_position_m": (COORDINATES, i, 0, 1.0), f"{name}_speed_m_s": (RATES, i, 0, 1.0)}
+        for i, name in enumerate(self.bodies):
+            found |= {f"{name}_x_m": (POSES, i, 0, 1.0), f"{name}_y_m": (POSES, i, 1, 1.0)}
+            found |= _angle(f"{name}_orientation", POSES, i, 2)
+            ends = ("vx_m_s", "vy_m_s", "spin_rad_s")
+            found |= {f"{name}_{end}": (VELOCITIES, i, k, 1.0) for k, end in enumerate(ends)}
+        for i, name in enumerate(self.met):
+            ends = ("granular_x_N", "granular_y_N", "granular_moment_Nm")
+            found |= {f"{name}_{end}": (FORCES, i, k, 1.0) for k, end in enumerate(ends)}
+            found[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
+        return found
+
+
+def _angle(name: str, array: int, row: int, column: int) -> dict[str, tuple[int, int, int, float]]:
+    return {f"{name}_deg": (array, row, column, DEGREES), f"{name}_rad": (array, row, column, 1.0)}
+
+
+class Instant(Protocol):
+    """One instant of a solve, which tells on demand what is asked of it; arrays as of `Observations`."""
+
+    def joints(self) -> tuple[Vector, Vector]:
+        """Coordinates and rates."""
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        """Poses and velocities."""
+
+    def medium(self) -> tuple[Vector, Vector]:
+        """Forces and depths."""
+
+
+class Told(NamedTuple):
+    """An instant that has told everything."""
+
+    of_joints: tuple[Vector, Vector]
+    of_bodies: tuple[Vector, Vector]
+    of_medium: tuple[Vector, Vector]
+
+    def joints(self) -> tuple[Vector, Vector]:
+        """Coordinates and rates."""
+        return self.of_joints
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        """Poses and velocities."""
+        return self.of_bodies
+
+    def medium(self) -> tuple[Vector, Vector]:
+        """Forces and depths."""
+        return self.of_medium
+
+
+class Observations(Mapping[str, float]):
+    """One instant: arrays in SI units, and every single number by its name, `observations["hip_angle_deg"]`.
+
+    Angles, rates and moments are clockwise positive. Names are those of the columns of the results, angles also in
+    radians (`hip_angle_rad`); and `BODY_depth_m`, `BODY_contact` (1 or 0) and `depth_m` of what can meet the medium.
+    What is not asked for is not computed; what was is kept.
+
+    Attributes
+    ----------
+    time : float
+        Time (s).
+    seen : Seen
+        Names of joints and bodies, in the order of the arrays.
+    """
+
+    def __init__(self, seen: Seen, time: float, instant: Instant) -> None:
+        self.seen, self.time, self._instant = seen, time, instant
+
+    @cached_property
+    def _joints(self) -> tuple[Vector, Vector]:
+        return self._instant.joints()
+
+    @cached_property
+    def _bodies(self) -> tuple[Vector, Vector]:
+        return self._instant.bodies()
+
+    @cached_property
+    def _medium(self) -> tuple[Vector, Vector]:
+        return self._instant.medium()
+
+    @property
+    def coordinates(self) -> Vector:
+        """Of hinges (rad) and sliders (m), (joints,)."""
+        return self._joints[0]
+
+    @property
+    def rates(self) -> Vector:
+        """Of hinges (rad/s) and sliders (m/s), (joints,)."""
+        return self._joints[1]
+
+    @property
+    def poses(self) -> Vector:
+        """Centres of mass x, y (m) and angles (rad), of a link that bends the angle of its root, (bodies, 3)."""
+        return self._bodies[0]
+
+    @property
+    def velocities(self) -> Vector:
+        """Rates of poses (m/s, rad/s), (bodies, 3)."""
+        return self._bodies[1]
+
+    @property
+    def forces(self) -> Vector:
+        """Of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3)."""
+        return self._medium[0]
+
+    @property
+    def depths(self) -> Vector:
+        """Of the deepest point of bodies that can meet the medium (m), negative above the surface, (met,)."""
+        return self._medium[1]
+
+    @property
+    def contacts(self) -> NDArray[np.bool_]:
+        """Whether each body that can meet the medium is in it, (met,)."""
+        return self.depths > 0.0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Arrays only, so that it can go to another process."""
+        return Observations, (self.seen, self.time, Told(self._joints, self._bodies, self._medium))
+
+    def __getitem__(self, name: str) -> float:
+        """A number by its name; KeyError lists the names there are."""
+        place = self.seen.places.get(name)
+        if place is None:
+            return self._other(name)
+        array, row, column, factor = place
+        held = (self._joints, self._bodies, self._medium)[array // 2][array % 2]
+        return float(held[row, column] if held.ndim == 2 else held[row]) * factor
+
+    def _other(self, name: str) -> float:
+        if name == "time_s":
+            return self.time
+        if name == "depth_m" and self.seen.met:
+            return float(self.depths.max())
+        body = name.removesuffix("_contact")
+        if body != name and body in self.seen.met:
+            return float(self.depths[self.seen.met.index(body)] > 0.0)
+        raise KeyError(f"no observation {name!r}; there are: {', '.join(self)}")
+
+    def array(self, names: Iterable[str]) -> Vector:
+        """Numbers of some names, in their order, (names,)."""
+        return np.array([self[name] for name in names])
+
+    def __iter__(self) -> Iterator[str]:
+        """Names, as of a mapping."""
+        yield "time_s"
+        yield from self.seen.places
+        if self.seen.met:
+            yield "depth_m"
+            yield from (f"{name}_contact" for name in self.seen.met)
+
+    def __len__(self) -> int:
+        """How many names there are."""
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        """All names with their numbers, one in a line."""
+        return "\n".join(f"{name:32} {self[name]: .6g}" for name in self)

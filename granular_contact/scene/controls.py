@@ -1,0 +1,40 @@
+"""What of a scene is set from outside while it runs, by name: that of the joint, and the key of its drive."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from granular_contact.scene.types import Scene
+
+
+@dataclass(frozen=True)
+class Control:
+    """Something that can be set: the drive of a joint.
+
+    unit: of its name in SI units; start: what is set at the start, in SI units; bounds: of what can be set, in the unit
+    of its name.
+    """
+
+    joint: str
+    unit: float
+    start: float
+    bounds: tuple[float, float]
+
+    def in_si(self, name: str, value: float) -> float:
+        """A value in SI units, within the bounds; name: the control's, an angle's also with radians."""
+        unit = 1.0 if name.endswith("_rad") else self.unit
+        least, most = self.bounds
+        return min(max(unit * value, self.unit * least), self.unit * most)
+
+
+def controls_of(scene: Scene) -> dict[str, Control]:
+    """All controls of a scene by their names, in the order of its drives."""
+    found = {}
+    for drive in scene.drives:
+        if drive.sets:
+            unit = math.radians(1.0) if drive.sets == "angle_deg" else 1.0
+            least, most = drive.bounds
+            bounds = least / unit, most / unit
+            found[f"{drive.joint}_{drive.sets}"] = Control(drive.joint, unit, drive.signal.value(0.0), bounds)
+    return found

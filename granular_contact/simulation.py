@@ -1,0 +1,379 @@
+"""A scene that goes on step by step, under the hands of a program; and runs that a controller steers.
+
+One path with runs in one call: both go on by the same solve, which here pauses where it is told to.
+"""
+
+from __future__ import annotations
+
+import math
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.config import Loaded, Scenario, scenario_to_dict
+from granular_contact.config.differences import differing_keys
+from granular_contact.errors import ControlError
+from granular_contact.results import Compiling, Outline, Progress, Results, Status
+from granular_contact.results.ending import ended, paused
+from granular_contact.results.observation import results
+from granular_contact.results.observed import Observations
+from granular_contact.run import Begun, Solving, begin, run, scenario_of
+from granular_contact.scene.build import build
+from granular_contact.scene.controls import Control, controls_of
+from granular_contact.scene.types import Scene
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.system import System, Trajectory
+
+Controls = Mapping[str, float] | ArrayLike | None
+Controller = Callable[[float, Observations], Controls]
+SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
+
+
+@dataclass(frozen=True)
+class State:
+    """State of a simulation at one instant, to go back to; it can be pickled.
+
+    time (s); scenario: of whose scene it is; solve: of the solver; controls: what is set, in SI units; random: of the
+    generator; failed: why a controller ended the run, None where none did.
+    """
+
+    time: float
+    scenario: Scenario
+    solve: Any
+    controls: tuple[float, ...]
+    random: dict[str, Any]
+    failed: Status | None
+
+
+class Simulation:
+    """A scene as an object that steps.
+
+    Parameters
+    ----------
+    scenario : Scenario or Loaded
+        What `load` gives, or the scenario in it.
+    compiling : callable, optional
+        Called with a sentence when kernels have to be compiled.
+
+    Attributes
+    ----------
+    scenario, scene
+        Of the run under way: those given, but for the changes of the last `reset`.
+    controls : tuple of str
+        Names of what can be set, `JOINT_torque_Nm` for a drive `{type: external, torque_Nm: 0}` of JOINT.
+    random : numpy.random.Generator
+        Seeded by `reset`; a simulation draws from it only for changes that are functions.
+
+    Raises
+    ------
+    ConfigError, SceneError, SolveError
+        As of `replace`, `build` and `simulate`.
+
+    Examples
+    --------
+    >>> from granular_contact import load
+    >>> simulation = Simulation(load("pendulum_rigid"))
+    >>> seen = simulation.step(None, 0.01)
+    >>> f"{seen['pivot_angle_deg']:.1f} deg, {1e3 * seen['depth_m']:.1f} mm deep"
+    '33.9 deg, 11.2 mm deep'
+    """
+
+    def __init__(self, scenario: Scenario | Loaded, *, compiling: Compiling | None = None) -> None:
+        self._compiling = compiling
+        self._begun: Begun | None = None
+        self.random = np.random.default_rng(0)
+        self._take(build(scenario.scenario if isinstance(scenario, Loaded) else scenario))
+        self._base = self.scenario
+
+    def _take(self, scene: Scene) -> None:
+        """Begin with a scene; where that fails, the simulation stays as it was."""
+        begun = begin(scene, None, self._compiling, pauses=True)
+        self.close()
+        self._begun = begun
+        self.scene, self.scenario = scene, scenario_of(scene)
+        self._controls: dict[str, Control] = controls_of(scene)
+        self.controls = tuple(self._controls)
+        self._set = {control.joint: control.start for control in self._controls.values()}
+        self._failed: Status | None = None
+        self._end = self.scenario.solver.end_time_s
+        self._shortest = SHORTEST * self.scenario.solver.step_s
+        self._start = self.state()
+
+    @property
+    def _solving(self) -> Solving:
+        if self._begun is None:
+            raise ControlError("the simulation was closed: reset() begins anew")
+        return self._begun.solving
+
+    # ---- time ----
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return self._solving.time
+
+    @property
+    def ended(self) -> Status | None:
+        """How the run ended; None while it goes on."""
+        if self._failed is not None or not self._solving.over:
+            return self._failed
+        status: Status = self._solving.trajectory().status
+        return status
+
+    def reset(self, *, seed: int | None = None, **changes: Any) -> Observations:
+        """Begin anew, from the scenario that the simulation was made of.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Of `random`; without one the generator goes on as it is.
+        **changes
+            Other values by dotted key, as of `Scenario.replace`: `reset(**{"medium.eta_d": 5})`. A function is called
+            with `random`, and gives the value.
+
+        Returns
+        -------
+        Observations
+            Of the start.
+        """
+        if seed is not None:
+            self.random = np.random.default_rng(seed)
+        values = {key: value(self.random) if callable(value) else value for key, value in changes.items()}
+        scenario = self._base.replace(values) if values else self._base
+        drawn = self.random.bit_generator.state
+        if self._begun is not None and (scenario is self.scenario or scenario == self.scenario):
+            self.restore(self._start)
+        else:
+            self._take(build(scenario))
+        self.random.bit_generator.state = drawn
+        return self.observe()
+
+    def step(self, controls: Controls, dt: float) -> Observations:
+        """Go on by a time, with controls that stay set; the solver chooses its steps on the way as in any run.
+
+        Parameters
+        ----------
+        controls : mapping, array or None
+            What to set, by name, or all in the order of `controls`; what is not named stays as it is set. Angles also
+            in radians, `JOINT_angle_rad`. What lies outside the range of a drive is set to the end of it.
+        dt : float
+            Time to go (s); the run ends at `solver.end_time_s`.
+
+        Returns
+        -------
+        Observations
+            Of the instant reached: `dt` ahead, or where the run ended.
+
+        Raises
+        ------
+        ControlError
+            Controls of other names or another number, or not finite; no time; the run is over. Nothing was changed.
+        """
+        if not (isinstance(dt, float | int) and self._shortest <= dt < math.inf):
+            raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {self._shortest:g} s")
+        return self._go_on(controls, self.time + dt)
+
+    def _go_on(self, controls: Controls, until: float) -> Observations:
+        """`step` to a time (s)."""
+        solving = self._solving
+        if (self._failed is not None or solving.over) and (over := self.ended) is not None:
+            raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
+        if controls is not None:
+            for joint, value in self._checked(controls).items():
+                solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
+                self._set[joint] = value
+        solving.advance(until if self._end - until > self._shortest else math.inf)
+        return solving.observe()
+
+    def _checked(self, controls: Mapping[str, float] | ArrayLike) -> dict[str, float]:
+        """What to set, by joint and in SI units."""
+        given = controls if isinstance(controls, Mapping) else self._named(controls)
+        faults, found = [], {}
+        for name, value in given.items():
+            control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
+            if control is None:
+                faults.append(f"no control {name!r}; there are: {', '.join(self.controls) or 'none'}")
+            elif (number := _finite(value)) is None:
+                faults.append(f"{name}: got {value!r}, allowed is a finite number")
+            else:
+                found[control.joint] = control.in_si(name, number)
+        if faults:
+            raise ControlError("\n".join(faults))
+        return found
+
+    def _named(self, controls: Any) -> dict[str, Any]:
+        """Controls that were given in their order."""
+        values = np.asarray(controls)
+        if values.shape != (len(self.controls),):
+            names = ", ".join(self.controls) or "none"
+            raise ControlError(f"controls: got the shape {values.shape}, allowed is ({len(self.controls)},): {names}")
+        return dict(zip(self.controls, values.tolist(), strict=True))
+
+    # ---- what is seen ----
+
+    def observe(self) -> Observations:
+        """What is seen of the present state."""
+        return self._solving.observe()
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """The mechanism as it is drawn, at the present state."""
+        return self._solving.outlines()
+
+    @property
+    def standing(self) -> Status:
+        """How the run stands while it has not ended."""
+        return paused(self.time, self.scenario.solver)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Ranges (controls, 2) within which controls can be set, in the units of their names; infinite for any."""
+        return np.array([control.bounds for control in self._controls.values()]).reshape(-1, 2)
+
+    def results(self, most_frames: int = 0) -> Results:
+        """Results of the run so far, as of `simulate`; most_frames: as there."""
+        trajectory = self._solving.trajectory()
+        status = self._failed or (None if self._solving.over else self.standing)
+        if status is not None:
+            trajectory = replace(trajectory, status=status)
+        assert self._begun is not None  # or there were no trajectory
+        return results(self._begun.observe(trajectory), scenario_to_dict(self.scenario), most_frames)
+
+    # ---- back to an earlier state ----
+
+    def state(self) -> State:
+        """The present state, with all that the future depends on: `restore` goes on from it bit for bit."""
+        random = self.random.bit_generator.state
+        set_to = tuple(self._set.values())
+        return State(self.time, self.scenario, self._solving.state(), set_to, dict(random), self._failed)
+
+    def restore(self, state: State) -> Observations:
+        """Go back to a state of this simulation, or of another one of the same scenario.
+
+        Raises
+        ------
+        ControlError
+            It is a state of another scene. Nothing was changed.
+        """
+        if not isinstance(state, State):
+            raise ControlError(f"restore: got a {type(state).__name__}, allowed is what state() gave")
+        if state.scenario is not self.scenario and state.scenario != self.scenario:
+            keys = differing_keys(scenario_to_dict(state.scenario), scenario_to_dict(self.scenario))
+            raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")
+        self._solving.restore(state.solve)
+        self._set = dict(zip(self._set, state.controls, strict=True))
+        self.random.bit_generator.state = state.random
+        self._failed = state.failed
+        return self.observe()
+
+    def close(self) -> None:
+        """Let go of the engine's memory. Only `reset` can be asked for afterwards; results that were made stay."""
+        if self._begun is not None:
+            self._begun.solving.close()
+        self._begun = None
+
+    def fail(self, message: str) -> None:
+        """End the run as failed, with a sentence that its results bear."""
+        self._failed = Status("failed", message)
+
+    def interrupt(self) -> None:
+        """End the run as interrupted."""
+        self._failed = ended("interrupted", self.time, self.scenario.solver)
+
+
+def _finite(value: Any) -> float | None:
+    """A value as a number; None if it is none, or not finite."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        return None
+    return number if math.isfinite(number) and not isinstance(value, bool | str) else None
+
+
+# ---- runs that are steered ----
+
+
+def simulate(
+    scene: Scene | Scenario | Loaded,
+    scenario: Scenario | None = None,
+    progress: Progress | None = None,
+    *,
+    control: Controller | None = None,
+    control_rate_Hz: float = 1000.0,
+    most_frames: int = 0,
+    inspect: Callable[[System, Trajectory], None] | None = None,
+    compiling: Compiling | None = None,
+) -> Results:
+    """Simulate a scene, steered by a controller if there is one.
+
+    However the run ends, what it reached is in the results; look at their status.
+
+    Parameters
+    ----------
+    scene : Scene, Scenario or Loaded
+        What `build` made of a scenario, or the scenario, or what `load` gave.
+    scenario : Scenario, optional
+        What the scene was built from; the scene knows it, and any other is refused.
+    progress : callable, optional
+        Called now and then with the simulated time and the end time (s).
+    control : callable, optional
+        `control(t, observations)` gives the controls from the time t (s) on, see `Simulation.step`. It is called at the
+        start and then at its rate. Where it raises, or gives what can't be set, the run ends as failed; its results
+        hold what was reached, and its status the message. Steps chosen by their error end where it is called, and
+        strips are those of the scene: the run is not repeated with shorter ones.
+    control_rate_Hz : float
+        Calls in a second.
+    most_frames, inspect, compiling
+        As of `granular_contact.run.run`; inspect is not called for a run with a controller.
+
+    Returns
+    -------
+    Results
+        Time series, summary, status and warnings; also of a run that failed or was interrupted.
+
+    Raises
+    ------
+    SceneError
+        The scenario is another one than the scene was built from, or the scene was not built from any.
+    ControlError
+        The rate is no number above 0.
+    """
+    if isinstance(scene, Loaded | Scenario):
+        scene = build(scene.scenario if isinstance(scene, Loaded) else scene)
+    if control is None:
+        return run(scene, scenario, progress, most_frames=most_frames, inspect=inspect, compiling=compiling)
+    rate = _finite(control_rate_Hz)
+    if rate is None or rate <= 0.0:
+        raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
+    simulation = Simulation(scenario_of(scene, scenario), compiling=compiling)
+    _steer(simulation, control, rate, progress)
+    made = simulation.results(most_frames)
+    simulation.close()
+    return made
+
+
+def _steer(simulation: Simulation, control: Controller, rate: float, progress: Progress | None) -> None:
+    """Go on to the end of a run, with controls from a controller that is called so many times a second."""
+    seen, calls, end = simulation.observe(), 0, simulation.scenario.solver.end_time_s
+    while simulation.ended is None:
+        calls += 1
+        try:
+            seen = simulation._go_on(control(seen.time, seen), calls / rate)
+        except KeyboardInterrupt:
+            simulation.interrupt()
+        except Exception as error:  # whatever the controller of a user raises
+            simulation.fail(f"the controller failed at {seen.time:.6g} s: {_told(error)}")
+        if progress is not None:
+            progress(seen.time, end)
+
+
+def _told(error: Exception) -> str:
+    """An error in one sentence, with the place in the controller where it was raised."""
+    if isinstance(error, ControlError):
+        return str(error).replace("\n", "; ")
+    frames: Sequence[traceback.FrameSummary] = traceback.extract_tb(error.__traceback__)
+    return f"{type(error).__name__}: {error} ({frames[-1].filename}:{frames[-1].lineno})"

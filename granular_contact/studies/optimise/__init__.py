@@ -1,0 +1,13 @@
+"""The best numbers of a config: Study -> runs on all cores or a cluster, generation by generation -> the best of them.
+
+judging   a row of a run -> what it is worth: objective, constraints, or why it counts as worst
+methods   which numbers are tried next: CMA-ES, differential evolution
+search    study and crew -> outcome; with a journal it goes on where it was killed
+outcome   the best run, and what it gains over the config as it was
+writing   outcome -> history.csv, best.yaml, best/, optimise.json, figures
+calls     a search from Python
+
+A method is asked for a whole generation at a time, and told what came of it in the order in which it was asked. So
+what it asks for next depends on the seed alone, not on who worked or in which order runs came to an end. A search that
+was killed is begun again from its seed; runs that are in the journal are read there.
+"""

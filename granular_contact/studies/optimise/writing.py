@@ -1,0 +1,146 @@
+"""An outcome -> history.csv, optimise.json, the best config and its run, and figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from granular_contact.config import Study, scenario_to_dict
+from granular_contact.report import (
+    BEST,
+    BEST_CONFIG,
+    FIGURES,
+    HISTORY,
+    OPTIMISE,
+    OPTIMUM,
+    PROGRAM,
+    json_text,
+    version,
+    write,
+    write_table,
+    yaml_text,
+)
+from granular_contact.results import Results
+from granular_contact.results.summary import versions
+from granular_contact.studies.optimise.methods import packages
+from granular_contact.studies.optimise.outcome import Outcome
+from granular_contact.studies.sweep.checkpoint import Contents
+from granular_contact.studies.sweep.table import cell
+
+_FIRST = ("run", "generation")
+_WORTH = ("objective", "excess", "failure")
+
+
+def work_of(study: Study) -> Contents:
+    """What its folder is of.
+
+    Raises
+    ------
+    MissingPackageError
+        The method's package is not installed.
+    """
+    return Contents("optimise", OPTIMISE, study_text(study), HISTORY, study.case_name, packages(study.file))
+
+
+def study_text(study: Study) -> str:
+    """A file of the search that needs no other: the config with every default, and what is asked of it."""
+    head = f"# Written by {PROGRAM} {version()}; to run it again: {PROGRAM} optimise {OPTIMISE}\n"
+    return head + yaml_text({"config": scenario_to_dict(study.sweep.base)} | study.file.plain())
+
+
+def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Results | None:
+    """Write what a search found into a folder; the results of the best run, None if all failed.
+
+    Raises
+    ------
+    OSError
+        The disk refuses.
+    """
+    write_history(outcome, folder)
+    (folder / OPTIMUM).write_text(json_text(told(outcome)), encoding="utf-8")
+    if figures:
+        _draw(outcome, folder / FIGURES)
+    if outcome.best is None:
+        return None
+    head = f"# The best of {len(outcome.runs)} runs of {outcome.study.name}; to run it: {PROGRAM} run {BEST_CONFIG}\n"
+    (folder / BEST_CONFIG).write_text(head + yaml_text(scenario_to_dict(outcome.scenario)), encoding="utf-8")
+    results = outcome.simulate()
+    write(results, folder / BEST, figures=figures and outcome.scenario.output.figures)
+    return results
+
+
+def write_history(outcome: Outcome, folder: Path) -> None:
+    """history.csv: a row for each run, in the order in which they were asked for."""
+    rows = outcome.rows
+    parameters = list(outcome.study.file.parameters)
+    more = dict.fromkeys(key for row in rows for key in row)
+    names = list(dict.fromkeys([*_FIRST, *parameters, *_WORTH, *more]))
+    write_table(folder / HISTORY, names, ([cell(row.get(name)) for name in names] for row in rows))
+
+
+def told(outcome: Outcome) -> dict[str, Any]:
+    """What optimise.json holds."""
+    file, best, start = outcome.study.file, outcome.best, outcome.start
+    ranges = file.parameters.items()
+    return {
+        "name": outcome.study.name,
+        "method": file.method,
+        "seed": file.seed,
+        "population": file.size,
+        "runs": len(outcome.runs),
+        "failed": len(outcome.failed),
+        "outside_constraints": sum(one.excess > 0.0 for one in outcome.runs),
+        "ended": outcome.ended or None,
+        "objective": file.objective.words,
+        "sense": file.objective.sense,
+        "start": start.value,
+        "start_is_allowed": start.is_allowed,
+        "best": None if best is None else best.value,
+        "best_run": None if best is None else best.index,
+        "best_is_allowed": best is not None and best.is_allowed,
+        "gain_relative": outcome.gain,
+        "parameters": {
+            name: {
+                "from": one.start,
+                "to": one.stop,
+                "scale": one.scale,
+                "keys": list(file.keys(name)),
+                "start": outcome.study.start[name],
+                "best": outcome.numbers[name],
+            }
+            for name, one in ranges
+        },
+        "constraints": {
+            name: {
+                **limit.model_dump(),
+                "start": start.row.summary.get(name),
+                "best": None if best is None else best.row.summary.get(name),
+            }
+            for name, limit in file.constraints.items()
+        },
+        "failures": _failures(outcome),
+        "versions": versions() | packages(file),
+    }
+
+
+def _failures(outcome: Outcome) -> dict[str, int]:
+    """Why runs failed, and how many for each reason; the most frequent first."""
+    counts: dict[str, int] = {}
+    for one in outcome.failed:
+        counts[one.failure] = counts.get(one.failure, 0) + 1
+    return dict(sorted(counts.items(), key=lambda item: -item[1]))
+
+
+def _draw(outcome: Outcome, folder: Path) -> None:
+    from granular_contact.report.figures.search import draw_history, draw_parameters
+
+    folder.mkdir(exist_ok=True)
+    values = [(one.generation, one.value if one.is_allowed else None) for one in outcome.runs]
+    file = outcome.study.file
+    draw_history(values, file.objective.words, file.objective.sense == "maximise", folder / "history.png")
+    tried = {
+        name: [one.numbers.get(name, outcome.study.start[name]) for one in outcome.runs] for name in file.parameters
+    }
+    scales = {name: (one.start, one.stop, one.scale) for name, one in file.parameters.items()}
+    best = None if outcome.best is None else outcome.best.index
+    draw_parameters(tried, scales, [one.is_allowed for one in outcome.runs], best, folder / "parameters.png")

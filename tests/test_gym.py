@@ -1,0 +1,158 @@
+"""Environments for agents: as Gymnasium asks for them, with seeds and states that hold."""
+
+from __future__ import annotations
+
+import multiprocessing
+import pickle
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from support_runs import scenario_of
+
+gymnasium = pytest.importorskip("gymnasium")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+
+import granular_contact.gym  # noqa: E402
+from granular_contact.errors import ControlError  # noqa: E402
+from granular_contact.gym import RUNNER, GranularEnv  # noqa: E402
+
+BAR = "type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 2700"
+DRIVE = "{type: external, torque_Nm: 0, range: [-0.1, 0.3]}"
+ARM = f"""
+model:
+  name: arm
+  bodies: {{bar: {{{BAR}}}}}
+  joints: {{hinge: {{type: hinge, parent: ground, child: bar}}}}
+medium: play_sand
+bed: {{height_m: -0.05}}
+initial: {{joints: {{hinge: {{angle_deg: 20}}}}}}
+drives: {{hinge: {DRIVE}}}
+solver: {{end_time_s: 0.1, step_s: 1e-3}}
+load: {{strips_per_rigid_part: 4}}
+"""
+NAMES = ("hinge_angle_rad", "hinge_rate_rad_s", "bar_depth_m")
+
+
+def arm(**options: Any) -> GranularEnv:
+    given: dict[str, Any] = {"observation": NAMES, "reward": lambda before, after: after["depth_m"] - before["depth_m"]}
+    return GranularEnv(scenario_of(ARM), **(given | {"control_rate_Hz": 100} | options))
+
+
+def test_gymnasium_finds_nothing_but_that_positions_have_no_bounds() -> None:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        check_env(gymnasium.make(RUNNER, end_time_s=0.05).unwrapped)
+    assert all("A Box observation space m" in str(one.message) for one in told), [str(one.message) for one in told]
+
+
+def test_an_episode_is_cut_at_the_end_and_rewarded_by_the_way() -> None:
+    env = arm()
+    _, info = env.reset(seed=1)
+    start, total, steps, cut = env.simulation.observe()["depth_m"], 0.0, 0, False
+    while not cut:
+        _, reward, ended, cut, info = env.step(np.array([1.0], np.float32))
+        assert not ended
+        total, steps = total + reward, steps + 1
+    assert steps == 10
+    assert info["status"] == "end time 0.1 s reached"
+    assert total == pytest.approx(env.simulation.observe()["depth_m"] - start)
+    with pytest.raises(ControlError, match="the run is over"):
+        env.step(np.zeros(1))
+    results = env.simulation.results()
+    np.testing.assert_allclose(results["hinge_torque_Nm"], 0.3)  # 1 is the end of its range
+    fallen = arm(terminated=lambda seen: seen["hinge_angle_deg"] > 20.1)
+    fallen.reset(seed=1)
+    *_, ended, cut, _ = fallen.step(np.ones(1))
+    assert ended
+    assert not cut
+
+
+def test_seeds_hold_for_what_is_drawn_at_resets() -> None:
+    vary = {"medium.eta_d": (4.0, 9.0), "initial.joints.hinge.angle_deg": lambda random: random.normal(20.0, 3.0)}
+
+    def seen(env: GranularEnv, seed: int | None) -> list[float]:
+        first, _ = env.reset(seed=seed)
+        return [*first, *env.step(np.zeros(1))[0], env.simulation.scenario.medium.eta_d]
+
+    env = arm(vary=vary)
+    one, next_one = seen(env, 5), seen(env, None)
+    assert one != next_one
+    assert seen(env, 5) == one
+    assert seen(arm(vary=vary), 5) == one
+    env.reset(seed=5, options={"medium.eta_d": 7.5})
+    assert env.simulation.scenario.medium.eta_d == 7.5
+
+
+def test_a_state_of_mid_episode_goes_on_as_it_did() -> None:
+    env, random = arm(), np.random.default_rng(2)
+    env.reset(seed=1)
+    for action in random.uniform(-1, 1, (5, 1)):
+        env.step(action)
+    kept, actions = pickle.dumps(env.state()), random.uniform(-1, 1, (5, 1))
+    future = [env.step(action)[:4] for action in actions]
+    other = arm()
+    other.restore(pickle.loads(kept))
+    for (seen, *rest), action in zip(future, actions, strict=True):
+        again = other.step(action)
+        np.testing.assert_array_equal(again[0], seen)
+        assert list(again[1:4]) == rest
+    assert max(one[0][2] for one in future) > 0.0  # in the sand
+
+
+def test_a_picture_shows_the_mechanism_and_the_sand() -> None:
+    env = arm(render_mode="rgb_array")
+    env.reset(seed=1)
+    picture = env.render()
+    assert picture.dtype == np.uint8
+    assert picture.ndim == 3
+    sand, sky = picture[-5:].reshape(-1, 3).mean(axis=0), picture[:5].reshape(-1, 3).mean(axis=0)
+    assert sky[2] > sand[2] + 20  # bluer
+    env.step(np.ones(1))
+    assert (env.render() != picture).any()
+    assert arm().render() is None
+
+
+def test_environments_in_processes_are_the_same() -> None:
+    # Forked ones have loaded all that this process has.
+    context = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
+    options: dict[str, Any] = {"end_time_s": 0.04, "vary": {"initial.joints.trunk.y_m": (0.045, 0.046)}}
+    envs = gymnasium.make_vec(
+        RUNNER, num_envs=2, vectorization_mode="async", vector_kwargs={"context": context}, **options
+    )
+    try:
+        one = gymnasium.make(RUNNER, **options)
+        seen, _ = envs.reset(seed=[3, 4])
+        np.testing.assert_array_equal(seen[1], one.reset(seed=4)[0])
+        assert (seen[0] != seen[1]).any()
+        seen, rewards, _, cut, _ = envs.step(np.full((2, 4), 0.5, np.float32))
+        alone = one.step(np.full(4, 0.5, np.float32))
+        np.testing.assert_array_equal(seen[1], alone[0])
+        assert rewards[1] == alone[1]
+        assert not cut.any()
+        assert envs.step(np.zeros((2, 4), np.float32))[3].all()
+    finally:
+        envs.close()
+
+
+def test_what_can_not_be_set_is_told() -> None:
+    with pytest.raises(ControlError, match="without a range: hinge_torque_Nm"):
+        GranularEnv(
+            scenario_of(ARM, "drives.hinge={type: external, torque_Nm: 0}"), observation=NAMES, reward=lambda *_: 0.0
+        )
+    with pytest.raises(ControlError, match="none is in this scene"):
+        GranularEnv(scenario_of("pendulum"), observation=("time_s",), reward=lambda *_: 0.0)
+    with pytest.raises(KeyError, match="no observation 'knee'"):
+        arm(observation=("knee",))
+    with pytest.raises(ControlError, match="render_mode"):
+        arm(render_mode="human")
+    env = arm()
+    env.reset(seed=1)
+    with pytest.raises(ControlError, match=r"action: got the shape \(2,\), allowed is \(1,\)"):
+        env.step(np.zeros(2))
+    with pytest.raises(ControlError, match="hinge_torque_Nm: got nan"):
+        env.step(np.array([np.nan]))
+    assert env.simulation.time == 0.0
+    assert granular_contact.gym.runner_env().action_space.shape == (4,)

@@ -1,0 +1,329 @@
+"""Searches find what is best, whoever works and however often they are killed, and say what is wrong with a file."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+import yaml
+from support_results import make
+from support_sweep import CONFIGS, ENVIRONMENT, arguments, until
+
+import granular_contact
+from granular_contact.cli import main
+from granular_contact.cli import many as shared
+from granular_contact.config import Scenario, Study, load, load_optimise, scenario_to_dict
+from granular_contact.errors import ConfigError, MissingPackageError
+from granular_contact.report import pages
+from granular_contact.results import Results
+from granular_contact.scene import build
+from granular_contact.studies.optimise import methods
+from granular_contact.studies.optimise.outcome import Outcome
+from granular_contact.studies.optimise.search import search
+from granular_contact.studies.sweep import FolderRefused, Journal, WorkerPool
+
+HERE = {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([ENVIRONMENT["PYTHONPATH"], *filter(None, sys.path)])}
+METHODS = ("cma", "differential_evolution")
+SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
+BEST_SPEED, BEST_ANGLE = 4.0, 30.0
+# A paraboloid in place of runs. Ranges are not centred on its top, and the config starts elsewhere.
+PARAMETERS = f"""parameters:
+  {SPEED}: {{from: 1, to: 9, scale: log}}
+  {ANGLE}: [10, 80]
+"""
+FILE = f"config: {CONFIGS / 'pendulum_rigid.yaml'}\n{PARAMETERS}objective: {{maximise: height}}\nevaluations: 150\n"
+
+
+@pytest.fixture(autouse=True)
+def _cma_is_here():
+    pytest.importorskip("cma", reason="the extra [optimise] is not installed")
+
+
+class Threads(ThreadPoolExecutor):
+    """In place of processes; ends when it is told to."""
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        super().shutdown(wait=True, cancel_futures=cancel_futures)
+
+
+def hill(scenario: Scenario) -> Results:
+    """Height 1 at the top; `steep` is the distance from it in speed alone."""
+    speed, angle = scenario.initial.impact_speed_rad_s, scenario.initial.impact_angle_deg
+    away = (math.log(speed / BEST_SPEED) ** 2, ((angle - BEST_ANGLE) / 70) ** 2)
+    numbers = {"height": 1 - sum(away), "speed": speed, "stopping_time_s": None}
+    return dataclasses.replace(make(), summary={"status": "rest", **numbers, "energy": {"initial_J": speed**2}})
+
+
+def breaking(scenario: Scenario) -> Results:
+    """No run beyond 50 degrees; none that is usable below 20."""
+    results, angle = hill(scenario), scenario.initial.impact_angle_deg
+    if angle > 50:
+        raise ArithmeticError(f"too steep{' by far' * (angle > 70)}")
+    if angle < 20:
+        results.summary["energy"]["imbalance_relative"] = 0.5
+        results.summary["height"] = 100.0
+    return results
+
+
+def study(folder: Path, text: str = FILE, name: str = "search.yaml") -> Study:
+    (folder / name).write_text(text, encoding="utf-8")
+    return load_optimise(folder / name, probe=build)
+
+
+def found(held: Study, workers: int = 1, function=hill, **more) -> Outcome:
+    with WorkerPool(workers, Threads) as pool:
+        return search(held, pool, function=function, **more)
+
+
+# ---- what is found ----
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_top_is_found_and_workers_do_not_matter(tmp_path, method):
+    held = study(tmp_path, f"{FILE}method: {method}\nseed: 3\n")
+    outcome = found(held)
+    best = outcome.numbers
+    # The paraboloid falls by 1e-3 within 3 % of the range of the angle and of the logarithm of the speed.
+    assert outcome.value > 1 - 1e-3
+    assert best[SPEED] == pytest.approx(BEST_SPEED, rel=0.04)
+    assert best[ANGLE] == pytest.approx(BEST_ANGLE, abs=2.5)
+    assert outcome.start.numbers == {}
+    assert outcome.start.value < 0.9
+    assert outcome.gain == pytest.approx(outcome.value / outcome.start.value - 1)
+    assert (len(outcome.runs), outcome.failed, outcome.ended) == (150, [], "")
+    assert found(held, workers=3).rows == outcome.rows
+    other = found(study(tmp_path, f"{FILE}method: {method}\nseed: 4\n", "other.yaml"))
+    assert other.rows[2] != outcome.rows[2]
+    assert other.value > 1 - 1e-3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_constraints_are_kept_though_better_lies_beyond(tmp_path, method):
+    text = f"{FILE}method: {method}\nconstraints: {{speed: {{at_most: 3, at_least: 2}}}}\n"
+    outcome = found(study(tmp_path, text))
+    assert outcome.best.is_allowed
+    assert 2.9 < outcome.best.row.summary["speed"] <= 3  # the top is at 4
+    assert outcome.gain is None  # the config has a speed of 6, which is not allowed
+    assert max(one.value for one in outcome.runs) > outcome.value
+
+
+def test_what_no_run_keeps_is_broken_least(tmp_path):
+    outcome = found(study(tmp_path, f"{FILE}constraints: {{speed: {{at_most: 0.5}}}}\n"))
+    assert not outcome.best.is_allowed
+    assert outcome.best.row.summary["speed"] == pytest.approx(1, rel=0.02)  # the lowest of the range
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_failed_runs_count_as_worst_and_are_told(tmp_path, method):
+    outcome = found(study(tmp_path, f"{FILE}method: {method}\n"), function=breaking)
+    assert outcome.value > 1 - 1e-2
+    assert 20 <= outcome.numbers[ANGLE] <= 50
+    reasons = {one.failure for one in outcome.failed}
+    assert "ArithmeticError: too steep" in reasons
+    assert "the energy balance is off by 50%: the result is not usable" in reasons
+    assert all(one.cost > 1e35 for one in outcome.failed)
+
+
+def test_weights_and_the_sense_of_the_objective(tmp_path):
+    text = FILE.replace("{maximise: height}", "{minimise: {height: -2, speed: 0.0, energy.initial_J: 1.0e-9}}")
+    outcome = found(study(tmp_path, text))
+    assert outcome.value == pytest.approx(-2, abs=2e-3)
+    assert outcome.study.file.objective.words == "-2 height + 0 speed + 1e-09 energy.initial_J"
+
+
+def test_one_number_of_a_parameter_goes_to_all_its_keys(tmp_path):
+    text = FILE.replace(f"  {ANGLE}: [10, 80]", f"  both: {{keys: [gravity_m_s2, {ANGLE}], from: 10, to: 80}}")
+    held = study(tmp_path, text)
+    assert held.start == {SPEED: 6.24, "both": None}  # they differ in the config
+    scenario = held.load(held.case(1, {"both": 12.5})).scenario
+    assert scenario.gravity_m_s2 == scenario.initial.impact_angle_deg == 12.5
+
+
+# ---- killed and resumed ----
+
+
+def test_what_is_in_the_journal_is_not_run_again(tmp_path):
+    held, ran = study(tmp_path), []
+    whole = found(held)
+    writer = Journal(tmp_path).writer()
+    for one in whole.runs[:70:2]:
+        writer.append(one.row.line())
+    writer.close()
+    again = found(held, journal=Journal(tmp_path), advance=lambda: ran.append(1))
+    assert again.rows == whole.rows
+    assert len(ran) == 150 - 35
+    with pytest.raises(FolderRefused, match=r"run_001 in the journal has other numbers than this search asks for"):
+        found(study(tmp_path, f"{FILE}seed: 5\n", "other.yaml"), journal=Journal(tmp_path))
+
+
+REAL = f"""config: {CONFIGS / "pendulum_rigid.yaml"}
+set: {{method: {{reduced: {{modes: 0}}}}, output.figures: false}}
+{PARAMETERS}objective: {{minimise: stopping_time_s}}
+constraints: {{max_depth_m: {{at_most: 0.02}}}}
+evaluations: 60
+seed: 1
+"""
+
+
+def history(folder: Path) -> list[dict[str, str]]:
+    with (folder / "history.csv").open(encoding="utf-8", newline="") as file:
+        return [{key: cell for key, cell in row.items() if key != "cost.solve_s"} for row in csv.DictReader(file)]
+
+
+def test_a_search_killed_goes_on_to_the_same_best(tmp_path):
+    (tmp_path / "search.yaml").write_text(REAL, encoding="utf-8")
+    words = arguments("optimise", tmp_path / "search.yaml", "--workers", 2, "--out")
+
+    def lines(out: Path) -> int:
+        return sum(file.read_bytes().count(b"\n") for file in (out.with_suffix(".part") / "journal").glob("*.jsonl"))
+
+    with subprocess.Popen([*words, str(tmp_path / "out")], env=HERE, stdout=subprocess.DEVNULL) as process:
+        until(lambda: process.poll() is not None or lines(tmp_path / "out") >= 15, 100)
+        process.send_signal(signal.SIGKILL)
+    kept = lines(tmp_path / "out")
+    assert 15 <= kept < 60
+    assert not (tmp_path / "out").exists()
+    done = subprocess.run([*words, str(tmp_path / "out")], env=HERE, capture_output=True, text=True, check=True)
+    assert f"going on in {tmp_path / 'out.part'}: " in done.stdout
+    assert "better by" in done.stdout
+    # Undisturbed, from Python, on one worker.
+    settings = {"method": {"reduced": {"modes": 0}}, "output": {"figures": False}}
+    whole = granular_contact.optimise(
+        load(CONFIGS / "pendulum_rigid.yaml", settings),
+        yaml.safe_load(PARAMETERS)["parameters"],
+        minimise="stopping_time_s",
+        constraints={"max_depth_m": {"at_most": 0.02}},
+        evaluations=60,
+        seed=1,
+        workers=1,
+    )
+    there = history(tmp_path / "out")
+    assert [float(row["objective"]) for row in there] == [one.value for one in whole.runs]
+    told = json.loads((tmp_path / "out" / "optimise.json").read_text(encoding="utf-8"))
+    assert told["best"] == whole.value
+    assert {name: one["best"] for name, one in told["parameters"].items()} == whole.numbers
+    # What was found is a config that runs, and gives what was found.
+    best = load(tmp_path / "out" / "best.yaml").scenario
+    assert scenario_to_dict(best) == scenario_to_dict(whole.scenario)
+    results = Results.open(tmp_path / "out" / "best")
+    assert results.summary["stopping_time_s"] == whole.value
+    assert results.summary["max_depth_m"] <= 0.02
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        *("optimise.yaml", "history.csv", "optimise.json", "best.yaml", "best"),
+    }
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "search.yaml"]
+
+
+# ---- the command ----
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Let the command take its runs in threads of this process."""
+    monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))
+
+
+TINY = REAL.replace("evaluations: 60", "evaluations: 20").replace("false", "true")
+
+
+@pytest.mark.usefixtures("here")
+def test_the_command_its_folder_and_its_page(tmp_path, capsys):
+    text = TINY.replace("constraints: {max_depth_m: {at_most: 0.02}}\n", "")
+    text = text.replace("{minimise: stopping_time_s}", "{minimise: {stopping_time_s: 1, max_depth_m: 0.01}}")
+    (tmp_path / "search.yaml").write_text(text, encoding="utf-8")
+    command = ["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    out = capsys.readouterr().out
+    assert "minimise, and constraints" in out
+    assert sorted(path.name for path in (tmp_path / "out" / "figures").iterdir()) == ["history.png", "parameters.png"]
+    assert (tmp_path / "out" / "best" / "figures" / "mechanism.png").is_file()
+    before = {path: path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file()}
+    assert main(command) == 0
+    assert "holds all runs of this search already" in capsys.readouterr().out
+    page = pages.write(tmp_path / "out").read_text(encoding="utf-8")
+    assert "to minimise stopping_time_s + 0.01 max_depth_m" in " ".join(page.split())
+    assert "granular-contact run best.yaml" in page
+    assert main(["optimise", str(tmp_path / "out" / "optimise.yaml"), "--out", str(tmp_path / "again")]) == 0
+    assert history(tmp_path / "again") == history(tmp_path / "out")
+    assert {path: path.read_bytes() for path in before} == before
+    (tmp_path / "search.yaml").write_text(text.replace("seed: 1", "seed: 2"), encoding="utf-8")
+    assert main(command) == 2
+    assert "is of another search (seed is 1 there and 2 here)" in capsys.readouterr().err
+    assert main(["check", str(tmp_path / "search.yaml")]) == 0
+    assert main(["schema", "optimise"]) == 0
+    assert {"parameters", "objective"} <= json.loads(capsys.readouterr().out.partition("\n")[2])["properties"].keys()
+
+
+@pytest.mark.usefixtures("here")
+def test_without_the_package_one_line_says_so(tmp_path, capsys, monkeypatch):
+    def missing(name: str) -> str:
+        raise methods.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(methods.metadata, "version", missing)
+    (tmp_path / "search.yaml").write_text(TINY, encoding="utf-8")
+    assert main(["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"{tmp_path / 'search.yaml'}: method: cma needs the package cma: pip install ")
+    with pytest.raises(MissingPackageError):
+        methods.packages(study(tmp_path).file)
+
+
+# ---- bad input ----
+
+FAULTY = {
+    "a key that is nowhere": ((ANGLE, "initial.impact_angel_deg"), 4, "unknown key; did you mean impact_angle_deg?"),
+    "a part that is nowhere": ((ANGLE, "model.bodies.lnk.length_m"), 4, "no 'lnk' in model.bodies; did you mean link?"),
+    "bounds that the schema refuses": (("[10, 80]", "[10, 800]"), 4, "got the number 800; allowed is"),
+    "a log scale from 0": (("from: 1,", "from: 0,"), 3, "on a log scale both must be above 0"),
+    "no goal": (("{maximise: height}", "{}"), 5, "got neither of maximise and minimise; exactly one is allowed"),
+    "an odd goal": (("maximise: height", "maximize: height"), 5, "unknown key; did you mean maximise?"),
+    "a limit of nothing": (
+        ("evaluations: 150", "constraints: {speed: {}}"),
+        6,
+        "got neither at_least nor at_most; one of them is needed",
+    ),
+    "too few runs": (("150", "12"), 6, "got 12; the config as it is and one population need 13"),
+    "a method that is none": (("evaluations: 150", "method: cmaes"), 6, "got the text 'cmaes'; allowed is one of cma"),
+    "a key set twice": (
+        (ANGLE, f"both: {{keys: [{SPEED}], from: 1, to: 2}}\n  {ANGLE}"),
+        4,
+        f"sets {SPEED}, which {SPEED} sets too",
+    ),
+    "no config": (("pendulum_rigid.yaml", "nowhere.yaml"), 1, "but there is no file"),
+}
+
+
+@pytest.mark.parametrize("what", FAULTY)
+def test_faults_are_told_at_their_lines(tmp_path, what):
+    change, line, words = FAULTY[what]
+    with pytest.raises(ConfigError) as caught:
+        study(tmp_path, FILE.replace(*change))
+    places = [(fault.file, fault.line) for fault in caught.value.faults]
+    assert places[0] == (str(tmp_path / "search.yaml"), line)
+    assert words in caught.value.faults[0].message
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        (("maximise: height", "maximise: hight"), "objective.maximise", "no number of a summary; did you mean height?"),
+        (("maximise: height", "maximise: status"), "objective.maximise", "got 'status', which is no number"),
+        (("maximise: height", "minimise: stopping_time_s"), "objective.minimise", "of the first 13 runs has stopping"),
+        (("evaluations", "constraints: {sped: {at_most: 1}}\nevaluations"), "constraints.sped", "did you mean speed?"),
+    ],
+)
+def test_an_objective_that_no_run_has_ends_the_search(tmp_path, change, key, words):
+    with pytest.raises(ConfigError) as caught:
+        found(study(tmp_path, FILE.replace(*change)))
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.line is not None) == (key, True)
+    assert words in fault.message

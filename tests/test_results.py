@@ -1,0 +1,230 @@
+"""Results as users have them in hand: by name, as a frame, plotted, saved and opened; and `load` from Python."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support_runs import CONFIGS, ROOT
+
+import granular_contact
+from granular_contact import load, simulate
+from granular_contact.config import scenario_to_dict
+from granular_contact.config.schema.scenario import Load, Output, Scenario, Solver
+from granular_contact.errors import ConfigError, MissingPackageError, ResultsError, SceneError
+from granular_contact.results import Results
+
+
+@cache
+def swung() -> Results:
+    return simulate(load("pendulum", method={"reduced": {"modes": 1}}, solver={"end_time_s": 0.02}))
+
+
+@cache
+def saved() -> dict[str, bytes]:
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as place:
+        folder = swung().save(Path(place) / "run", figures=False)
+        return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def folder_of(place: Path, **other: bytes | None) -> Path:
+    place.mkdir()
+    for name, content in saved().items():
+        content = other.get(name.partition(".")[0], content)
+        if content is not None:
+            (place / name).write_bytes(content)
+    return place
+
+
+# ---- results ----
+
+
+def test_what_was_saved_is_opened_again(tmp_path: Path) -> None:
+    results = swung()
+    again = Results.open(results.save(tmp_path / "run", figures=False))
+    np.testing.assert_array_equal(again.table, results.table)
+    assert (again.columns, again.warnings, again.status) == (results.columns, results.warnings, results.status)
+    assert again.summary == json.loads(json.dumps(results.summary))
+    assert again.scenario == results.scenario
+    assert (again.surface, again.layers, again.floor) == (results.surface, results.layers, results.floor)
+    assert again.terms == results.terms != ()
+    again.save(tmp_path / "again", figures=False)
+    for name in ("summary.json", "timeseries.csv", "scenario.yaml"):
+        assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
+
+
+def test_the_command_line_writes_what_save_writes(tmp_path: Path) -> None:
+    options = ["--set", "method={reduced: {modes: 1}}", "--set", "solver.end_time_s=0.02", "--no-plots", "--quiet"]
+    command = [sys.executable, "-m", "granular_contact", "run", "pendulum", *options, "--out", str(tmp_path / "run")]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=300)
+    assert {path.name for path in (tmp_path / "run").iterdir()} == set(saved())
+    np.testing.assert_array_equal(Results.open(tmp_path / "run").table, swung().table)
+
+
+def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
+    summary, table = saved()["summary.json"], saved()["timeseries.csv"]
+    odd = json.dumps({**json.loads(summary), "status": "fine"}).encode()
+    return {
+        "no table": ({"timeseries": None}, "holds no timeseries.csv: it is not a complete run"),
+        "a table cut short": ({"timeseries": table[:-40]}, "timeseries.csv: can't be read as a table: "),
+        "a table of words": ({"timeseries": table + b"well, x\n"}, "timeseries.csv: can't be read as a table: "),
+        "another table": ({"timeseries": b"time_s,x_m\n0,1\n"}, "has other columns than summary.json tells"),
+        "no summary": ({"summary": None}, "holds no summary.json: it is not a complete run"),
+        "no JSON": ({"summary": summary[:100]}, "summary.json: is not JSON"),
+        "no columns": ({"summary": b'{"status": "rest"}'}, "tells no columns"),
+        "no such status": ({"summary": odd}, "got the status 'fine'"),
+        "no scenario": ({"scenario": None}, "holds no scenario.yaml"),
+        "a broken scenario": ({"scenario": b"model: pendulam\n"}, "scenario.yaml:1: model: got 'pendulam'"),
+    }
+
+
+def test_damaged_folders_are_told_in_one_line(tmp_path: Path) -> None:
+    for what, (other, words) in damaged().items():
+        with pytest.raises(ResultsError) as caught:
+            Results.open(folder_of(tmp_path / what, **other))
+        assert words in str(caught.value), what
+        assert "\n" not in str(caught.value)
+
+
+def test_what_is_no_run_is_told(tmp_path: Path) -> None:
+    for place in (tmp_path, tmp_path / "nowhere"):
+        with pytest.raises(ResultsError):
+            Results.open(place)
+    (tmp_path / "table.csv").write_text("case\n", encoding="utf-8")
+    with pytest.raises(ResultsError, match="holds results of a sweep, and not of one run"):
+        Results.open(tmp_path)
+
+
+def test_columns_by_name() -> None:
+    results = swung()
+    assert results["pivot_angle_deg"].shape == results["time_s"].shape
+    assert "pivot_angle_deg" in results._ipython_key_completions_()
+    with pytest.raises(KeyError, match="did you mean 'pivot_angle_deg'"):
+        results["pivot_angle"]
+    with pytest.raises(KeyError, match="there are: time_s"):
+        results["q"]
+
+
+def test_plots_have_a_panel_for_each_unit_and_show_in_notebooks() -> None:
+    results = swung()
+    figure = results.plot("tip_x_m", "pivot_rate_rad_s", "tip_y_m")
+    lengths, rate = figure.axes
+    assert [line.get_label() for line in lengths.get_lines()[:2]] == ["tip_x", "tip_y"]
+    # 0.2 m and less: the axis is in millimetres.
+    drawn = lengths.get_lines()[1].get_ydata()
+    assert lengths.get_ylabel() == "mm"
+    assert np.max(np.abs(drawn)) == pytest.approx(1e3 * np.max(np.abs(results["tip_y_m"])), rel=1e-9)
+    assert rate.get_ylabel() == "pivot rate (rad/s)"
+    assert figure._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
+    with pytest.raises(KeyError, match="tip_y_m"):
+        results.plot("tip_y")
+    with pytest.raises(ValueError, match="needs the name of a column"):
+        results.plot()
+
+
+def test_frames_need_pandas_and_nothing_else_loads_it(monkeypatch) -> None:
+    assert "pandas" not in sys.modules
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingPackageError) as caught:
+        swung().to_dataframe()
+    assert str(caught.value) == "to_dataframe() needs pandas: pip install pandas"
+    made: dict[str, object] = {}
+
+    def frame(table, columns) -> SimpleNamespace:
+        made.update(table=table, columns=columns)
+        return SimpleNamespace()
+
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=frame))
+    assert swung().to_dataframe().attrs["time_s"] == "time since the start"
+    np.testing.assert_array_equal(made["table"], swung().table)
+    assert made["columns"] == swung().names
+
+
+def test_reprs_are_short_and_escaped() -> None:
+    results, loaded = swung(), load("runner")
+    for thing in (results, loaded, loaded.scenario, granular_contact.build(loaded)):
+        assert len(repr(thing)) < 160, repr(thing)
+    assert "pendulum" in repr(results)
+    page = results._repr_html_()
+    assert "pivot_angle_deg" in page
+    assert "<b>pendulum</b>" in page
+    assert "<script>" not in load("runner", name="<script>").scenario._repr_html_()
+
+
+# ---- load ----
+
+
+def test_files_names_and_mappings_are_the_same() -> None:
+    known = load(CONFIGS / "pendulum.yaml").scenario
+    assert load("pendulum").scenario == load("pendulum.yaml").scenario == known
+    held = {"name": "pendulum", "model": "compound_pendulum", "medium": "play_sand"}
+    held |= {"initial": {"impact_angle_deg": 31, "impact_speed_rad_s": np.float64(6.24)}}
+    assert load(held).scenario == known
+
+
+def test_changes_as_texts_mappings_and_keywords_are_the_same() -> None:
+    by_text = load("runner", ["solver.accuracy=1e-3", "medium=poppy_seeds_loose", "medium.zeta=0.5"])
+    dotted = {"solver.accuracy": 1e-3, "medium": "poppy_seeds_loose", "medium.zeta": 0.5}
+    ways = [
+        load("runner", dotted),
+        load("runner", {"solver": {"accuracy": 1e-3}}, medium={"from": "poppy_seeds_loose", "zeta": 0.5}),
+        load("runner").replace(dotted),
+        load("runner").replace(solver={"accuracy": 1e-3}, medium="poppy_seeds_loose").replace(medium={"zeta": 0.5}),
+    ]
+    for way in ways:
+        assert scenario_to_dict(way.scenario) == scenario_to_dict(by_text.scenario)
+    assert by_text.scenario.solver.end_time_s == 1.25  # of a mapping only what it names is changed
+    assert ways[2].sources.locate("model.bodies.trunk") == load("runner").sources.locate("model.bodies.trunk")
+
+
+def test_what_says_its_kind_replaces_another_kind() -> None:
+    changed = load("runner", drives={"hip_rear_a": {"type": "torque", "torque_Nm": 0.1}}, method="engine").scenario
+    assert changed.drives["hip_rear_a"].type == "torque"
+    assert changed.drives["hip_rear_b"].type == "motion"
+
+
+@pytest.mark.parametrize(
+    ("text", "changes"),
+    [
+        ("solver.acuracy=0.1", {"solver": {"acuracy": 0.1}}),
+        ("medium.zeta=-1", {"medium": {"zeta": -1}}),
+        ("drives.hip.type=motion", {"drives": {"hip": {"type": "motion"}}}),
+    ],
+)
+def test_faults_are_told_as_on_the_command_line(text: str, changes: dict[str, object]) -> None:
+    said = []
+    for call in (lambda: load("runner", [text]), lambda: load("runner", **changes)):
+        with pytest.raises(ConfigError) as caught:
+            call()
+        said.append([(fault.key, fault.message) for fault in caught.value.faults])
+    assert said[0] == said[1] != []
+
+
+def test_what_is_nowhere_is_told() -> None:
+    with pytest.raises(ConfigError, match=r"^runer: no such file, .*; did you mean runner\?$"):
+        load("runer")
+    with pytest.raises(ConfigError, match=r"^folder/runner.yaml: no such file$"):
+        load("folder/runner.yaml")
+
+
+def test_faults_of_the_geometry_have_their_lines() -> None:
+    with pytest.raises(SceneError) as caught:
+        simulate(load(CONFIGS / "runner.yaml", method={"reduced": {"modes": 0}}))
+    assert {fault.file for fault in caught.value.faults} == {"load method={'reduced': {'modes': 0}}"}
+
+
+def test_editors_know_every_key_of_a_config() -> None:
+    source = (ROOT / "granular_contact" / "config" / "given.py").read_text(encoding="utf-8")
+    hints = dict(re.findall(r"class (\w+)\(TypedDict, total=False\):\n.*?\n\n((?:        .+\n)+)", source))
+    for name, model in (("Changes", Scenario), ("Solver", Solver), ("Output", Output), ("Load", Load)):
+        text = hints[f"{name.removesuffix('Changes')}Changes"]
+        assert set(re.findall(r"^ +(\w+):", text, flags=re.M)) == set(model.model_fields)

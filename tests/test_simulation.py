@@ -1,0 +1,351 @@
+"""Scenes that go on step by step: the same as in one call, set from outside, and back to earlier states bit for bit."""
+
+from __future__ import annotations
+
+import pickle
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from support_runs import scenario_of
+
+from granular_contact import Simulation, build, simulate
+from granular_contact.config import Scenario
+from granular_contact.errors import ConfigError, ControlError
+from granular_contact.run import run
+
+BAR = "type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 2700"
+# Two links on a hinge over the sand: the lower joint has stops and dry friction, both are set from outside.
+LEG = f"""
+model:
+  name: leg
+  bodies:
+    thigh: {{{BAR}}}
+    shank: {{{BAR}}}
+  joints:
+    hip: {{type: hinge, parent: ground, child: thigh}}
+    knee:
+      type: hinge
+      parent: thigh
+      child: shank
+      parent_point_m: [0.1, 0]
+      stops: {{lower_deg: -20, upper_deg: 60, stiffness_Nm_per_rad: 50}}
+      friction: {{torque_Nm: 0.01}}
+medium: play_sand
+bed: {{height_m: -0.12, depth_m: 0.03, floor: {{stiffness_N_m2: 1e4, damping_s_m: 0.3}}}}
+initial: {{joints: {{hip: {{angle_deg: 30}}, knee: {{angle_deg: 10}}}}}}
+drives:
+  hip:
+    {{type: external, angle_deg: 30, gain_Nm_per_rad: 3, rate_gain_Nm_s_per_rad: 0.03, limit_Nm: 1, range: [-45, 120]}}
+  knee: {{type: external, torque_Nm: 0, range: [-0.5, 0.5]}}
+solver: {{end_time_s: 0.15, step_s: 5e-4}}
+load: {{strips_per_rigid_part: 4}}
+output: {{bodies: all}}
+"""
+SHORT = ("solver.end_time_s=0.03", "solver.rest_time_s=null")
+# Of every way of solving, with fixed steps and chosen ones, with beams, clocks, settling and rows that are cut off.
+SCENES = {
+    "leg": (LEG, ()),
+    "leg by accuracy": (LEG, ("solver.accuracy=1e-2",)),
+    "flexible": ("pendulum", SHORT),
+    "flexible by accuracy": ("pendulum", (*SHORT, "solver.accuracy=1e-3")),
+    "runner": ("runner", ("solver.accuracy=1e-2", "solver.end_time_s=0.06")),
+    "vacuum": ("pendulum", (*SHORT, "medium=null")),
+    "minimal": ("pendulum_rigid", (*SHORT, "method=minimal")),
+    "reduced": ("pendulum", (*SHORT, "method.reduced.modes=1")),
+    "reduced with bristles": ("pendulum", (*SHORT, "method={reduced: {modes: 1, static: elastoplastic}}")),
+}
+PAUSES = 12
+
+
+def of(name: str) -> Simulation:
+    text, overrides = SCENES[name]
+    return Simulation(scenario_of(text, *overrides))
+
+
+def swing(count: int, names: tuple[str, ...]) -> dict[str, float]:
+    """Controls of a pause, of those that there are; the leg is pressed through the sand to the floor."""
+    wanted = {"hip_angle_deg": 30.0 + 70.0 * np.sin(0.4 * count), "knee_torque_Nm": 0.3 * (-1.0) ** count}
+    return {name: wanted[name] for name in names}
+
+
+def go_on(simulation: Simulation, pauses: int) -> list[np.ndarray]:
+    """All that is seen in the pauses to come."""
+    pause, seen = simulation.scenario.solver.end_time_s / PAUSES, []
+    for _ in range(pauses):
+        count = round(simulation.time / pause)
+        now = simulation.step(swing(count, simulation.controls), pause)
+        seen.append(np.array(list(now.values())))
+    return seen
+
+
+# ---- the same run ----
+
+
+@pytest.mark.parametrize(("name", "pauses"), [("pendulum_rigid", 1000), ("pendulum", 100)])
+def test_a_thousand_steps_are_the_run_in_one_call(name: str, pauses: int) -> None:
+    scenario = scenario_of(name, "solver.end_time_s=0.02", "solver.step_s=2e-5", "solver.rest_time_s=null")
+    whole, simulation, calls = run(build(scenario)), Simulation(scenario), 0
+    while simulation.ended is None:
+        simulation.step(None, 0.02 / pauses)
+        calls += 1
+    parts = simulation.results()
+    assert calls == pauses
+    assert [column.name for column in parts.columns] == [column.name for column in whole.columns]
+    # Times differ by their sum's round-off, 1e-13 of the step, at speeds up to 2 m/s and accelerations up to 1e4 m/s2.
+    scale = np.abs(whole.table).max(axis=0)
+    assert (np.abs(parts.table - whole.table).max(axis=0) <= 1e-8 * np.maximum(scale, 1e-3)).all()
+    for key in ("steps", "newton_iterations", "jacobians"):
+        assert parts.summary["cost"][key] == whole.summary["cost"][key]
+    assert parts.status == whole.status
+
+
+@pytest.mark.parametrize("name", ["minimal", "reduced", "reduced with bristles", "flexible by accuracy"])
+def test_pauses_leave_chosen_steps_as_exact(name: str) -> None:
+    simulation = of(name)
+    go_on(simulation, PAUSES)
+    parts, whole = simulation.results(), run(build(simulation.scenario))
+    assert parts.status == whole.status
+    # Both are off by their tolerances, 1e-3 of the way at the most, over which the pendulum turns by 5 degrees.
+    assert parts["pivot_angle_deg"][-1] == pytest.approx(whole["pivot_angle_deg"][-1], abs=0.005)
+
+
+def test_a_scene_that_settles_starts_where_its_run_does() -> None:
+    scenario = scenario_of(LEG, "initial={settle: true}", "solver.end_time_s=0.002")
+    whole, simulation = run(build(scenario)), Simulation(scenario)
+    assert simulation.observe()["hip_angle_deg"] == whole["hip_angle_deg"][0]
+    simulation.step(None, 1.0)
+    np.testing.assert_array_equal(simulation.results().table, whole.table)
+
+
+# ---- back to a state ----
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_state_in_mid_stride_has_the_same_future_bit_by_bit(name: str) -> None:
+    simulation = of(name)
+    before = go_on(simulation, 5)
+    kept = pickle.dumps(simulation.state())
+    future = go_on(simulation, PAUSES - 5)
+    assert simulation.ended is not None
+    table = simulation.results().table
+    for other in (simulation, of(name)):
+        other.restore(pickle.loads(kept))
+        np.testing.assert_array_equal(go_on(other, PAUSES - 5), future)
+        np.testing.assert_array_equal(other.results().table, table)
+    # To look at a state does not change what comes, and to begin anew is to begin.
+    simulation.reset()
+    np.testing.assert_array_equal(go_on(simulation, PAUSES), before + future)
+
+
+def test_bristles_floor_and_friction_are_in_the_test_above() -> None:
+    simulation = of("leg")
+    seen = go_on(simulation, PAUSES)
+    results = simulation.results()
+    assert any("floor was reached" in warning for warning in results.warnings)
+    assert np.abs(results["floor_friction_force_y_N" if "floor_friction" in results.terms else "depth_m"]).max() > 0.0
+    assert results["depth_m"].max() > 0.03
+    assert results["friction_work_J"][-1] < -1e-3
+    assert np.ptp([one[1] for one in seen]) > 10.0
+
+
+def test_a_state_of_another_scene_is_refused() -> None:
+    simulation = of("leg")
+    other = Simulation(simulation.scenario.replace({"medium.eta_d": 5, "gravity_m_s2": 3.7})).state()
+    with pytest.raises(ControlError, match=r"another scene.*medium.eta_d.*gravity_m_s2"):
+        simulation.restore(other)
+    with pytest.raises(ControlError, match="a dict"):
+        simulation.restore({})  # type: ignore[arg-type]
+    assert simulation.time == 0.0
+
+
+# ---- what is seen ----
+
+
+@pytest.mark.parametrize("name", ["leg", "flexible", "minimal"])
+def test_observations_are_the_columns_of_the_results(name: str) -> None:
+    text, overrides = SCENES[name]
+    simulation = Simulation(scenario_of(text, *overrides, "output.bodies=all"))
+    go_on(simulation, 7)
+    seen, results = simulation.observe(), simulation.results()
+    shared = [column.name for column in results.columns if column.name in seen]
+    own = [key for key in seen if key not in shared]
+    assert len(shared) >= 10
+    assert all(key.endswith(("_rad", "_depth_m", "_contact")) for key in own)
+    for key in shared:
+        assert seen[key] == pytest.approx(results[key][-1], rel=1e-9, abs=1e-9 * np.abs(results[key]).max()), key
+    np.testing.assert_allclose(seen.array(shared), [seen[key] for key in shared])
+    assert dict(pickle.loads(pickle.dumps(seen))) == dict(seen)
+    with pytest.raises(KeyError, match="no observation 'nothing'; there are: time_s, "):
+        seen["nothing"]
+
+
+def test_links_that_bend_keep_their_turns() -> None:
+    scenario = scenario_of("pendulum", *SHORT, "medium=null", "output.bodies=all").replace(
+        {"initial.impact_speed_rad_s": 200, "solver.end_time_s": 0.05}
+    )
+    simulation = Simulation(scenario)
+    simulation.step(None, 0.04)  # a turn and more at once
+    turned = simulation.step(None, 1.0)["link_orientation_deg"]
+    assert turned > 400.0
+    assert turned == pytest.approx(simulation.results()["link_orientation_deg"][-1], rel=1e-9)
+    kept = simulation.state()
+    simulation.reset()
+    assert simulation.restore(kept)["link_orientation_deg"] == turned
+
+
+# ---- controls ----
+
+
+def test_what_is_set_acts_as_a_drive_does() -> None:
+    drives = "drives={hip: {type: pd, angle_deg: 50, gain_Nm_per_rad: 3, rate_gain_Nm_s_per_rad: 0.03, limit_Nm: 1}, "
+    drives += "knee: {type: torque, torque_Nm: 0.2}}"
+    driven = Simulation(scenario_of(LEG, drives, "solver.end_time_s=0.1"))
+    steered = Simulation(scenario_of(LEG, "solver.end_time_s=0.1"))
+    controls: Any
+    for controls in ({"hip_angle_rad": np.radians(50.0), "knee_torque_Nm": 0.2}, None, [50.0, 0.2], {}):
+        driven.step(None, 0.02)
+        steered.step(controls, 0.02)
+    a, b = driven.results(), steered.results()
+    np.testing.assert_allclose(a.table, b.table, rtol=1e-12, atol=1e-12)
+    assert np.abs(b["knee_torque_Nm"] - 0.2).max() == 0.0
+    steered.step({"knee_torque_Nm": 7.0}, 0.02)
+    assert steered.results()["knee_torque_Nm"][-1] == 0.5  # the end of its range
+
+
+def test_the_energy_balance_holds_under_a_controller_that_switches() -> None:
+    def bang(_: float, seen: Any) -> dict[str, float]:
+        return {"knee_torque_Nm": -0.4 if seen["knee_angle_deg"] > 20.0 else 0.4}
+
+    results = simulate(scenario_of(LEG, "solver.step_s=1e-4"), control=bang, control_rate_Hz=200)
+    switches = np.flatnonzero(np.diff(results["knee_torque_Nm"]))
+    assert len(switches) > 4
+    # At whole periods of 5 ms: what is set at one acts from the step after it.
+    periods = results["time_s"][switches] / 0.005
+    np.testing.assert_allclose(periods, np.round(periods), atol=1e-9)
+    assert results.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.abs(results["drive_work_J"]).max() > 0.1
+
+
+BAD: tuple[tuple[Any, Any, str], ...] = (
+    ({"hips_angle_deg": 1.0}, 0.01, r"no control 'hips_angle_deg'; there are: hip_angle_deg, knee_torque_Nm"),
+    ({"hip_angle_m": 1.0}, 0.01, "no control 'hip_angle_m'"),
+    ({"knee_torque_rad": 1.0}, 0.01, "no control 'knee_torque_rad'"),
+    ({"knee_torque_Nm": 0.1, "hip_angle_deg": np.nan}, 0.01, "hip_angle_deg: got nan, allowed is a finite number"),
+    ({"knee_torque_Nm": "much"}, 0.01, "knee_torque_Nm: got 'much'"),
+    ([1.0, 2.0, 3.0], 0.01, r"got the shape \(3,\), allowed is \(2,\): hip_angle_deg, knee_torque_Nm"),
+    ([1.0, np.inf], 0.01, "knee_torque_Nm: got inf"),
+    ({}, 0.0, "dt: got 0.0, allowed is a time of at least"),
+    ({}, np.nan, "dt: got nan"),
+)
+
+
+@pytest.mark.parametrize(("controls", "dt", "words"), BAD)
+def test_bad_controls_are_told_and_change_nothing(controls: Any, dt: float, words: str) -> None:
+    simulation = of("leg")
+    simulation.step({"knee_torque_Nm": 0.1}, 0.01)
+    kept = simulation.state()
+    with pytest.raises(ControlError, match=words):
+        simulation.step(controls, dt)
+    assert simulation.time == kept.time
+    assert simulation.state().controls == kept.controls
+    future = list(simulation.step(None, 0.01).values())
+    simulation.restore(kept)
+    assert list(simulation.step(None, 0.01).values()) == future
+
+
+def test_a_step_after_the_end_is_refused() -> None:
+    simulation = of("flexible")
+    seen = simulation.step(None, 1.0)
+    assert seen.time == pytest.approx(0.03)
+    assert simulation.ended is not None
+    with pytest.raises(ControlError, match=r"the run is over \(end time 0.03 s reached\)"):
+        simulation.step(None, 0.01)
+    assert simulation.reset().time == 0.0
+    assert simulation.ended is None
+
+
+def lost(t: float, _: object) -> dict[str, float]:
+    if t > 0.0199:
+        raise RuntimeError("lost its way")
+    return {}
+
+
+CONTROLLERS: dict[str, tuple[Callable[..., Any], float, str]] = {
+    "raises": (lost, 0.02, r"the controller failed at 0.02 s: RuntimeError: lost its way \(.*test_simulation.py:\d+\)"),
+    "another name": (lambda *_: {"hipp": 1.0}, 0.0, "the controller failed at 0 s: no control 'hipp'; there are"),
+}
+
+
+@pytest.mark.parametrize("case", CONTROLLERS)
+def test_what_was_reached_is_kept_where_a_controller_fails(case: str) -> None:
+    control, reached, words = CONTROLLERS[case]
+    results = simulate(scenario_of(LEG), control=control, control_rate_Hz=100)
+    assert results.status.code == "failed"
+    assert re.match(words, results.status.message)
+    assert results["time_s"][-1] == pytest.approx(reached)
+
+
+@pytest.mark.parametrize("rate", [0.0, np.nan, "fast"])
+def test_a_rate_of_control_is_above_nothing(rate: Any) -> None:
+    with pytest.raises(ControlError, match="control_rate_Hz"):
+        simulate(scenario_of(LEG), control=lambda *_: {}, control_rate_Hz=rate)
+
+
+# ---- beginning anew ----
+
+
+def drawn(simulation: Simulation, seed: int | None) -> list[float]:
+    simulation.reset(seed=seed, **{"medium.eta_d": lambda random: random.uniform(4.0, 9.0), "solver.end_time_s": 0.02})
+    return [float(simulation.scenario.medium.eta_d), simulation.step(None, 0.02)["depth_m"]]  # type: ignore[union-attr]
+
+
+def test_seeds_reproduce() -> None:
+    simulation = Simulation(scenario_of("pendulum", *SHORT))
+    first, other, more = drawn(simulation, 3), drawn(simulation, 4), drawn(simulation, None)
+    assert drawn(simulation, 3) == first
+    assert len({first[1], other[1], more[1]}) == 3
+    assert "eta_d" in simulation.scenario.medium.standing  # type: ignore[union-attr]  # says what was changed
+    simulation.reset(seed=3)  # as it was given
+    assert simulation.random.random() == np.random.default_rng(3).random()
+    assert isinstance(simulation.scenario, Scenario)
+    assert simulation.scenario == scenario_of("pendulum", *SHORT)
+
+
+def test_what_was_closed_begins_anew() -> None:
+    simulation = of("flexible")
+    seen = simulation.step(None, 0.01)
+    simulation.close()
+    assert seen["depth_m"] > 0.0
+    with pytest.raises(ControlError, match="closed: reset"):
+        simulation.step(None, 0.01)
+    simulation.reset()
+    assert dict(simulation.step(None, 0.01)) == dict(seen)
+
+
+def test_a_change_that_is_refused_leaves_the_run_as_it_was() -> None:
+    simulation = of("leg")
+    simulation.step(None, 0.01)
+    with pytest.raises(ConfigError, match=r"medium.eta_d: got the number -1"):
+        simulation.reset(**{"medium.eta_d": -1})
+    assert simulation.time == pytest.approx(0.01)
+    simulation.step(None, 0.01)
+
+
+FAULTS = {
+    "knee={type: external, torque_Nm: 0, angle_deg: 3}": "exactly one is allowed",
+    "knee={type: external}": "got none of",
+    "knee={type: external, angle_deg: 3}": "the drive would do nothing",
+    "knee={type: external, torque_Nm: 0, gain_Nm_per_rad: 3}": "torque_Nm is set: allowed is nothing",
+    "knee={type: external, torque_Nm: 2, range: [-1, 1]}": "allowed is -1 to 1, its range",
+    "knee={type: external, torque_Nm: 0, range: [1, -1]}": "allowed are two numbers that grow",
+    "knee={type: external, force_N: 0}": "knee is a hinge",
+}
+
+
+@pytest.mark.parametrize("drive", FAULTS)
+def test_faults_of_external_drives(drive: str) -> None:
+    with pytest.raises(ConfigError, match=FAULTS[drive]):
+        scenario_of(LEG, f"drives.{drive}")
