@@ -40,8 +40,8 @@ GROUNDS: dict[str, dict[str, object]] = {  # name: what differs from the config
     "loose, trunk of 460 g": HEAVY,
 }
 LEAST_TIME, STRIDES = 1.0, 4  # s, and strides that a run lasts at least
-# The quick form: frequencies of each ground that its claims speak of, runs of half the length, twice the step.
-QUICK, QUICK_SHARE, QUICK_STEP = ((1.0, 8.0), (1.0, 8.0), (1.0, 2.0, 8.0)), 0.5, 4e-4
+# The quick form: frequencies of each ground that its claims speak of, half the strides, twice the step.
+QUICK, QUICK_STRIDES, QUICK_STEP = ((1.0, 8.0), (1.0, 8.0), (1.0, 2.0, 8.0)), 2, 4e-4
 MOST_IMBALANCE = 1e-3
 NOT_SHOWN = """What the model can't show: the resistance is that of a flat, undisturbed bed at every step. There are no
 craters, no heaps, no footprints that the next leg falls into and no sand that flows back, so that faster legs do not
@@ -77,9 +77,9 @@ def simulate(frequency: float, changes: dict[str, object], end_time: float) -> R
     return run(build(scenario), scenario)
 
 
-def gait(frequency: float, changes: dict[str, object], share: float = 1.0) -> Gait:
-    """Gait at a limb frequency (Hz), over this share of the usual time."""
-    end = share * max(LEAST_TIME, STRIDES / frequency)
+def gait(frequency: float, changes: dict[str, object], strides: int = STRIDES) -> Gait:
+    """Gait at a limb frequency (Hz), over so many strides at least."""
+    end = max(LEAST_TIME, strides / frequency)
     results = simulate(frequency, changes, end)
     time_s, x = results["time_s"], results["trunk_x_m"]
     lasted = math.floor(0.5 * end * frequency + 1e-9) / frequency
@@ -201,7 +201,7 @@ def gaits(quick: bool) -> dict[str, list[Gait]]:
     if not quick:
         return {name: [gait(f, ground) for f in FREQUENCIES] for name, ground in GROUNDS.items()}
     return {
-        name: [gait(f, ground | {"solver.step_s": QUICK_STEP}, QUICK_SHARE) for f in frequencies]
+        name: [gait(f, ground | {"solver.step_s": QUICK_STEP}, QUICK_STRIDES) for f in frequencies]
         for (name, ground), frequencies in zip(GROUNDS.items(), QUICK, strict=True)
     }
 
