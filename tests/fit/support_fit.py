@@ -21,7 +21,9 @@ RIGID = "method={reduced: {modes: 0}}"
 TIP = ("tip_x_m", "tip_y_m")
 NOISE = 1e-4  # m: of the source's motion capture
 FRAME = 2e-3  # s
-FOUR = ((22.0, 1.75), (22.0, 4.66), (61.5, 2.70), (61.5, 9.17))  # the source's slowest and fastest at two angles
+Cases = Sequence[tuple[float, float]]
+FOUR: Cases = ((22.0, 1.75), (22.0, 4.66), (61.5, 2.70), (61.5, 9.17))  # the source's slowest and fastest at two angles
+TWO: Cases = (FOUR[0], FOUR[3])
 TRUE = {"medium.eta_d": 6.5, "medium.eta_h": 8.0, "medium.plunging.eta_v": 22.0, "medium.plunging.lambda": 1.1}
 
 
@@ -59,10 +61,13 @@ def measure(
     return file
 
 
-def four(folder: Path, *overrides: str, seed: int = 0, noise: float = NOISE) -> str:
-    """Files of four impacts with the overrides (the rigid model unless given), and the `runs` of a fit file of them."""
+def four(folder: Path, *overrides: str, seed: int = 0, noise: float = NOISE, cases: Cases = FOUR) -> str:
+    """Files of four impacts with the overrides (the rigid model unless given), and the `runs` of a fit file of them.
+
+    cases: these in their place.
+    """
     lines = ["runs:"]
-    for i, case in enumerate(FOUR):
+    for i, case in enumerate(cases):
         file = measure(folder / f"{i}.csv", *start(case), *(overrides or (RIGID,)), seed=10 * seed + i, noise=noise)
         angle, speed = case
         lines.append(f"  - {{config: {CONFIG}, data: {file.name}, set: {{initial.impact_angle_deg: {angle}, ")
