@@ -8,8 +8,10 @@ centroid. With the corners d_i and their depths z_i, over a triangle of area A
     int z dA = A mean(z_i),      int z d dA = A (sum z_i sum d_i + sum z_i d_i) / 12.
 
 Only what leads is loaded. With the direction of motion u at the centroid and s, by how much n . u differs from there to
-a corner, a facet counts with g = clip((n . u + s) / (EDGE + 2 s), 0, 1): the share of it that leads where a body turns,
-and the fading in of `plates` where it does not.
+a corner, a facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1): the share of it that leads where a body turns,
+and the fading in of `plates` where it does not. Of a body that rests, with bristles below their yield, the faces beside
+it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches PRESSED of
+the yield displacement before the face is loaded as a whole [ours].
 """
 
 from __future__ import annotations
@@ -19,11 +21,13 @@ import math
 from numba import njit
 
 from granular_contact.kernels import space_law as law
+from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.plates import EDGE
 from granular_contact.kernels.space_friction import drive, mobilised
 
 COLUMNS = 15
 SIDE = 14
+PRESSED = 0.3
 
 
 def stress(nx, ny, nz, ux, uy, uz, m):
@@ -35,10 +39,11 @@ def stress(nx, ny, nz, ux, uy, uz, m):
 def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
     """Static traction of a law with a `stress`; arguments and result as of `space_law.facet`."""
     qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, m)
-    ux, uy, uz, share = mobilised(qx, qy, qz, m)
-    if side != 0.0 and share > 0.0:
-        s = tau * spread / math.sqrt(qx * qx + qy * qy + qz * qz)
-        share *= min(1.0, max(0.0, (nx * ux + ny * uy + nz * uz + s) / (EDGE + 2.0 * s)))
+    ux, uy, uz, share, one = mobilised(qx, qy, qz, m)
+    if side != 0.0:
+        s = tau * spread * one
+        edge = max(EDGE, PRESSED * (m.v_eps if m.friction == SMOOTH else m.u_y) * one)
+        share *= min(1.0, max(0.0, (nx * ux + ny * uy + nz * uz + s) / (edge + 2.0 * s)))
     if share == 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     sx, sy, sz = stress(nx, ny, nz, ux, uy, uz, m)

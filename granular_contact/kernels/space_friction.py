@@ -21,23 +21,24 @@ def drive(ex, ey, ez, vx, vy, vz, m):
     if m.friction == SMOOTH:
         return vx, vy, vz, 1.0
     k, tau = 1.0, m.tau
-    h = math.sqrt(ex * ex + ey * ey + ez * ez)
+    h, speed = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(vx * vx + vy * vy + vz * vz)
     along = ex * vx + ey * vy + ez * vz
     if h > m.u_y:
         k = m.u_y / h
-    if along > 0.0:
-        tau += along / (h * math.sqrt(vx * vx + vy * vy + vz * vz)) * (sliding(k * h, m) - m.tau)
+    if along > 0.0 and h > 0.5 * m.u_y and speed > 0.0:  # or it does not slide
+        tau += along / (h * speed) * (sliding(min(h, m.u_y), m) - m.tau)
     return k * ex + tau * vx, k * ey + tau * vy, k * ez + tau * vz, tau
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def mobilised(qx, qy, qz, m):
-    """Direction u (3,) and mobilised share s in [0, 1] of a vector q as in `drive`, medium record m."""
+    """Direction u (3,) and mobilised share s in [0, 1] of a vector q as in `drive`, and 1 / |q|; medium record m."""
     h = math.sqrt(qx * qx + qy * qy + qz * qz)
     if h == 0.0:
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     one = 1.0 / h
-    return one * qx, one * qy, one * qz, (math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y))
+    share = math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y)
+    return one * qx, one * qy, one * qz, share, one
 
 
 @njit(cache=True, no_cfunc_wrapper=True)

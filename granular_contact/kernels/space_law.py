@@ -75,7 +75,8 @@ def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, medium):
     """Traction on a facet: of what grows with depth the stress per depth (3,) N/m^3, of the rest the stress (3,) Pa.
 
     z > 0 mean depth (m) of what is immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at
-    its centroid; spread (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0 is loaded, n pointing outward; 0: a thin plate, either face can lead.
+    its centroid; spread (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0
+    is loaded, n pointing outward; 0: a thin plate, either face can lead.
     """
     return _facet(medium, (z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side))
 

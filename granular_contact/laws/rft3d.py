@@ -16,8 +16,9 @@ with the parts of alpha normal and tangential to the element. Published copies o
 60 coefficients, and one public code has the same n, x_i and alpha; values at other psi than 0 and 180 degrees were
 checked against these formulas only, against no published number. Two things are [ours]. Where an element turns through
 the vertical n jumps to its opposite, and the polynomials differ by up to 0.05: over |x2| < UPRIGHT both are averaged,
-with weights from one to the other. In 143 of 32761 states of a 1 degree grid at psi = 0 (upward faces at small angles to
-the motion) the published polynomials would drive the element, by up to 0.005: there the part of S along u is dropped.
+with weights from one to the other. In 143 of 32761 states of a 1 degree grid at psi = 0 (upward faces at small angles
+to the motion) the published polynomials would drive the element, by up to 0.005: there the part of S along u is
+dropped.
 """
 
 from __future__ import annotations

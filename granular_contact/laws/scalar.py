@@ -56,7 +56,7 @@ class ScalarLaw(Law):
         """Add the force of a ball in space to f[term, xyz]; arguments as in `kernels.space_law.ball_force`."""
         static, viscous, quadratic = resistance(z, math.sqrt(vx * vx + vy * vy + vz * vz), cluster, m)
         qx, qy, qz, _ = kernels.space_friction.drive(ex, ey, ez, vx, vy, vz, m)
-        ux, uy, uz, share = kernels.space_friction.mobilised(qx, qy, qz, m)
+        ux, uy, uz, share, _ = kernels.space_friction.mobilised(qx, qy, qz, m)
         static *= share
         last = int(m.quadratic)
         for k, u, v in ((0, ux, vx), (1, uy, vy), (2, uz, vz)):

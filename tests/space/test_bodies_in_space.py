@@ -12,7 +12,7 @@ from exudyn.rigidBodyUtilities import InertiaCuboid, RotXYZ2RotationMatrix
 from numpy.typing import NDArray
 from support_space import PLAY, SAND, prism
 
-from granular_contact import Bar, Box, Cone, GranularBed, Poncelet, Sphere
+from granular_contact import Bar, Box, Cone, GranularBed, Poncelet, Rft3d, Sphere
 from granular_contact.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -104,9 +104,9 @@ def test_the_energy_of_a_fall_is_balanced(name: str) -> None:
 
 
 def test_the_kind_of_coordinates_and_the_direction_of_up_do_not_matter() -> None:
-    plain = Thrown(SAND, Box(SIDES)).solve(0.1, 5e-4).place
-    angles = Thrown(SAND, Box(SIDES), node=ANGLES).solve(0.1, 5e-4).place
-    np.testing.assert_allclose(angles, plain, atol=2e-6)
+    plain = Thrown(SAND, Box(SIDES)).solve(0.1, 2.5e-4).place
+    angles = Thrown(SAND, Box(SIDES), node=ANGLES).solve(0.1, 2.5e-4).place
+    np.testing.assert_allclose(angles, plain, atol=1e-7)
     # y up and x ahead, as in the plane: (x, y, z) -> (x, z, -y).
     turn = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
     rotation = turn @ RotXYZ2RotationMatrix([0.3, 0.2, 0.1])
@@ -119,30 +119,25 @@ def test_the_kind_of_coordinates_and_the_direction_of_up_do_not_matter() -> None
         name: list(turn @ value)
         for name, value in (("velocity", [0.5, 0.2, -1]), ("spin", [1, 2, 3]), ("place", [0, 0, 0.09]))
     }
-    turned = Thrown(SAND, Box(SIDES), turn=angle, up=(0, 1, 0), gravity_up=[0, 1, 0], **given).solve(0.1, 5e-4).place
+    turned = Thrown(SAND, Box(SIDES), turn=angle, up=(0, 1, 0), gravity_up=[0, 1, 0], **given).solve(0.1, 2.5e-4).place
     np.testing.assert_allclose(turned, turn @ plain, atol=1e-7)
 
 
 def test_shorter_steps_converge_with_their_square() -> None:
-    # From within the sand, pulled by gravity along a steep `up`: nothing is touched and nothing stops meanwhile.
-    steps = np.array([4e-3, 2e-3, 1e-3])
+    # Into a light sand along a steep `up`: nothing stops meanwhile, and bodies move by some 30 mm.
     slope = np.radians(50.0)
-    ends = [
-        Thrown(
-            SAND,
-            Sphere(0.1),
-            place=[0, 0, 0.02],
-            velocity=[1.0, 0, -0.2],
-            spin=[0, 0, 0],
-            up=(np.sin(slope), 0, np.cos(slope)),
-        )
-        .solve(0.064, step)
-        .place
-        for step in (*steps, 1.25e-4)
-    ]
-    errors = [np.linalg.norm(end - ends[-1]) for end in ends[:-1]]
+    given = {
+        "place": [0, 0, 0.02],
+        "velocity": [1.0, 0, -0.2],
+        "spin": [0, 0, 0],
+        "up": (-np.sin(slope), 0, np.cos(slope)),
+    }
+    light, steps = Rft3d(100.0, 0.5, 0.3), 0.03 / np.array([8.0, 16.0, 32.0])
+    ends = [Thrown(light, Sphere(0.1), **given).solve(0.03, step) for step in (*steps, 0.03 / 256)]
+    assert np.linalg.norm(ends[-1].output(exu.OutputVariableType.Velocity)) > 0.3
+    errors = [np.linalg.norm(end.place - ends[-1].place) for end in ends[:-1]]
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert 1.6 < order < 2.6, (errors, order)
+    assert 1.8 < order < 2.3, (errors, order)
 
 
 def test_a_body_stands_still_on_a_slope() -> None:
@@ -175,14 +170,14 @@ def test_a_body_in_the_plane_moves_as_there(kind: str) -> None:
     disc = 0.05 * np.column_stack([np.cos(angles), np.sin(angles)])
     ends = np.array([[-0.1, 0.0], [0.1, 0.0]])
     if kind == "disc":
-        flat.add_outline(body, disc, 0.05, strips=288)
+        flat.add_outline(body, disc, 0.05, strips=144)
     else:
         flat.add_rigid(body, *ends, 0.01)
     flat.attach()
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.2, 400
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.2, 200
     settings.timeIntegration.newton.useModifiedNewton = True
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.7
     settings.timeIntegration.verboseMode = 0
@@ -195,10 +190,10 @@ def test_a_body_in_the_plane_moves_as_there(kind: str) -> None:
     block.mass, block.inertiaTensor, block.com = mass, np.eye(3) * inertia, np.zeros(3)
     place, velocity = [0, 0, 0.06], [0.6, 0, -1.0]
     thrown = Thrown(medium, shape, inertia=block, place=place, turn=[0, -0.5, 0], velocity=velocity, spin=[0, -3.0, 0])
-    thrown.solve(0.2, 5e-4)
+    thrown.solve(0.2, 1e-3)
     way = float(np.hypot(x, y - 0.06))
     np.testing.assert_allclose(thrown.place, [x, 0.0, y], atol=1e-3 * way)
-    assert way > 0.08
+    assert way > 0.04
 
 
 def refused(call: Any, *arguments: Any, **named: Any) -> str:
@@ -209,7 +204,9 @@ def refused(call: Any, *arguments: Any, **named: Any) -> str:
 
 def test_what_can_not_be_is_told() -> None:
     mbs = exu.SystemContainer().AddSystem()
-    bodies = [mbs.CreateRigidBody(inertia=INERTIA, nodeType=kind, name="foot") for kind in (EULER, LIE)]
+    bodies = [
+        mbs.CreateRigidBody(inertia=INERTIA, nodeType=kind, name=name) for kind, name in ((EULER, "leg"), (LIE, "foot"))
+    ]
     bed, flat = GranularBed(mbs, SAND, 0.0, up=(0, 0, 1)), GranularBed(mbs, SAND, 0.0)
     assert "bed.add_body: the bed is one in the plane: give it up=(x, y, z)" in refused(
         flat.add_body, bodies[0], Box(SIDES)

@@ -99,7 +99,7 @@ class Capsule(Shape):
         """As `Shape.corners`."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
         step = _size(float(np.hypot(np.sqrt(8.0) * r, 2.0 * (r + h))), size)
-        up = [(x, z + h) for x, z in _arc(r, 0.0, 0.5 * np.pi, step)]
+        up = [(r, h), *((x, z + h) for x, z in _arc(r, 0.0, 0.5 * np.pi, step)[1:])]
         return _turned([*[(x, -z) for x, z in reversed(up)], *up], size)
 
 
