@@ -1,4 +1,4 @@
-"""What can be wrong with a run, each with its place and with what is allowed instead."""
+"""Errors of input and runs, each with its place and with what is allowed instead."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class GranularContactError(Exception):
-    """Root of every error this package raises on purpose."""
+    """Base class of all exceptions of this package."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class _FaultyInput(GranularContactError):
 
 
 class ConfigError(_FaultyInput):
-    """A YAML file or an override that says something it can't; `faults` are sorted by file and line."""
+    """A faulty YAML file or override; `faults` are sorted by file and line."""
 
 
 class SceneError(_FaultyInput):
@@ -53,9 +53,14 @@ class SolveError(GranularContactError):
 
 
 class OutOfTimeError(SolveError):
-    """The time that a run was given was over before it began: there is nothing to keep."""
+    """The time limit was reached before the first step: there is nothing to save."""
+
+
+def scene_fault(key: str, message: str) -> Fault:
+    """A fault of a scene, which knows keys, but no files."""
+    return Fault("", None, key, message)
 
 
 def scene_error(key: str, message: str) -> SceneError:
     """A scene error of one fault."""
-    return SceneError([Fault(file="", line=None, key=key, message=message)])
+    return SceneError([scene_fault(key, message)])

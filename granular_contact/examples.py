@@ -1,4 +1,4 @@
-"""The models and configs that come with the package, written out for a user to run and change."""
+"""The models and configs that come with the package, written to a folder for a user to run and change."""
 
 from __future__ import annotations
 

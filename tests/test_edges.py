@@ -188,4 +188,4 @@ def test_a_comparison_with_what_did_not_end_has_no_verdict(tmp_path: Path, capsy
     config = str(ROOT / "configs" / "pendulum.yaml")
     more = ["--modes", "0", "--elements", "2", "--set", "solver.max_wall_s=1e-6", "--no-plots"]
     assert main(["compare", config, *more, "--out", str(tmp_path / "out")]) == 4
-    assert "FE, 2 elements did not come to its end, so there is nothing to measure by" in capsys.readouterr().out
+    assert "FE, 2 elements did not reach its end, so there is no reference" in capsys.readouterr().out

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from support_runs import CONFIGS
 
 from granular_contact import run as run_module
-from granular_contact.config import load_scenario
+from granular_contact.config import Scenario, load_scenario
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import System, Trajectory
-from granular_contact.results import FINISHED, REST_MEASURE
+from granular_contact.results import FINISHED, REST_MEASURE, Results
 from granular_contact.results.interpolation import Track, above_zero, at_times, greatest, positive_part, rates
 from granular_contact.scene import build
 from granular_contact.scene.types import Scene
@@ -91,6 +91,12 @@ def thinned(trajectory: Trajectory, kept: Any) -> Trajectory:
 
 def solved(scene: Scene) -> tuple[System, Trajectory]:
     return run_module._trajectory(scene, None, None)
+
+
+def run_and_motion(scenario: Scenario) -> tuple[Results, Kinematics]:
+    found = []
+    results = run_module.run(build(scenario), scenario, inspect=lambda *solved: found.append(Kinematics(*solved)))
+    return results, found[0]
 
 
 def numbers(summary: dict[str, Any]) -> dict[str, float]:
@@ -172,10 +178,8 @@ def test_chosen_steps_give_the_numbers_of_fixed_steps(name: str) -> None:
     runs = []
     for more in ([], [f"solver.accuracy={ACCURACY}"]):
         scenario = load_scenario(CONFIGS / f"{name}.yaml", [*SHORT.get(name, ()), *more])
-        scene = build(scenario)
-        system, trajectory = solved(scene)
-        assert trajectory.status.code in FINISHED
-        runs.append((run_module.run(scene, scenario), Kinematics(system, trajectory)))
+        runs.append(run_and_motion(scenario))
+        assert runs[-1][0].status.code in FINISHED
     (fixed, motion), (chosen, _) = runs
     way, speed = 4.0 * ACCURACY * motion.way, float(motion.speeds.max())
     exact, got = numbers(fixed.summary), numbers(chosen.summary)

@@ -28,7 +28,7 @@ from granular_contact.results import Results
 from granular_contact.studies import sweep
 from granular_contact.studies.sweep import Row, table
 from granular_contact.studies.sweep import local_processes as local
-from granular_contact.studies.sweep.runner import FEW, faults
+from granular_contact.studies.sweep.runner import MOST_CHECKED_HERE, faults
 from granular_contact.studies.sweep.worker import _flat, simulate
 
 
@@ -144,16 +144,16 @@ def rows_of(
     cases: Sweep, function: Callable[[Scenario], Results], workers: int = 2, executor=local, **options
 ) -> list[Row]:
     """Rows in the order of the sweep, of which there must be one for each case."""
-    with sweep.Crew(workers, executor) as crew:
-        rows = sorted(sweep.run(cases, crew, function=function, **options), key=lambda row: row.index)
+    with sweep.WorkerPool(workers, executor) as pool:
+        rows = sorted(sweep.run(cases, pool, function=function, **options), key=lambda row: row.index)
     assert [row.name for row in rows] == [case.name for case in cases.cases]
     return rows
 
 
 def test_the_order_is_that_of_the_file_not_of_the_finish(numbered, tmp_path):
     journal = sweep.Journal(tmp_path)
-    with sweep.Crew(2, threads) as crew:
-        rows = list(sweep.run(numbered, crew, function=slow_first, journal=journal))
+    with sweep.WorkerPool(2, threads) as pool:
+        rows = list(sweep.run(numbered, pool, function=slow_first, journal=journal))
     assert rows[0].index != 0
     assert list(journal) == sorted(rows, key=lambda row: row.index)
     table.write(numbered, journal, tmp_path)
@@ -175,7 +175,7 @@ def test_neither_workers_nor_executor_change_a_row(numbered, workers, executor):
         (raising, {3}, "ZeroDivisionError: three is too much"),
         (exiting, {3}, "SystemExit: leaving"),
         (dying, {3, 17}, "the process died"),
-        (unsendable, {3}, "TypeError: function is no plain data"),
+        (unsendable, {3}, "TypeError: function is not plain data"),
     ],
 )
 def test_a_case_that_fails_costs_its_own_row_only(numbered, function, lost, words, tmp_path):
@@ -356,8 +356,8 @@ def test_ctrl_c_keeps_what_is_finished(under_way, tmp_path, send):
 def test_a_crew_that_is_dismissed_leaves_nothing_behind():
     """Neither processes nor the thread that looks after them, whose pipe the interpreter would write to at its exit."""
     before = set(threading.enumerate())
-    with sweep.Crew(2, local) as crew:
-        work = [crew.pool().submit(time.sleep, 60) for _ in range(8)]
+    with sweep.WorkerPool(2, local) as pool:
+        work = [pool.executor().submit(time.sleep, 60) for _ in range(8)]
         until(work[0].running, 60)
         since = set(threading.enumerate()) - before
         assert since
@@ -382,10 +382,10 @@ def is_deaf(process: int) -> bool:
 def test_workers_are_deaf_from_their_first_moment():
     """Else a case that Ctrl-C cut short counts as run, and a worker that is just starting complains."""
     assert interrupted() == 1
-    with sweep.Crew(1, local) as crew:
-        assert crew.pool().submit(interrupted).result(60) == 0
+    with sweep.WorkerPool(1, local) as pool:
+        assert pool.executor().submit(interrupted).result(60) == 0
         if Path("/proc").exists():
-            assert is_deaf(crew.pool().submit(os.getppid).result(60))
+            assert is_deaf(pool.executor().submit(os.getppid).result(60))
 
 
 def test_workers_do_not_outlive_a_sweep_that_is_killed(under_way, tmp_path):
@@ -414,13 +414,13 @@ def test_faults_of_many_cases_are_those_of_few(tmp_path):
     path = write(
         tmp_path, f"vary:\n  {ANGLE}: {{from: 60, to: 100, count: 41}}\n  {SPEED}: {{from: 1, to: 9, count: 12}}\n"
     )
-    assert FEW < 41 * 12
+    assert MOST_CHECKED_HERE < 41 * 12
     with pytest.raises(ConfigError) as alone:
         load_sweep(path, probe=scene.build)
     assert len(alone.value.faults) == 10  # of 91 to 100 degrees
     for executor in (threads, Dead):
-        with sweep.Crew(2, executor) as crew, pytest.raises(ConfigError) as shared:
-            load_sweep(path, probe=scene.build, check=functools.partial(faults, crew=crew))
+        with sweep.WorkerPool(2, executor) as pool, pytest.raises(ConfigError) as shared:
+            load_sweep(path, probe=scene.build, check=functools.partial(faults, pool=pool))
         assert shared.value.faults == alone.value.faults
 
 

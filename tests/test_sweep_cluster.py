@@ -18,7 +18,7 @@ from granular_contact.cli import main
 from granular_contact.config import load_sweep
 from granular_contact.studies import sweep
 from granular_contact.studies.sweep import cluster
-from granular_contact.studies.sweep.cluster import cluster_crew
+from granular_contact.studies.sweep.cluster import cluster_pool
 
 pytest.importorskip("distributed")
 QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 40}}\n"
@@ -69,7 +69,7 @@ def workers(scheduler, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str
 
 
 @pytest.fixture
-def numbered(tmp_path) -> sweep.Crew:
+def numbered(tmp_path) -> sweep.WorkerPool:
     return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
 
 
@@ -102,13 +102,13 @@ def test_results_of_cases_come_from_a_cluster_too(workers, tmp_path, monkeypatch
 
 def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_path):
     journal = sweep.Journal(tmp_path)
-    with cluster_crew(workers) as crew:
-        rows = sorted(sweep.run(numbered, crew, function=dying, journal=journal), key=lambda row: row.index)
+    with cluster_pool(workers) as pool:
+        rows = sorted(sweep.run(numbered, pool, function=dying, journal=journal), key=lambda row: row.index)
     assert [row.index for row in rows] == list(range(20))
     assert [row.index for row in rows if row.failed] == [3, 17]
     assert "the process died" in rows[3].summary["message"]
-    with sweep.Crew(2) as crew:
-        assert rows == sorted(sweep.run(numbered, crew, function=dying), key=lambda row: row.index)
+    with sweep.WorkerPool(2) as pool:
+        assert rows == sorted(sweep.run(numbered, pool, function=dying), key=lambda row: row.index)
     assert list(journal) == rows
 
 
@@ -122,26 +122,26 @@ def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_p
 )
 def test_workers_that_are_not_like_this_process_are_refused(workers, monkeypatch, package, version, said):
     monkeypatch.setattr(cluster, "versions", lambda: {package: version})
-    with pytest.raises(sweep.CrewError) as caught:
-        cluster_crew(workers)
+    with pytest.raises(sweep.WorkerPoolError) as caught:
+        cluster_pool(workers)
     assert str(caught.value).startswith(f"--scheduler {workers}: the worker tcp://127.0.0.1:")
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_a_folder_that_workers_do_not_see_is_told(workers, tmp_path):
-    with pytest.raises(sweep.CrewError, match=r"does not see .*nowhere"):
-        cluster_crew(workers, tmp_path / "nowhere")
+    with pytest.raises(sweep.WorkerPoolError, match=r"does not see .*nowhere"):
+        cluster_pool(workers, tmp_path / "nowhere")
 
 
 def test_a_scheduler_that_is_lost_ends_the_sweep_and_keeps_its_rows(scheduler, workers, numbered, tmp_path):
     """The last test of this cluster."""
     journal = sweep.Journal(tmp_path)
-    with cluster_crew(workers) as crew:
-        rows = sweep.run(numbered, crew, function=of_speed, journal=journal)
+    with cluster_pool(workers) as pool:
+        rows = sweep.run(numbered, pool, function=of_speed, journal=journal)
         assert len(list(islice(rows, 5))) == 5
         end(scheduler[1])
-        with pytest.raises(sweep.CrewError, match="the connection is lost"):
+        with pytest.raises(sweep.WorkerPoolError, match="the connection is lost"):
             list(rows)
     assert 5 <= len(journal) < 20
 

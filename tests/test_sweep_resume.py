@@ -35,7 +35,7 @@ from granular_contact.cli import main
 from granular_contact.cli import sweep as cli
 from granular_contact.config import load_sweep
 from granular_contact.studies import sweep
-from granular_contact.studies.sweep import Crew
+from granular_contact.studies.sweep import WorkerPool
 from granular_contact.studies.sweep import journal as journals
 from granular_contact.studies.sweep import local_processes as local
 from granular_contact.studies.sweep.journal import Journal, Row
@@ -152,7 +152,7 @@ class Threads(ThreadPoolExecutor):
 @pytest.fixture(autouse=True)
 def _here(monkeypatch):
     """Let the command, where it is no process of its own, run its cases in a thread of this one."""
-    monkeypatch.setattr(cli, "_crew", lambda *_: sweep.Crew(1, Threads))
+    monkeypatch.setattr(cli, "_pool", lambda *_: sweep.WorkerPool(1, Threads))
 
 
 def small(folder: Path, cases: str = "  a: {}\n  b: {gravity_m_s2: 9}\n", name: str = "many.yaml") -> Path:
@@ -217,7 +217,7 @@ def interrupted(folder: Path, monkeypatch, *more: str) -> None:
 
     with monkeypatch.context() as patched:
         patched.setattr(cli, "_ask_for_outputs", stop)
-        patched.setattr(sweep.crew, "cores", lambda: 1)
+        patched.setattr(sweep.executor, "cores", lambda: 1)
         assert main(["sweep", str(folder / "many.yaml"), "--out", str(folder / "out"), "--quiet", *more]) == 130
 
 
@@ -312,14 +312,14 @@ def test_results_of_a_case_that_can_not_be_saved_end_the_sweep(tmp_path):
     """They are no failure of the case, which would count as done the next time."""
     cases = load_sweep(write(tmp_path, f"vary:\n  {SPEED}: [1, 2, 3]\n"))
     (tmp_path / "file").touch()
-    with pytest.raises(FileExistsError), sweep.Crew(1, Threads) as crew:
-        list(sweep.run(cases, crew, cases_folder=tmp_path / "file", function=of_speed))
+    with pytest.raises(FileExistsError), sweep.WorkerPool(1, Threads) as pool:
+        list(sweep.run(cases, pool, cases_folder=tmp_path / "file", function=of_speed))
 
 
 def test_rows_that_are_there_are_not_run(tmp_path):
     cases = load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
-    with sweep.Crew(2, local) as crew:
-        rows = list(sweep.run(cases, crew, done={0, 3, 19}, function=of_speed))
+    with sweep.WorkerPool(2, local) as pool:
+        rows = list(sweep.run(cases, pool, done={0, 3, 19}, function=of_speed))
     assert {row.index for row in rows} == set(range(20)) - {0, 3, 19}
 
 
@@ -340,10 +340,10 @@ def dies_in_mid_sentence() -> None:
 
 
 def test_a_worker_killed_while_it_writes_does_not_keep_the_pool_waiting() -> None:
-    with Crew(2) as crew:
-        lost = crew.pool().submit(dies_in_mid_sentence)
+    with WorkerPool(2) as pool:
+        lost = pool.executor().submit(dies_in_mid_sentence)
         assert isinstance(lost.exception(timeout=30), BrokenExecutor)
-        assert crew.pool().submit(os.getpid).result(30) > 0  # the pool goes on
-        crew.dismiss()
-        assert crew.pool().submit(os.getpid).result(30) > 0
+        assert pool.executor().submit(os.getpid).result(30) > 0  # the pool goes on
+        pool.shutdown()
+        assert pool.executor().submit(os.getpid).result(30) > 0
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("ThreadPoolExecutor")]

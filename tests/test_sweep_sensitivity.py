@@ -57,7 +57,7 @@ def test_too_few_points_are_told(tmp_path):
     for count, told in ((2, True), (8, True), (512, False)):
         sweep = design(tmp_path, count, (1.0, 2.0))
         found = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
-        said = sensitivity.doubts(found[0])
+        said = sensitivity.warnings(found[0])
         assert bool(said) == told
         sensitivity.write(found, tmp_path, figures=False)
         with (tmp_path / "sensitivity.csv").open(encoding="utf-8") as file:
@@ -74,7 +74,7 @@ def test_too_few_points_are_told(tmp_path):
 def test_what_makes_indices_doubtful(first, total, width, why):
     ends = np.array([[0.0], [width]])
     one = sensitivity.Indices(OUTPUT, KEYS[:1], np.array([first]), np.array([total]), ends, ends)
-    found = sensitivity.doubt(one, 0)
+    found = sensitivity.imprecision(one, 0)
     assert why in found
     assert bool(found) == bool(why)
 
@@ -191,6 +191,6 @@ def test_an_output_that_no_run_has_ends_it_at_once(tmp_path):
     path = write(tmp_path, RUN.replace("max_deflection_m", "stoping_time_s"))
     done = command("sweep", path, "--out", tmp_path / "out", "--workers", 1)
     assert done.returncode == 2
-    said = "sample.outputs: got 'stoping_time_s', which is no number of a summary; did you mean stopping_time_s?"
+    said = "sample.outputs: got 'stoping_time_s', which is not a number of a summary; did you mean stopping_time_s?"
     assert done.stderr == f"{path}: {said}\n"
     assert list(tmp_path.iterdir()) == [path]

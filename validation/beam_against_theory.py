@@ -38,7 +38,7 @@ from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.scene.types import Connection, Motion, Reduced, Scene
+from granular_contact.scene.types import Connection, InitialMotion, Reduced, Scene
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -95,7 +95,7 @@ def pendulum(elements: int = 4, gravity: float = 0.0) -> Scene:
 def cantilever(elements: int, gravity: float = 0.0) -> Scene:
     """The link alone, clamped to the ground."""
     scene = pendulum(elements, gravity)
-    link = replace(scene.links[0], motion=Motion(ZERO, 0.0, ZERO, 0.0))
+    link = replace(scene.links[0], motion=InitialMotion(ZERO, 0.0, ZERO, 0.0))
     return replace(
         scene, rigid=(), links=(link,), connections=(Connection("clamp", "weld", None, ZERO, link.name, ZERO),)
     )
@@ -345,7 +345,7 @@ def elastica_part(elements: Sequence[int]) -> Part:
     asymptotic = list(elements).index(4)
     orders = {name: order(elements, errors[name], 1e-9, first=asymptotic) for name in shapes}
     rows = [[name, *(f"{e:.1e}" for e in errors[name]), f"{orders[name]:.2f}"] for name in shapes]
-    head = ["tip off by, of L", *(f"{n} element{'s' * (n > 1)}" for n in elements), "order from 4"]
+    head = ["error of the tip, of L", *(f"{n} element{'s' * (n > 1)}" for n in elements), "order from 4"]
     rigid = elastica(force=force, axial=1e12 * EA)
     closed = float(np.linalg.norm(rigid - elliptic_elastica(LOAD))) / L
     loads = np.array([0.05, 0.1, 0.2, 0.4])

@@ -172,7 +172,7 @@ def signs(step: float) -> tuple[str, list[Claim]]:
         rows.append([medium.name, count, driving, f"{skew / scale:.1e}", f"{down / abs(up):.2f}"])
         claims += [
             claim(f"{medium.name} drives no element", driving == 0, f"{driving} of {count} states"),
-            claim(f"{medium.name} is symmetric", skew < 1e-12 * scale, f"mirror image off by {skew / scale:.1e}"),
+            claim(f"{medium.name} is symmetric", skew < 1e-12 * scale, f"error of the mirror image {skew / scale:.1e}"),
             claim(
                 f"{medium.name} resists plunging more",
                 down > abs(up) > 0 > up,
@@ -191,7 +191,7 @@ def signs(step: float) -> tuple[str, list[Claim]]:
         f"The published polynomials of rft3d alone drive {raw} states of this grid (motion to the right), by at most "
         f"0.005 of a response of up to 1; the law drops that part [ours]."
     )
-    head = ["medium", "states", "that drive", "mirror image off by", "plunging / withdrawing"]
+    head = ["medium", "states", "that drive", "error of the mirror image", "plunging / withdrawing"]
     return f"Square plates at every angle in every direction of motion.\n\n{markdown(head, rows)}\n\n{note}", claims
 
 

@@ -108,7 +108,10 @@ def equal_speed_table(peaks: Vector) -> str:
     """Peak deflections (4,) m of impacts at one speed."""
     head = [f"at {EQUAL_SPEED:g} rad/s", *(f"{angle:g} deg" for angle in SPEEDS)]
     growth = [f"{1 / math.tan(math.radians(angle)):.2f}" for angle in SPEEDS]
-    rows = [["peak deflection mm, FE", *millimetres(peaks)], ["immersed length gained per way of the tip", *growth]]
+    rows = [
+        ["peak deflection mm, FE", *millimetres(peaks)],
+        ["immersed length gained per path length of the tip", *growth],
+    ]
     return markdown(head, rows)
 
 

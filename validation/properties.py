@@ -32,7 +32,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.scene import build
-from granular_contact.studies.sweep.pool import cores, local_processes
+from granular_contact.studies.sweep.processes import cores, local_processes
 from validation.random_scenes import images
 from validation.random_scenes.scenes import Drawn, draw, solve, write
 from validation.random_scenes.tracks import Track, apart, summaries_apart, track
@@ -46,9 +46,7 @@ WALL = 15.0  # s of the clock for any run
 MOST_STEPS = 8_000  # of the reference
 SILENT = 1e-2  # of the way: what a run without a warning may be off by
 BALANCE = 1e-3
-ALIKE = (
-    1e-4  # of the way: images, whose round-off grows as the motion diverges; or the accuracy, where it chooses steps
-)
+ALIKE = 1e-4  # of the way: images; or the accuracy; or, where round-off grows as the motion diverges, what steps do
 STRIPS, ELEMENTS = 8, 4
 
 
@@ -81,6 +79,11 @@ class Found:
     def silent(self) -> bool:
         """Whether it claims to be right."""
         return self.end in GOOD and not self.warnings
+
+    @property
+    def alike(self) -> float:
+        """How far an image of it may be off."""
+        return max(ALIKE, self.accuracy, self.steps if math.isfinite(self.steps) else 0.0)
 
     @property
     def cause(self) -> str:
@@ -127,7 +130,9 @@ def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
     found["steps"] = again.off(lambda one: images.finer(one, most), tree)
     found["space"] = again.off(lambda one: images.divided(images.finer(one, 4.0), STRIPS, ELEMENTS), tree)
     if (other := again.run(images.chosen, tree)) is not None:
-        found["numbers"] = summaries_apart(results, other, own, max(scene.length, 1e-3))
+        found["numbers"] = summaries_apart(
+            results, other, own, max(scene.length, 1e-3), scene.mass * abs(scene.gravity)
+        )
         found["other_warned"] = bool(_doubts(other))
     return Found(**found)
 
@@ -253,7 +258,7 @@ def offenders(found: Sequence[Found]) -> dict[str, list[Found]]:
         ],
     }
     for name in IMAGES:
-        broken[name] = [one for one in found if one.silent and one.images.get(name, 0.0) > max(ALIKE, one.accuracy)]
+        broken[name] = [one for one in found if one.silent and one.images.get(name, 0.0) > one.alike]
     return broken | {
         "half the step is within 1 % without a warning": [one for one in found if one.silent and one.half > SILENT],
         "summaries at fixed and chosen steps are within 2 %": [

@@ -4,7 +4,7 @@
 
 configs/runner.yaml with its own clock on close-packed poppy seeds; with a short stance (`SHORT`) on loose ones; and on
 those with its own clock and a trunk so heavy (`HEAVY`) that it rests on its belly and legs lift it only for a moment.
-Speeds are those of the trunk over whole strides in the second half of a run; the way of a stride is speed over limb
+Speeds are those of the trunk over whole strides in the second half of a run; stride length is speed over limb
 frequency. The real-time factor is the time of the solve over the time simulated, of the config as it is.
 """
 
@@ -177,7 +177,7 @@ def real_time(repeats: int) -> str:
 
 
 def draw(found: dict[str, list[Gait]]) -> None:
-    """Figure of speed, and of the way of a stride, against limb frequency."""
+    """Figure of speed and stride length against limb frequency."""
     import matplotlib.pyplot as plt
 
     from granular_contact.report.figures.style import DPI, PALETTE, style
@@ -189,7 +189,7 @@ def draw(found: dict[str, list[Gait]]) -> None:
             left.plot(f, [g.speed for g in gaits], "o-", color=color, label=name)
             right.plot(f, [1e3 * g.stride for g in gaits], "o-", color=color, label=name)
         left.set(xlabel="limb frequency (Hz)", ylabel="forward speed (m/s)", yscale="log", xlim=(0, None))
-        right.set(xlabel="limb frequency (Hz)", ylabel="way of a stride (mm)", yscale="log", xlim=(0, None))
+        right.set(xlabel="limb frequency (Hz)", ylabel="stride length (mm)", yscale="log", xlim=(0, None))
         figure.legend(*left.get_legend_handles_labels(), frameon=False, ncols=len(found), loc="outside upper center")
         figure.savefig(FIGURE, dpi=DPI)
         plt.close(figure)
@@ -202,7 +202,7 @@ def study(quick: bool) -> Outcome:
     head = [
         "limb Hz",
         "speed m/s",
-        "way of a stride mm",
+        "stride length mm",
         "trunk's rise mm",
         "deepest mm",
         "cost of transport",
@@ -211,7 +211,7 @@ def study(quick: bool) -> Outcome:
     parts = [f"{name[0].upper()}{name[1:]}.\n\n{markdown(head, rows(gaits))}" for name, gaits in found.items()]
     if not quick:
         draw(found)
-        parts += [f"![Forward speed and way of a stride against limb frequency](figures/{FIGURE.name})", real_time(5)]
+        parts += [f"![Forward speed and stride length against limb frequency](figures/{FIGURE.name})", real_time(5)]
     return Outcome("\n\n".join([*parts, NOT_SHOWN]), claims(*found.values()))
 
 

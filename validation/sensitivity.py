@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from granular_contact.config import Sweep, load_sweep
 from granular_contact.report.figures.sensitivity import Bars, draw_sensitivity
 from granular_contact.scene import build
-from granular_contact.studies.sweep import Crew, Journal, run, sensitivity
+from granular_contact.studies.sweep import Journal, WorkerPool, run, sensitivity
 from granular_contact.studies.sweep.sensitivity import Indices
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
@@ -73,10 +73,10 @@ def sweep_of(design: Design, count: int, folder: Path) -> Sweep:
 
 def indices(design: Design, count: int) -> list[Indices]:
     """Indices of each output, through the parts that the command uses."""
-    with tempfile.TemporaryDirectory() as name, Crew() as crew:
+    with tempfile.TemporaryDirectory() as name, WorkerPool() as pool:
         folder = Path(name)
         sweep, journal = sweep_of(design, count, folder), Journal(folder)
-        for _ in run(sweep, crew, journal=journal):
+        for _ in run(sweep, pool, journal=journal):
             pass
         return sensitivity.of_sweep(sweep, journal)
 

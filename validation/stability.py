@@ -31,7 +31,7 @@ from granular_contact.config import is_sweep, load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.studies.sweep.pool import cores, local_processes
+from granular_contact.studies.sweep.processes import cores, local_processes
 from validation.stability_cases import Case, cases, heat
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
@@ -149,7 +149,7 @@ def coarse_claim(found: Sequence[Coarse]) -> Claim:
     return Claim(
         "stability.every config at ten times its step is within 5 %, or 2 % without a warning",
         not bad,
-        f"largest {worst.difference:.2%} of the way ({worst.config}), without a warning {quiet:.2%}",
+        f"largest {worst.difference:.2%} of the path length ({worst.config}), without a warning {quiet:.2%}",
     )
 
 
@@ -251,7 +251,7 @@ def claims(found: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, 
         Claim(
             "stability.difference of runs without a warning",
             not wrong,
-            f"largest {worst:.2%} of the way (asked: {WORD:.0%}); above it: {_names(wrong)}",
+            f"largest {worst:.2%} of the path length (asked: {WORD:.0%}); above it: {_names(wrong)}",
         ),
         Claim(
             "stability.steps ten times too large warn, and are within 5 %",
@@ -319,7 +319,7 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
             axes.set_xlabel(label)
             axes.set_ylabel("step (s)")
             axes.grid(visible=False)
-        figure.colorbar(shown, ax=figure.axes, label="difference from a finer run, of the way")
+        figure.colorbar(shown, ax=figure.axes, label="difference from a finer run over path length")
         FIGURES.mkdir(exist_ok=True)
         FigureCanvasAgg(figure).print_figure(FIGURES / "stability_maps.png", dpi=DPI)
 

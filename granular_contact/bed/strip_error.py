@@ -32,8 +32,8 @@ def displacement(load: LoadHistory, v: Vector, mass: Any, fastest: Vector, float
     fade = np.exp(-steps * np.sqrt(_over(np.sum((mean @ mass) * mean, axis=1), twice)))
     fade[~fast] = 0.0
     if floating is None:
-        return _travelled(steps, (_over(steps * np.abs(change[:, 0]), twice) * fastest[1:] * fast)[:, None], fade)
-    return _travelled(steps, steps[:, None] * change[:, 1:] / floating * fast[:, None], fade)
+        return travelled(steps, (_over(steps * np.abs(change[:, 0]), twice) * fastest[1:] * fast)[:, None], fade)
+    return travelled(steps, steps[:, None] * change[:, 1:] / floating * fast[:, None], fade)
 
 
 def _over(part: Vector, twice: Vector) -> Vector:
@@ -42,7 +42,7 @@ def _over(part: Vector, twice: Vector) -> Vector:
     return ratio
 
 
-def _travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
+def travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
     """Greatest displacement (m) by changes of the velocity (n, k) m/s, each of which fades from step to step."""
     velocity, off, most = np.zeros(kicks.shape[1]), np.zeros(kicks.shape[1]), 0.0
     for step, kick, factor in zip(steps, kicks, fade, strict=True):

@@ -1,4 +1,4 @@
-"""The command line: the only place that prints and exits. A module a command: its arguments, and what it does."""
+"""The command line: the only place that prints and exits. One module per command: its arguments and its action."""
 
 from granular_contact.cli.main import main
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granular_contact import config
 from granular_contact.errors import SceneError
@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
 MOST_WORKERS = 256
+# Columns of a table: key of the number, heading, factor, format.
+Shown = Sequence[tuple[str, str, float, str]]
 ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
 
 
 class Refusal(Exception):
-    """Why a command is not begun, in a sentence for people; the command line ends as of faulty input."""
+    """Why a command does not start, as a sentence; the exit code is that of faulty input."""
 
 
 def complain(text: str) -> None:
@@ -44,7 +46,7 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
 
 
 def worst(statuses: Iterable[str]) -> int:
-    """Exit code of several runs by how they ended: of a failure rather than of one that was out of time."""
+    """Exit code of several runs by how they ended: a failure counts more than a time limit."""
     return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
 
 
@@ -75,15 +77,15 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
 
 
 @contextmanager
-def telling(shown: bool) -> Iterator[Callable[[str], None] | None]:
-    """Give a callable that tells on stderr what is under way, or None."""
+def telling(shown: bool, text: str = "running {}") -> Iterator[Callable[..., None] | None]:
+    """Give a callable that shows a text on stderr, with its arguments in the places of {}, or None."""
     if not shown:
         yield None
         return
     from rich.console import Console
 
-    with Console(stderr=True).status("") as status:
-        yield lambda name: status.update(f"running {name}")
+    with Console(stderr=True).status("starting") as status:
+        yield lambda *what: status.update(text.format(*what))
 
 
 def number(value: float | None, factor: float, form: str) -> str:
@@ -91,13 +93,23 @@ def number(value: float | None, factor: float, form: str) -> str:
     return "-" if value is None else format(factor * value, form)
 
 
+def headings(shown: Shown) -> list[str]:
+    """Headings of the shown numbers."""
+    return [heading for _, heading, _, _ in shown]
+
+
+def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:
+    """The shown numbers as text; a dash for None."""
+    for key, _, factor, form in shown:
+        yield number(values.get(key), factor, form)
+
+
 def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table whose first column has names and the others numbers."""
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(box=None, pad_edge=False)
-    table.add_column(first)
+    table = Table(first, box=None, pad_edge=False)
     for head in heads:
         table.add_column(head, justify="right")
     for row in rows:
@@ -116,7 +128,7 @@ def output_folder(out: str | None, name: str, kind: str = "run") -> Path:
 def folder_problem(folder: Path, kind: str = "run") -> str | None:
     """Why `folder` can't take results of a kind (of `report.ENTRIES`), or None.
 
-    It is found by trying, before the run, and nothing is left behind.
+    This is tried before the run, and leaves nothing behind.
     """
     from granular_contact import report
 

@@ -4,25 +4,32 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
     add_output,
     add_set,
     complain,
-    number,
+    headings,
+    numbers,
     output_folder,
     print_table,
     telling,
     worst,
 )
 
-if TYPE_CHECKING:
-    from granular_contact.studies.compare import Row
-
-HELP = "run a config by several models and say which is enough"
+HELP = "run a config with several models and say which is accurate enough"
+SHOWN = (
+    ("stopping_time_s", "stop ms", 1e3, ".3f"),
+    ("angle_at_stop_deg", "angle deg", 1.0, ".4f"),
+    ("max_deflection_m", "peak um", 1e6, ".1f"),
+    ("stopping_time_relative", "stop %", 1e2, "+.3f"),
+    ("travel_relative", "travel %", 1e2, "+.3f"),
+    ("deflection_relative", "peak %", 1e2, "+.2f"),
+    ("angle_rms_deg", "rms mdeg", 1e3, ".2f"),
+    ("deflection_rms_m", "rms um", 1e6, ".2f"),
+    ("solve_s", "run ms", 1e3, ".2f"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,10 +62,10 @@ def _tolerance(text: str) -> float:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.compare import compare, write
+    from granular_contact.studies.compare import cells, compare, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_compare", "compare")
-    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with telling(sys.stderr.isatty() and not chosen.quiet, "running {}") as progress:
         comparison = compare(
             chosen.config,
             chosen.modes,
@@ -70,23 +77,8 @@ def act(chosen: argparse.Namespace) -> int:
         )
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        print_table("model", HEADS, ([row.model.name, *_cells(row)] for row in comparison.rows))
+        rows = map(cells, comparison.rows)
+        print_table("model", headings(SHOWN), ([str(row["model"]), *numbers(row, SHOWN)] for row in rows))
         print(comparison.verdict)
         print(f"saved in {folder}")
     return worst(row.results.status.code for row in comparison.rows)
-
-
-HEADS = ("stop ms", "angle deg", "peak um", "stop %", "travel %", "peak %", "rms mdeg", "rms um", "run ms")
-
-
-def _cells(row: Row) -> Iterator[str]:
-    summary = row.results.summary
-    yield number(summary["stopping_time_s"], 1e3, ".3f")
-    yield number(summary["angle_at_stop_deg"], 1.0, ".4f")
-    yield number(summary["max_deflection_m"], 1e6, ".1f")
-    yield number(row.stopping_time, 1e2, "+.3f")
-    yield number(row.travel, 1e2, "+.3f")
-    yield number(row.deflection, 1e2, "+.2f")
-    yield number(row.angle_rms, 1e3, ".2f")
-    yield number(row.deflection_rms, 1e6, ".2f")
-    yield number(row.seconds, 1e3, ".2f")

@@ -5,25 +5,28 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
     add_output,
     add_set,
     complain,
-    number,
+    headings,
+    numbers,
     output_folder,
     print_table,
     telling,
     worst,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from granular_contact.studies.compare_media import Row
-
 HELP = "run a config in several media"
+SHOWN = (
+    ("stopping_time_s", "stop ms", 1e3, ".3f"),
+    ("angle_at_stop_deg", "angle deg", 1.0, ".3f"),
+    ("max_depth_m", "depth mm", 1e3, ".2f"),
+    ("peak_force_N", "peak force N", 1.0, ".2f"),
+    ("granular_work_J", "dissipated J", -1.0, ".4f"),
+    ("energy_imbalance_relative", "imbalance", 1.0, ".1e"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,31 +45,19 @@ def _names(text: str) -> tuple[str, ...]:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.compare_media import compare_media, write
+    from granular_contact.studies.compare_media import cells, compare_media, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_media", "compare-media")
-    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with telling(sys.stderr.isatty() and not chosen.quiet, "running {}") as progress:
         compiling = None if chosen.quiet else complain
         rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        print_table("medium", HEADS, ([row.name, *_cells(row)] for row in rows))
+        heads = ["ended", *headings(SHOWN)]
+        texts = ((row.name, row.results.status.code, *numbers(cells(row), SHOWN)) for row in rows)
+        print_table("medium", heads, texts)
         for row in rows:
             for warning in row.results.warnings:
                 print(f"{row.name}: {warning}")
         print(f"saved in {folder}")
     return worst(row.results.status.code for row in rows)
-
-
-HEADS = ("ended", "stop ms", "angle deg", "depth mm", "peak force N", "taken J", "imbalance")
-
-
-def _cells(row: Row) -> Iterator[str]:
-    summary = row.results.summary
-    yield summary["status"]
-    yield number(summary["stopping_time_s"], 1e3, ".3f")
-    yield number(summary["angle_at_stop_deg"], 1.0, ".3f")
-    yield number(summary["max_depth_m"], 1e3, ".2f")
-    yield number(row.peak_force, 1.0, ".2f")
-    yield number(-summary["energy"]["granular_work_J"], 1.0, ".4f")
-    yield number(summary["energy"]["imbalance_relative"], 1.0, ".1e")

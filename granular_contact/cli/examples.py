@@ -1,4 +1,4 @@
-"""The command `examples`: the models and configs of the package, written out ready to run."""
+"""The command `examples`: the models and configs of the package, written into a folder, ready to run."""
 
 from __future__ import annotations
 

@@ -1,11 +1,10 @@
-"""The command `fit`: parameters from measured runs, their errors and whether they can be believed, shown and saved."""
+"""The command `fit`: parameters from measured runs, with standard errors and diagnostics, shown and saved."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,14 +18,15 @@ from granular_contact.cli.common import (
     complain,
     output_folder,
     reason,
+    telling,
     worker_count,
 )
-from granular_contact.cli.fit_options import wanted
+from granular_contact.cli.fit_options import requested_fit
 
 if TYPE_CHECKING:
     from granular_contact.studies.fit import Fit
 
-HELP = "find coefficients from measured runs, with their errors"
+HELP = "fit coefficients to measured runs, with standard errors"
 MOST_SHOWN = 12  # parameters in the matrix of correlations
 
 
@@ -34,10 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     words = "a fit file; or configs, each followed by the CSV files that were measured of it"
     parser.add_argument("files", metavar="FILE", nargs="+", help=words)
-    parser.add_argument("--parameters", metavar="KEY,KEY", help="what to find, as medium.eta_h,medium.eta_d")
-    words = "where to look for a parameter, as medium.eta_h=1:40; repeatable"
+    parser.add_argument("--parameters", metavar="KEY,KEY", help="parameters to fit, as medium.eta_h,medium.eta_d")
+    words = "bounds of a parameter, as medium.eta_h=1:40; repeatable"
     parser.add_argument("--bounds", metavar="KEY=LOW:HIGH", action="append", default=[], help=words)
-    words = "names in the CSV files by what they hold, as time_s=t,tip_x_mm=X"
+    words = "headers in the CSV files by quantity, as time_s=t,tip_x_mm=X"
     parser.add_argument("--columns", metavar="COLUMN=NAME,...", help=words)
     words = (
         "by how much the clock of the data is ahead: the run starts at S by it. Without a number it is looked for in "
@@ -46,10 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--time-offset", metavar="S", nargs="?", const="fit", help=words)
     words = "known noise, as tip_x_mm=0.1; estimated where not given; repeatable"
     parser.add_argument("--noise", metavar="COLUMN=X", action="append", default=[], help=words)
-    parser.add_argument("--loss", metavar="soft_l1|linear", help="linear: no row may be an outlier (soft_l1)")
-    parser.add_argument("--starts", metavar="N", help="points to start from (8)")
-    parser.add_argument("--seed", metavar="N", help="of the choice of these points (0)")
-    parser.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
+    parser.add_argument(
+        "--loss",
+        metavar="soft_l1|linear",
+        help="linear: ordinary least squares; soft_l1: outliers have limited weight (soft_l1)",
+    )
+    parser.add_argument("--starts", metavar="N", help="number of starting points (8)")
+    parser.add_argument("--seed", metavar="N", help="seed of the choice of these points (0)")
+    parser.add_argument("--workers", metavar="N", type=worker_count, help="worker processes (one per core)")
     add_set(parser)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
     add_output(parser, "results/NAME_OF_FIRST_FILE_fit")
@@ -57,14 +61,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    asked = wanted(chosen)
+    request = requested_fit(chosen)
     folder = output_folder(chosen.out, f"{Path(chosen.files[0]).stem}_fit", "fit")
 
     from granular_contact.studies.fit import fit, prepare, write
-    from granular_contact.studies.sweep.pool import cores
+    from granular_contact.studies.sweep.processes import cores
 
-    problem = prepare(asked)
-    with _progress(sys.stderr.isatty() and not chosen.quiet) as progress:
+    problem = prepare(request)
+    with telling(sys.stderr.isatty() and not chosen.quiet, "{} of {} starting points done") as progress:
         found = fit(problem, chosen.workers or cores(), progress)
     try:
         write(found, folder, figures=not chosen.no_plots)
@@ -77,18 +81,6 @@ def act(chosen: argparse.Namespace) -> int:
     for warning in found.warnings if chosen.quiet else ():
         complain(f"warning: {warning}")
     return FINE if found.solution.converged else FAILED
-
-
-@contextmanager
-def _progress(shown: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """Give a callable that tells on stderr how many starting points are done, or None."""
-    if not shown:
-        yield None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("starting") as status:
-        yield lambda done, count: status.update(f"{done} of {count} starting points done")
 
 
 def _show(found: Fit) -> None:
@@ -112,7 +104,7 @@ def _show(found: Fit) -> None:
         kind = "given" if column.given else "estimated"
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
     good = found.goodness
-    words = "the residuals look like noise" if good.status == "fits" else "the residuals are no noise"
+    words = "the residuals look like noise" if good.status == "fits" else "the residuals do not look like noise"
     rest = f" ({good.without_outliers:.3g} without the outliers)" if good.outliers else ""
     print(
         f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g}{rest} of {good.degrees_of_freedom} "

@@ -1,4 +1,4 @@
-"""What the command line says of a fit, as the tree of a fit file, so that both are read and checked the same way."""
+"""Options of the command line as the tree of a fit file, so that both are read and checked the same way."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 _HERE = tree.Position("fit", None)
 
 
-def wanted(chosen: argparse.Namespace) -> Specification:
-    """Specification of the files and options chosen; ConfigError with all that is wrong with them."""
+def requested_fit(chosen: argparse.Namespace) -> Specification:
+    """Specification by the chosen files and options; raises ConfigError with every fault of them."""
     from granular_contact.studies.fit import load_specification, specification
 
     first = Path(chosen.files[0])
@@ -29,9 +29,8 @@ def wanted(chosen: argparse.Namespace) -> Specification:
             raise ConfigError([Fault(option, None, "", f"{first} {words}") for option in given])
         return load_specification(first)
     faults: list[Fault] = []
-    nodes = _nodes(chosen, faults)
-    positions = {key: node.position for key, node in nodes.items()}
-    return specification(tree.Mapping(_HERE, nodes, positions), Path(f"{first.stem}.yaml"), faults)
+    root = tree.mapping(_nodes(chosen, faults), _HERE)
+    return specification(root, Path(f"{first.stem}.yaml"), faults)
 
 
 def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.Node]:
@@ -63,47 +62,44 @@ _INSTEAD = ("parameters", "bounds", "columns", "time_offset", "noise", "loss", "
 
 def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
     """Configs, and the CSV files behind each."""
-    config: str | None = None
-    runs: list[tree.Node] = []
-    without: str | None = None
+    form = "allowed are CONFIG DATA.csv [DATA.csv ...]"
+    groups: list[tuple[str, list[str]]] = []
     for name in files:
-        at = tree.Position(name, None)
         if name.endswith((".yaml", ".yml")):
-            if without is not None:
-                faults.append(
-                    Fault(without, None, "", "has no CSV file behind it; allowed are CONFIG DATA.csv [DATA.csv ...]")
-                )
-            config = without = name
-        elif config is None:
-            faults.append(Fault(name, None, "", "stands before any config; allowed are CONFIG DATA.csv [DATA.csv ...]"))
+            groups.append((name, []))
+        elif groups:
+            groups[-1][1].append(name)
         else:
-            without = None
-            held = {key: tree.Scalar(at, value, value) for key, value in (("config", config), ("data", name))}
-            runs.append(tree.Mapping(at, dict(held), dict.fromkeys(held, at)))
-    if without is not None:
-        faults.append(Fault(without, None, "", "has no CSV file behind it; allowed are CONFIG DATA.csv [DATA.csv ...]"))
-    return tree.Items(_HERE, tuple(runs)) if runs else tree.Broken(_HERE)
+            faults.append(Fault(name, None, "", f"stands before any config; {form}"))
+    faults += [Fault(config, None, "", f"has no CSV file behind it; {form}") for config, data in groups if not data]
+    runs = [(config, name) for config, data in groups for name in data]
+    if not runs:
+        return tree.Broken(_HERE)
+    return tree.Items(_HERE, tuple(tree.made({"config": c, "data": d}, tree.Position(d, None)) for c, d in runs))
 
 
 def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:
+    at = tree.Position("--parameters", None)
     names = [name.strip() for name in chosen.parameters.split(",") if name.strip()]
-    nodes: dict[str, tree.Node] = {name: tree.Scalar(tree.Position("--parameters", None), None, "") for name in names}
-    named = [text.partition("=")[0].strip() for text in chosen.bounds]
-    _refuse_repeats("--bounds", named, faults)
+    nodes: dict[str, tree.Node] = {name: tree.Scalar(at, None, "") for name in names}
+    _refuse_repeats("--bounds", [text.partition("=")[0].strip() for text in chosen.bounds], faults)
     for text in chosen.bounds:
         key, value = _pair("--bounds", text, faults)
         low, colon, high = value.partition(":")
-        at = tree.Position(f"--bounds {text}", None)
+        here = f"--bounds {text}"
         if key and key not in nodes:
-            faults.append(Fault(f"--bounds {text}", None, key, "is none of the --parameters"))
+            faults.append(Fault(here, None, key, "is none of the --parameters"))
         elif key and not colon:
-            faults.append(Fault(f"--bounds {text}", None, key, f"got {value!r}; allowed is LOW:HIGH, as 1:40"))
+            faults.append(Fault(here, None, key, f"got {value!r}; allowed is LOW:HIGH, as 1:40"))
         elif key:
-            sides = {"from": low, "to": high}
-            held = {side: read_text(t, at.file, faults, (key,), numbered=False) for side, t in sides.items()}
-            nodes[key] = tree.Mapping(at, held, dict.fromkeys(held, at))
-    at = tree.Position("--parameters", None)
-    return tree.Mapping(at, nodes, {name: node.position for name, node in nodes.items()})
+            sides = {side: _read(here, key, number, faults) for side, number in (("from", low), ("to", high))}
+            nodes[key] = tree.mapping(sides, tree.Position(here, None))
+    return tree.mapping(nodes, at)
+
+
+def _read(option: str, key: str, text: str, faults: list[Fault]) -> tree.Node:
+    """The value of a key that an option gives, as YAML."""
+    return read_text(text, option, faults, (key,), numbered=False)
 
 
 def _refuse_repeats(option: str, names: Sequence[str], faults: list[Fault]) -> None:
@@ -114,7 +110,7 @@ def _refuse_repeats(option: str, names: Sequence[str], faults: list[Fault]) -> N
 def _pair(option: str, text: str, faults: list[Fault]) -> tuple[str, str]:
     name, equals, value = (part.strip() for part in text.partition("="))
     if not name or not equals or not value:
-        faults.append(Fault(f"{option} {text}", None, "", "is no NAME=VALUE"))
+        faults.append(Fault(f"{option} {text}", None, "", "is not NAME=VALUE"))
         return "", ""
     return name, value
 
@@ -123,9 +119,6 @@ def _mapping(option: str, pairs: dict[str, str], faults: list[Fault], read: bool
     """Names and values of an option; values are read as YAML, or are texts."""
     nodes: dict[str, tree.Node] = {}
     for name, value in pairs.items():
-        at = tree.Position(f"{option} {name}={value}", None)
-        nodes[name] = (
-            read_text(value, at.file, faults, (name,), numbered=False) if read else tree.Scalar(at, value, value)
-        )
-    at = tree.Position(option, None)
-    return tree.Mapping(at, nodes, {n: tree.Position(f"{option} {n}={pairs[n]}", None) for n in nodes})
+        here = f"{option} {name}={value}"
+        nodes[name] = _read(here, name, value, faults) if read else tree.made(value, tree.Position(here, None))
+    return tree.mapping(nodes, tree.Position(option, None))

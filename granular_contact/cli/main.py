@@ -1,8 +1,8 @@
 """Entry of the command line.
 
 Exit codes: 0 fine, 2 faulty input, 3 the solver failed, 4 time limit reached, 130
-interrupted. The heavy imports stand in the commands that
-need them, so that `check` never loads the engine and a run without figures never loads the plots.
+interrupted. Heavy imports are in the commands that need them, so that `check` never loads the engine and a run without
+figures never loads the plots.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The command `run`: one config simulated, saved and summed up."""
+"""The command `run`: one config simulated, saved and summarised."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from granular_contact.results import Progress, Results
     from granular_contact.scene import Scene
 
-HELP = "simulate a config and save what came of it"
+HELP = "simulate a config and save the results"
 MOST_FRAMES = 151  # six seconds
 
 
@@ -44,15 +44,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
     films = parser.add_mutually_exclusive_group()
     films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
-    words = "save an animation.mp4, where there is an ffmpeg to make it"
+    words = "save an animation.mp4; needs ffmpeg"
     films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
-    parser.add_argument("--explain", action="store_true", help="say what of the scene was left out, and why")
+    parser.add_argument("--explain", action="store_true", help="say what the model of the scene leaves out, and why")
     parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
     add_output(parser, "results/NAME_OF_CONFIG")
 
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
-    """--method and --modes as what --set takes; modes alone keep the other options of the config's method."""
+    """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method."""
     if chosen.method in ("engine", "minimal") and chosen.modes is not None:
         what = "the engine has none" if chosen.method == "engine" else "rigid bodies have none"
         raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
@@ -113,13 +113,13 @@ def act(chosen: argparse.Namespace) -> int:
 
 
 def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """What the run did without; other methods than the engine have no system in it."""
+    """What the run did without; methods other than the engine have no system."""
     if not solved:
         yield "the engine: the method does without its solver" + (
             "" if "exudyn" in sys.modules else ", and it is not imported"
         )
     for system, trajectory in solved:
-        from granular_contact.multibody.explain import left_out
+        from granular_contact.multibody.omissions import left_out
 
         yield from left_out(system, trajectory)
 
@@ -127,7 +127,7 @@ def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
 def _film_problem(film: str | None) -> str | None:
     """Why there can be no such film, or None."""
     if film == "mp4" and shutil.which("ffmpeg") is None:
-        return "--animate-mp4: there is no ffmpeg on the path to make it with; --animate saves a GIF, which needs none"
+        return "--animate-mp4: there is no ffmpeg on the path; --animate saves a GIF, which needs none"
     return None
 
 
@@ -145,7 +145,7 @@ def _view_problem(wanted: bool, scene: Scene) -> str | None:
 
 @contextmanager
 def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
-    """Give a callable that draws simulated time, of `end_time` (s), on stderr, or None if nothing is to be shown."""
+    """Give a callable that shows the simulated time, of `end_time` (s), on stderr; None if nothing is to be shown."""
     if not shown:
         yield None
         return
@@ -166,7 +166,7 @@ def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
 
 
 def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
-    """Lines that tell a person what came of a run; a quantity that the run has not is left out."""
+    """Lines that summarise a run; quantities that it does not have are left out."""
     found: dict[str, Any] = results.summary
     yield f"{results.name}: {results.status.message}"
     if (stop := found.get("stopping_time_s")) is not None:
@@ -182,9 +182,9 @@ def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
     if (speed := found.get("forward_speed_second_half_m_s")) is not None:
         yield f"  forward speed   {speed:.4f} m/s in the second half"
     if (cost := found.get("cost_of_transport")) is not None:
-        yield f"  transport cost  {cost:.3g} of weight times way"
+        yield f"  transport cost  {cost:.3g} of weight times distance"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
-        yield f"  energy          {imbalance:.1e} of it unaccounted for"
+        yield f"  imbalance       {imbalance:.1e} of the energy"
     yield f"  wall time       {elapsed}"
     yield f"  saved in        {folder}"
     yield from (f"warning: {warning}" for warning in results.warnings)

@@ -1,4 +1,4 @@
-"""The command `sweep`: cases run and shown, going on where an earlier one was killed; their table saved."""
+"""The command `sweep`: cases run, shown and saved as a table; a killed sweep is resumed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import csv
 import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,8 @@ from granular_contact.cli.common import (
     INTERRUPTED,
     add_output,
     complain,
+    headings,
+    numbers,
     output_folder,
     reason,
     worker_count,
@@ -30,14 +32,13 @@ from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
     from granular_contact.config.schema.sweep import Sample
-    from granular_contact.studies.sweep import Crew, Row
-    from granular_contact.studies.sweep.part import Part
+    from granular_contact.studies.sweep import Row, WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint
     from granular_contact.studies.sweep.sensitivity import Indices
 
-HELP = "simulate many cases of a config on all cores or a cluster, a row of a table each"
+HELP = "simulate many cases of a config on all cores or a cluster, one row of a table each"
 MOST_SHOWN = 40  # rows; the rest is in the table
-MOST_KEYS, WIDEST = 4, 20  # keys that vary, and letters of a value, in the shown rows
-# Summary key, heading, factor, format.
+MOST_KEYS, MOST_LETTERS = 4, 20  # keys that vary, and letters of a value, in the shown rows
 _SHOWN = (
     ("stopping_time_s", "stop ms", 1e3, ".2f"),
     ("angle_at_stop_deg", "angle deg", 1.0, ".3f"),
@@ -50,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("file", metavar="FILE", help="YAML file with a config, and cases, vary or sample")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
+    where.add_argument("--workers", metavar="N", type=worker_count, help="worker processes (one per core)")
     words = "run on the workers of a Dask cluster, as tcp://host:8786"
     where.add_argument("--scheduler", metavar="ADDRESS", help=words)
     parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
@@ -61,54 +62,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.sweep import CrewError, FolderRefused
+    from granular_contact.studies.sweep import FolderRefused, WorkerPoolError
 
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
     try:
-        with _crew(chosen, folder) as crew:
-            return _with_crew(chosen, folder, crew)
-    except (CrewError, FolderRefused) as error:
+        with _pool(chosen, folder) as pool:
+            return _with_pool(chosen, folder, pool)
+    except (WorkerPoolError, FolderRefused) as error:
         complain(str(error))
         return FAULTY_INPUT
 
 
-def _crew(chosen: argparse.Namespace, folder: Path) -> Crew:
-    from granular_contact.studies.sweep import Crew
-    from granular_contact.studies.sweep.pool import prepare
+def _pool(chosen: argparse.Namespace, folder: Path) -> WorkerPool:
+    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep.processes import prepare
 
     if chosen.scheduler is None:
         prepare()  # while the file is read
-        return Crew(chosen.workers)
-    from granular_contact.studies.sweep.cluster import cluster_crew
+        return WorkerPool(chosen.workers)
+    from granular_contact.studies.sweep.cluster import cluster_pool
 
-    return cluster_crew(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
+    return cluster_pool(chosen.scheduler, folder.resolve().parent if chosen.plots else None)
 
 
-def _with_crew(chosen: argparse.Namespace, folder: Path, crew: Crew) -> int:
+def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact import scene
-    from granular_contact.studies.sweep import CrewError, table
-    from granular_contact.studies.sweep.part import finished, opened
+    from granular_contact.studies.sweep import WorkerPoolError, table
+    from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
     from granular_contact.studies.sweep.runner import faults
 
-    sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, crew=crew))
-    if finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
+    sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, pool=pool))
+    if is_finished(sweep, folder, chosen.plots and not chosen.restart) and not chosen.restart:
         return _nothing_to_do(folder, chosen.quiet)
     try:
-        with opened(sweep, folder, chosen.plots, chosen.restart) as part:
+        with open_checkpoint(sweep, folder, chosen.plots, chosen.restart) as checkpoint:
             try:
-                return _run(chosen, sweep, crew, part, folder)
+                return _run(chosen, sweep, pool, checkpoint, folder)
             except BaseException as error:
-                crew.dismiss()
-                kept = _kept(part, len(sweep.cases))
+                pool.shutdown()
+                kept = _kept(checkpoint, len(sweep.cases))
                 if kept and isinstance(error, KeyboardInterrupt):
-                    table.write(sweep, part.journal, part.folder)
+                    table.write(sweep, checkpoint.journal, checkpoint.folder)
                     complain(f"interrupted; {kept}")
                     return INTERRUPTED
-                if kept and isinstance(error, OSError | CrewError):
+                if kept and isinstance(error, OSError | WorkerPoolError):
                     complain(f"the sweep can't go on: {reason(error)}; {kept}")
                     return FAULTY_INPUT
                 if not kept or isinstance(error, ConfigError):
-                    part.discard()
+                    checkpoint.discard()
                 raise
     except OSError as error:
         complain(f"the sweep can't go on, or can't be saved in {folder}: {reason(error)}")
@@ -128,37 +129,37 @@ def _nothing_to_do(folder: Path, quiet: bool) -> int:
     return FAILED if failed else FINE
 
 
-def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folder: Path) -> int:
-    from granular_contact.studies.sweep import CrewError, run, sensitivity, table
+def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+    from granular_contact.studies.sweep import WorkerPoolError, run, sensitivity, table
 
     count, begin = len(sweep.cases), time.perf_counter()
-    if part.done and not chosen.quiet:
-        print(f"going on in {part.folder}: {len(part.done)} of {count} cases are there", flush=True)
-    rows = run(sweep, crew, done=part.done, journal=part.journal, cases_folder=part.cases)
+    if checkpoint.done and not chosen.quiet:
+        print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} cases are there", flush=True)
+    rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, cases_folder=checkpoint.cases)
     asked = False
-    with progress(sys.stderr, count, len(part.done), chosen.quiet) as advance, closing(rows):
+    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
         for row in rows:
             if sweep.sample is not None and not asked and not row.failed:
                 _ask_for_outputs(sweep.sample, row, chosen.file)
                 asked = True
             advance()
-    if missing := count - len(part.journal):
-        raise CrewError(f"{missing} rows did not reach {part.folder}")
-    table.write(sweep, part.journal, part.folder)
-    found = sensitivity.of_sweep(sweep, part.journal)
+    if missing := count - len(checkpoint.journal):
+        raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
+    table.write(sweep, checkpoint.journal, checkpoint.folder)
+    found = sensitivity.of_sweep(sweep, checkpoint.journal)
     if found:
-        sensitivity.write(found, part.folder, figures=sweep.base.output.figures)
-    failed = _show(sweep, part.journal, chosen.quiet)
-    part.finish()
+        sensitivity.write(found, checkpoint.folder, figures=sweep.base.output.figures)
+    failed = _show(sweep, checkpoint.journal, chosen.quiet)
+    checkpoint.finish()
     if not chosen.quiet:
         _show_sensitivity(found)
-        taken, new = time.perf_counter() - begin, count - len(part.done)
+        taken, new = time.perf_counter() - begin, count - len(checkpoint.done)
         speed = f" ({new / taken:.3g} per s)" if new and taken > 0.0 else ""
         print(f"{sweep.name}: {count} of {count} cases in {taken:.2f} s{speed}, saved in {folder}")
     for one in found:
         if one.refused:
             complain(f"no Sobol indices of {one.output}: {one.refused}")
-        for words in sensitivity.doubts(one):
+        for words in sensitivity.warnings(one):
             complain(f"warning: {words}")
     if failed:
         complain(f"{failed} of {count} cases failed; saved in {folder}")
@@ -166,19 +167,21 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, crew: Crew, part: Part, folde
 
 
 def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
-    """Raise, before more is run, if a summary has no such number as the sample asks for."""
+    """Raise after the first case if the summary lacks a number that the sample asks for."""
     numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
     for output in sample.outputs:
         if output not in numbers:
-            message = f"got {output!r}, which is no number of a summary; {unknown(output, numbers)}"
+            message = f"got {output!r}, which is not a number of a summary; {unknown(output, numbers)}"
             raise ConfigError([Fault(file, None, "sample.outputs", message)])
 
 
-def _kept(part: Part, count: int) -> str:
-    """What an unfinished sweep leaves, in words; empty if that is nothing."""
-    saved = len(part.journal)
+def _kept(checkpoint: Checkpoint, count: int) -> str:
+    """What an unfinished sweep keeps, in words; empty if nothing."""
+    saved = len(checkpoint.journal)
     return (
-        f"{saved} of {count} cases are kept in {part.folder}, and the same command goes on from there" if saved else ""
+        f"{saved} of {count} cases are kept in {checkpoint.folder}, and the same command goes on from there"
+        if saved
+        else ""
     )
 
 
@@ -192,14 +195,14 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     for name in _short_names(keys):
         shown.add_column(name, justify="right")
     shown.add_column("status")
-    for _, heading, _, _ in _SHOWN:
+    for heading in headings(_SHOWN):
         shown.add_column(heading, justify="right")
     failed: list[str] = []
     count = 0
     for row in rows:
         if row.index < MOST_SHOWN:
             values = (_value(row.values.get(key)) for key in keys)
-            shown.add_row(row.name, *values, row.summary["status"], *_numbers(row.summary))
+            shown.add_row(row.name, *values, row.summary["status"], *numbers(row.summary, _SHOWN))
         if row.failed:
             count += 1
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
@@ -215,7 +218,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
 
 
 def _short_names(keys: Sequence[str]) -> list[str]:
-    """The last parts of dotted keys, with as much before them as tells them apart."""
+    """The last parts of dotted keys, as many as are needed to distinguish them."""
     parts = [key.split(".") for key in keys]
     for size in range(1, max(map(len, parts), default=0) + 1):
         names = [".".join(part[-size:]) for part in parts]
@@ -227,13 +230,7 @@ def _short_names(keys: Sequence[str]) -> list[str]:
 def _value(value: Any) -> str:
     """A value of a case in a cell."""
     text = f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value)
-    return text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}..."
-
-
-def _numbers(summary: dict[str, Any]) -> Iterator[str]:
-    for key, _, factor, form in _SHOWN:
-        value = summary.get(key)
-        yield "-" if value is None else format(factor * value, form)
+    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 3]}..."
 
 
 def _show_sensitivity(found: Iterable[Indices]) -> None:

@@ -1,4 +1,4 @@
-"""How far a sweep is: a bar on a terminal, a line a minute in a log."""
+"""Progress of a sweep: a bar on a terminal, a line per minute in a log."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LINE_SECONDS = 60.0
 
 @contextmanager
 def progress(stream: TextIO, count: int, done: int, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Give a callable that tells on `stream` of one case more; `done` of the `count` cases were there before."""
+    """Give a callable that reports one more case on `stream`; `done` of the `count` cases were there before."""
     if quiet:
         yield lambda: None
     elif stream.isatty():

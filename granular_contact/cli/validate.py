@@ -9,13 +9,13 @@ from pathlib import Path
 
 from granular_contact.cli.common import FAULTY_INPUT, complain
 
-HELP = "run the studies of a checkout and say what holds"
+HELP = "run the studies of a checkout and say which claims hold"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("--quick", action="store_true", help="fewer cases, same claims")
-    parser.add_argument("--record", action="store_true", help="keep what was found as the record")
+    parser.add_argument("--record", action="store_true", help="record the results of the studies")
 
 
 def act(chosen: argparse.Namespace) -> int:

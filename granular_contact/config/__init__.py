@@ -8,7 +8,7 @@ many      kinds, sweep, sweep_{cases,vary,sample,range}   a config and what to r
 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
-from granular_contact.config.kinds import is_fit, is_sweep
+from granular_contact.config.file_kind import is_fit, is_sweep
 from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, load_sweep

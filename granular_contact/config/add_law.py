@@ -9,20 +9,31 @@ from granular_contact.laws.law import Law
 
 
 def add_law(law: type[Law]) -> None:
-    """Let `medium: {law: TAG, ...}` name a law of your own, in configs that this process reads from now on.
+    """Register a law of your own, so that configs can name it: `medium: {law: TAG, ...}`.
 
-    In Python the law needs no more than its class, see `laws.law`.
+    It counts for configs that this process reads from now on. In Python the class alone is enough, see `laws.law`.
+
+    Parameters
+    ----------
+    law : type of Law
+        The class; its tag is the value of its field `law`.
 
     Raises
     ------
     ValueError
-        Another law has its tag.
+        Another law has this tag.
     TypeError
-        The class says nothing of its equation, terms, shapes or constants.
+        The class lacks its equation, terms, shapes or constants.
+
+    Examples
+    --------
+    >>> from granular_contact import add_law
+    >>> from granular_contact.laws.albert import Albert
+    >>> add_law(Albert)  # a law that is registered already stays so
     """
     lacking = [name for name in ("equation", "terms", "takes", "constants") if not hasattr(law, name)]
     if lacking:
-        raise TypeError(f"{law.__name__} has no {', '.join(lacking)}; every law says them of itself")
+        raise TypeError(f"{law.__name__} has no {', '.join(lacking)}; every law defines them")
     if LAWS.setdefault(law.tag(), law) is not law:
         raise ValueError(f"got the tag {law.tag()!r} for {law.__name__}, which another law has")
     for part in (BedLayer, Bed, Scenario):

@@ -1,4 +1,4 @@
-"""What the schema allows at a place, in words; read from the JSON Schema, so it can't differ from the checks."""
+"""What the schema allows at a key, in words; read from the JSON Schema, so that it agrees with the checks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def definitions() -> dict[str, Schema]:
 
 
 def walk(location: Sequence[str | int], model: type[BaseModel] = Scenario) -> tuple[Path, Schema]:
-    """Path in the file, and schema, of what pydantic calls `location`: it puts the tag of a union between two keys."""
+    """Path in the file and schema of a `location` of pydantic, in which the tag of a union is between two keys."""
     schema, path = definitions()[model.__name__], list[str | int]()
     for step in location:
         if _takes_forms(schema):
@@ -49,7 +49,7 @@ def _takes_forms(schema: Schema) -> bool:
 
 
 def _of_form(schema: Schema, step: str | int) -> Schema:
-    """Of a union of forms, the member for the form that pydantic names; the first is that of anything else."""
+    """Of a union of forms, the member for the form that pydantic names; the first one for any other."""
     options = [_resolved(option) for option in schema["oneOf"]]
     return next((one for one in options if one.get("type") == _FORMS.get(step)), options[0])
 

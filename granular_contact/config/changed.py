@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from granular_contact.config import overrides, tree
 from granular_contact.config.export import scenario_to_dict
 from granular_contact.config.load import Template, load_medium, medium_names, scenario_of
+from granular_contact.config.provenance import restated
 from granular_contact.config.schema.scenario import Scenario
-from granular_contact.config.standing import restated
 from granular_contact.errors import Fault
 
 _HERE = tree.Position("", None)

@@ -1,4 +1,4 @@
-"""Columns of CSV files -> signals: where a scenario names a file, its numbers are put in."""
+"""Columns of CSV files -> signals: where a scenario names a file, its numbers are inserted."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _replaced(node: Node, path: tuple[str, ...], folder: Path, faults: list[Faul
 
 
 def _table(node: Mapping, path: tuple[str, ...], folder: Path, faults: list[Fault]) -> Node:
-    """A csv signal as a table; as it is if its keys are at fault, which the schema tells."""
+    """A csv signal as a table; unchanged if its keys are faulty, which the schema reports."""
     file, column = (_text(node, key) for key in ("file", "column"))
     time_column = "time_s" if "time_column" not in node.nodes else _text(node, "time_column")
     if file is None or column is None or time_column is None or not set(node.nodes) <= _KEYS:
@@ -109,7 +109,7 @@ def _pairs(table: Table, names: tuple[str, str]) -> tuple[list[float], list[floa
         if times and time <= times[-1]:
             return _fault(table, line, f"got the time {time:g} after {times[-1]:g}; allowed are times that grow")
         if len(times) == MOST_ROWS:
-            return _fault(table, line, f"got more than {MOST_ROWS} rows; allowed are at most so many")
+            return _fault(table, line, f"got more than {MOST_ROWS} rows; at most that many are allowed")
         times.append(time)
         values.append(value)
     if len(times) < 2:

@@ -1,7 +1,7 @@
 """YAML events -> positioned tree of one document.
 
-PyYAML delivers the events. Putting them together here gives every value its line, finds the duplicate keys that PyYAML
-lets win silently, and bounds what aliases and nesting can cost.
+PyYAML delivers the events. Composing them here gives every value its line, finds duplicate keys, of which PyYAML
+silently takes the last, and limits aliases and nesting.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Stop(Exception):
-    """The rest of the file can't be read; the fault says why."""
+    """Raised where the rest of the file can't be read; the fault says why."""
 
     def __init__(self, position: Position, path: Path, message: str) -> None:
         super().__init__(message)
@@ -30,9 +30,9 @@ class Stop(Exception):
 
 
 class Composer:
-    """Puts the events of one document together.
+    """Composes the events of one document.
 
-    `faults` collects what is wrong but leaves the rest readable; `Stop` is raised for what does not.
+    `faults` collects faults after which the rest is readable; `Stop` is raised for the others.
     """
 
     def __init__(self, text: str, file: str, faults: list[Fault], numbered: bool) -> None:
@@ -57,7 +57,7 @@ class Composer:
         next(self._events)
         more = next(self._events)
         if not isinstance(more, yaml.StreamEndEvent):
-            raise Stop(self.position(more.start_mark), (), "a second document starts here; one a file is allowed")
+            raise Stop(self.position(more.start_mark), (), "a second document starts here; one per file is allowed")
         return root
 
     def _node(self, event: Any, path: Path, depth: int, at: Position | None = None) -> Node:
@@ -90,7 +90,7 @@ class Composer:
         known = self._anchors.get(event.anchor)
         if known is None:
             inside = event.anchor in self._anchors
-            problem = "stands inside its own anchor" if inside else f"has no anchor &{event.anchor} above it"
+            problem = "refers to an anchor that contains it" if inside else f"has no anchor &{event.anchor} above it"
             return self._broken(position, path, f"the alias *{event.anchor} {problem}")
         size, height = self._measure(known)
         self._aliased += size

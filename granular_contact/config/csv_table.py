@@ -1,7 +1,7 @@
 """A CSV file -> its cells as text, or what is wrong with its form.
 
 The first line that is not empty and does not start with # or % holds the names; commas, semicolons or tabs separate.
-Separators at the end of lines, as spreadsheets leave them, are no cells.
+Separators at the end of lines, as spreadsheets write them, do not count as cells.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def table_of(text: str, file: str, faults: list[Fault]) -> Table | None:
     try:
         rows = list(csv.reader((line for _, line in lines), delimiter=separator))
     except csv.Error as error:
-        faults.append(Fault(file, None, "", f"is no CSV text: {error}"))
+        faults.append(Fault(file, None, "", f"is not a CSV text: {error}"))
         return None
     cells = [tuple(cell.strip() for cell in row) for row in rows]
     if len(cells) != len(lines):
@@ -99,7 +99,7 @@ def ragged(table: Table) -> list[Fault]:
 
 
 def _without_empty_ends(cells: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """The lines cut to as many cells as the longest of them fills, so that holes stay what they are."""
+    """The lines cut to the number of cells of the longest non-empty one, so that empty cells within stay."""
     width = max((i for row in cells for i, cell in enumerate(row, 1) if cell), default=0)
     return [row[: max(width, 1)] for row in cells]
 

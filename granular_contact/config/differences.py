@@ -1,4 +1,4 @@
-"""In what plain data differ: scenarios, the sweeps of two work folders."""
+"""Differences of plain data: of scenarios, of the sweeps of two work folders."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ MISSING = object()
 
 
 def differences(one: Any, other: Any, path: Path = (), whole: bool = False) -> Iterator[tuple[Path, Any, Any]]:
-    """Paths at which two pieces of plain data differ, with what stands there in each; MISSING for nothing.
+    """Paths at which two pieces of plain data differ, with both values; MISSING where there is none.
 
-    whole: tell a mapping with other keys, or a list, as one difference, as `--set` replaces it.
+    whole: give a mapping with other keys, or a list, as one difference, as `--set` replaces it.
     """
     if isinstance(one, dict) and isinstance(other, dict) and not (whole and set(one) != set(other)):
         for key in dict.fromkeys((*one, *other)):

@@ -32,7 +32,7 @@ def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
 
 
 def value_at(plain: Any, key: Sequence[str], missing: Any = None) -> Any:
-    """Value under a key of a scenario as plain data, by the names and numbers on the way to it."""
+    """Value under a key of a scenario as plain data, by its path of names and numbers."""
     for part in key:
         if isinstance(plain, list) and part.isdecimal() and int(part) < len(plain):
             plain = plain[int(part)]

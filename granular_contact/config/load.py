@@ -15,14 +15,14 @@ from granular_contact.config import overrides as setting
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
+from granular_contact.config.deprecated import renewed
 from granular_contact.config.messages import faults_of, is_foreign, kind_of
-from granular_contact.config.older import renewed
+from granular_contact.config.provenance import restated_each
 from granular_contact.config.references import MEDIA, MODELS, Resolver
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.chain import names
 from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.sizes import too_large
-from granular_contact.config.standing import restated_each
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.scalars import resolve
@@ -94,7 +94,7 @@ class Template:
         """
         known = list(Scenario.model_fields)
         if not isinstance(root, tree.Broken) and is_foreign(root, [*known, "config"]):
-            words = f"is no config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
+            words = f"is not a config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
             faults.append(root.position.fault((), words))
             root = tree.Broken(root.position)
         elif isinstance(root, tree.Mapping) and "config" in root.nodes and "model" not in root.nodes:
@@ -173,7 +173,7 @@ def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> S
 
 
 def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
-    """`node` with what its media say of their numbers put right where overrides changed some, see `standing`."""
+    """`node` with the provenance of its media corrected where overrides changed numbers, see `config.provenance`."""
 
     def media(one: tree.Node, held: tree.Node | None) -> tree.Node:
         return one if held is None else _under(one, "medium", partial(restated_each, tree.child(held, "medium")))

@@ -31,8 +31,8 @@ def validated(model: type[M], tree: Node, faults: list[Fault]) -> M | None:
 def faults_of(errors: Iterable[Mapping[str, Any]], tree: Node, model: type[BaseModel] = Scenario) -> list[Fault]:
     """Faults for the `errors()` of a pydantic ValidationError about `tree`, which was to be a `model`.
 
-    Nothing is said about what is `Broken`, since the fault that broke it is known, nor about a list that is too short
-    only for the items in it that are at fault themselves: pydantic counts those that are not.
+    There is none about a `Broken` node, whose fault is known, nor about a list that is too short only because items in
+    it are faulty: pydantic counts only valid ones.
     """
     errors = list(errors)
     faults = [fault for error in errors if not _is_short_of(error, errors) for fault in _faults(error, tree, model)]
@@ -60,7 +60,7 @@ def got(node: Node) -> str:
 
 
 def kind_of(node: Node) -> str:
-    """The YAML type of what a whole file holds. Its content is not told: it may be any file, with secrets in it."""
+    """The YAML type of what a whole file holds. Its content is not shown: it may be any file, with secrets in it."""
     if isinstance(node, Scalar):
         value = node.value
         return "nothing" if value is None else "a text" if isinstance(value, str) else f"a {_scalar_kind(value)}"
@@ -70,7 +70,7 @@ def kind_of(node: Node) -> str:
 
 
 def is_foreign(node: Node, known: Sequence[str]) -> bool:
-    """Whether a whole file holds no mapping, or one without a key that is known or nearly so: it is of another kind."""
+    """Whether a file is of another kind: not a mapping, or one without a known or nearly known key."""
     if not isinstance(node, MappingNode):
         return True
     return bool(node.nodes) and not any(get_close_matches(key, known, 1, 0.75) for key in node.nodes)
@@ -120,7 +120,7 @@ def _tag_fault(tree: Node, path: Path, key: str, choices: list[str]) -> Fault | 
 
 
 def _hint(node: Node, schema: allowed.Schema) -> str:
-    """How numbers are spelled, for a text that looks like one; what null takes, for the word none."""
+    """How to write numbers, for a text that looks like one."""
     if schema.get("type") in ("number", "integer") and isinstance(node, Scalar) and isinstance(node.value, str):
         looks_like_one = node.text[:1].isdigit() or node.text[:1] in ("+", "-", ".")
         return "; write numbers as 12, 0.5 or 1e-3, without quotes" if looks_like_one and node.text.strip() else ""

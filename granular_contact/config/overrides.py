@@ -1,4 +1,4 @@
-"""`--set dotted.key=value`, and the cases of a sweep: values laid over the tree of a config before it is checked."""
+"""`--set dotted.key=value` and cases of sweeps: new values in the tree of a config, before it is checked."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ class Override:
 
 
 def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:
-    """Overrides in the order given, less those that a later one replaces with all around them."""
+    """Overrides in the given order, without those that a later one replaces as a whole."""
     return effective([one for text in texts if (one := _parse(text, faults)) is not None])
 
 
 def effective(overrides: Sequence[Override]) -> list[Override]:
-    """The overrides that no later one replaces with all around them."""
+    """The overrides without those that a later one replaces as a whole."""
     return [
         one
         for i, one in enumerate(overrides)
@@ -51,7 +51,7 @@ def split(key: str, position: Position, faults: list[Fault], form: str = "dotted
     """The parts of a dotted key; None, with a fault that names the allowed `form`, for one that can't be used."""
     path = tuple(key.strip().split("."))
     if not all(path):
-        faults.append(position.fault((), f"is no {form}"))
+        faults.append(position.fault((), f"is not a {form}"))
     elif len(path) > MAX_DEPTH:
         faults.append(position.fault((), f"leads more than {MAX_DEPTH} levels deep"))
     else:
@@ -72,7 +72,7 @@ def _parse(text: str, faults: list[Fault]) -> Override | None:
 
 
 def apply(root: Node, overrides: Sequence[Override], faults: list[Fault]) -> Node:
-    """`root` with the overrides in it; one that finds no place is a fault."""
+    """`root` with the overrides in it; one without a place is a fault."""
     for override in overrides:
         root = _placed(root, override, 0, faults)
     return root
@@ -97,7 +97,7 @@ def _placed(node: Node | None, override: Override, depth: int, faults: list[Faul
 
 
 def _begun(override: Override, depth: int) -> Mapping:
-    """A mapping where the config has none; in a union it is of the kind that stands there by default."""
+    """A new mapping where the config has none; in a union one of the default kind."""
     empty, tag = Mapping(override.position), allowed.default_tag(override.path[:depth])
     if tag is None:
         return empty

@@ -1,4 +1,4 @@
-"""Names and paths of models and media -> their trees, with what is written over them merged in."""
+"""Names and paths of models and media -> their trees, merged with the keys beside `from`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from granular_contact.config.messages import got, kind_of
-from granular_contact.config.standing import restated
+from granular_contact.config.provenance import restated
 from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
@@ -40,7 +40,7 @@ MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "laws" / "prese
 
 
 class Resolver:
-    """Replaces references by what they refer to; faults are appended to `faults`."""
+    """Replaces references by the trees that they refer to; faults are appended to `faults`."""
 
     def __init__(self, config: Path, faults: list[Fault]) -> None:
         self._config, self._faults = config, faults
@@ -60,7 +60,7 @@ class Resolver:
         return Broken(position)
 
     def _expand(self, node: Node, library: Library, file: Path, chain: tuple[Path, ...]) -> Node:
-        """`node`, written in `file`, on top of what it refers to; `chain` holds the files that led here."""
+        """`node`, written in `file`, merged over what it refers to; `chain` holds the files that led here."""
         if isinstance(node, Scalar):
             return self._load(node, library, (library.key,), file, chain)
         if not isinstance(node, Mapping) or FROM not in node.nodes:
@@ -96,14 +96,13 @@ class Resolver:
         if isinstance(root, Broken):
             return root
         return self._refuse(
-            root.position, (library.key,), f"is no {library.noun}: it holds {kind_of(root)}; allowed is a mapping"
+            root.position, (library.key,), f"is not a {library.noun}: it holds {kind_of(root)}; allowed is a mapping"
         )
 
 
 def _named_at(node: Node, at: Position) -> Node:
-    """A medium that stands where it is named, for faults of it as a whole, and so do its nulls.
-
-    There it has to be another one, and there the number has to be given that its source leaves open.
+    """A medium at the position of its name, for faults of it as a whole, and its nulls at that position, too: there
+    another medium, or the number that its source leaves open, has to be given.
     """
     if not isinstance(node, Mapping):
         return node
@@ -143,7 +142,7 @@ def _find(name: str, library: Library, file: Path) -> Path | str:
 
 
 def _is_scenario(path: Path, library: Library) -> bool:
-    """A config beside the one that is read may be called as the model it runs; it is not meant."""
+    """Whether a file is a config: one beside the config that is read may have the name of its model."""
     root = read_file(shown(path), [])
     return isinstance(root, Mapping) and library.key in root.nodes
 

@@ -1,4 +1,4 @@
-"""Numbers so large that their powers are beyond all numbers."""
+"""Numbers so large that their powers overflow."""
 
 from __future__ import annotations
 

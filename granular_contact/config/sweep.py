@@ -129,7 +129,7 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
     root = read_file(path, faults)
     if not isinstance(root, tree.Mapping) or is_foreign(root, (*KEYS, "model")):
         if not isinstance(root, tree.Broken):
-            words = f"is no sweep: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
+            words = f"is not a sweep: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
             faults.append(root.position.fault((), words))
         raise ConfigError(faults)
     if "model" in root.nodes and "config" not in root.nodes:

@@ -1,4 +1,4 @@
-"""Cases of a sweep: named ones, and those that follow from values of some keys; each made when it is asked for."""
+"""Cases of a sweep: named ones, and those from values of some keys, made when they are needed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Case:
 
     @property
     def values(self) -> dict[str, Any]:
-        """What is replaced and what stands there now, as plain data."""
+        """The replaced keys and their new values, as plain data."""
         return {".".join(one.path): tree.plain(one.value) for one in self.overrides}
 
     @property
@@ -45,13 +45,13 @@ class Case:
 
     @property
     def label(self) -> str:
-        """The name, with the values where the name tells nothing."""
+        """The name, with the values if it is only a number."""
         values = [f"{key} = {value}" for key, value in self.values.items()] if self.numbered else []
         return ", ".join((self.name, listed(values))) if values else self.name
 
 
 def read_overrides(node: tree.Node | None, path: tree.Path, faults: list[Fault]) -> list[Override]:
-    """Overrides of a mapping from dotted keys to values; none of what is no mapping, as the schema tells that."""
+    """Overrides of a mapping from dotted keys to values; none if it is not a mapping, which the schema reports."""
     if not isinstance(node, tree.Mapping):
         return []
     read = []
@@ -64,7 +64,7 @@ def read_overrides(node: tree.Node | None, path: tree.Path, faults: list[Fault])
 
 
 def _without_hidden(overrides: Sequence[Override], faults: list[Fault]) -> Iterator[Override]:
-    """The overrides but for those, a fault each, that have no effect as a later one replaces all around them."""
+    """The overrides without those that a later one replaces as a whole, which are faults."""
     for i, one in enumerate(overrides):
         later = next((other for other in overrides[i + 1 :] if one.path[: len(other.path)] == other.path), None)
         if later is None:
@@ -77,7 +77,7 @@ def _without_hidden(overrides: Sequence[Override], faults: list[Fault]) -> Itera
 
 
 def named(node: tree.Node, faults: list[Fault]) -> list[Case]:
-    """Cases that the file names one by one, in its order, less those that are no mappings, as the schema tells that."""
+    """Cases that the file names, in its order, without those that are not mappings, which the schema reports."""
     cases: list[Case] = []
     lines: dict[str, int | None] = {}
     for name, at, path, held in _entries(node):
@@ -93,7 +93,7 @@ def named(node: tree.Node, faults: list[Fault]) -> list[Case]:
 
 
 def _entries(node: tree.Node) -> Iterator[tuple[str, tree.Position, tree.Path, tree.Node]]:
-    """Name, its place, path and content of each case, whichever way they are listed."""
+    """Name, position, path and content of each case, of a mapping or a list."""
     if isinstance(node, tree.Mapping):
         for name, held in node.nodes.items():
             yield name, node.keys[name], ("cases", name), held

@@ -1,4 +1,4 @@
-"""A YAML document as a tree that knows where each part was written.
+"""A YAML document as a tree with the position of each part.
 
 Trees are never changed in place: an alias shares its node with the anchor, and both would change. Nodes compare by
 identity, so that shared ones can be told from equal ones.
@@ -17,7 +17,7 @@ Path = tuple[str | int, ...]
 
 
 class Position(NamedTuple):
-    """Where something was written; line from 1, None for the command line."""
+    """Position in a file; line from 1, None for the command line."""
 
     file: str
     line: int | None
@@ -55,7 +55,7 @@ class Mapping:
 
 @dataclass(frozen=True, eq=False)
 class Broken:
-    """Stands where a fault was found already, so that nothing more is said about it."""
+    """Marks a place with a known fault, about which no other is reported."""
 
     position: Position
 
@@ -80,8 +80,13 @@ def plain(node: Node) -> Any:
     return BROKEN
 
 
+def mapping(nodes: dict[str, Node], at: Position) -> Mapping:
+    """A mapping whose keys have the positions of their values."""
+    return Mapping(at, nodes, {key: node.position for key, node in nodes.items()})
+
+
 def made(value: Any, at: Position) -> Node:
-    """The tree of plain data (dict, list, scalars), all of it written at one place."""
+    """The tree of plain data (dict, list, scalars), with one position for all of it."""
     if isinstance(value, dict):
         nodes = {key: made(held, at) for key, held in value.items()}
         return Mapping(at, nodes, dict.fromkeys(nodes, at))
@@ -145,7 +150,7 @@ def drop_key(node: Mapping, key: str) -> Mapping:
 
 
 def merge(base: Node, top: Node) -> Node:
-    """`top` laid over `base`: mappings merge key by key, anything else (null too) replaces what is below."""
+    """`top` merged over `base`: mappings are merged key by key, anything else (also null) replaces the value below."""
     if not isinstance(base, Mapping) or not isinstance(top, Mapping):
         return top
     nodes = {**base.nodes}

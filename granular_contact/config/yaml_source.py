@@ -1,6 +1,6 @@
 """Text of one YAML file -> positioned tree. Builds numbers, texts, lists and mappings, never a Python object.
 
-Nothing escapes from here but faults: a file that can't be read at all is one fault, and a `Broken` root.
+All problems become faults: a file that can't be read at all is one fault, and a `Broken` root.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ _PLAIN_WORDS = (
     ("expected ',' or ']'", "a list opened with [ has no ',' or ']' where one is due"),
     ("expected ',' or '}'", "a mapping opened with { has no ',' or '}' where one is due"),
     ("unexpected end of stream", "a quoted text is not closed"),
-    ("expected key", "the indentation fits no mapping above, or the line is no 'key: value'"),
-    ("expected <block end>", "the indentation fits no mapping above, or the line is no 'key: value'"),
-    ("'-' indicator", "the indentation fits no list above, or the line is no '- item'"),
+    ("expected key", "the indentation fits no mapping above, or the line is not 'key: value'"),
+    ("expected <block end>", "the indentation fits no mapping above, or the line is not 'key: value'"),
+    ("'-' indicator", "the indentation fits no list above, or the line is not '- item'"),
     ("while parsing a tag", "a '!' where none can stand; tags are not used here"),
 )
 
@@ -84,7 +84,7 @@ def _in_plain_words(error: yaml.MarkedYAMLError) -> str:
     raw = f"{error.context or ''} {error.problem or ''}"
     words = next((plain for part, plain in _PLAIN_WORDS if part in raw), None)
     if words is None:
-        return f"is no valid YAML: {error.problem}"
+        return f"is not valid YAML: {error.problem}"
     start, end = error.context_mark, error.problem_mark
     since = f" (begun in line {start.line + 1})" if start and end and start.line < end.line else ""
-    return f"is no valid YAML: {words}{since}"
+    return f"is not valid YAML: {words}{since}"

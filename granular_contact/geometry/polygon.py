@@ -39,6 +39,6 @@ def crossing(corners: Sequence[Corner]) -> tuple[int, int] | None:
 
 
 def _turn(a: Corner, b: Corner, c: Corner) -> float:
-    """Which way c lies of the line from a to b: positive on its left, zero on it; only the sign is of use."""
+    """Side of c relative to the line from a to b: positive left, zero on it; only the sign is meaningful."""
     turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     return math.copysign(1.0, turn) if turn else 0.0

@@ -64,7 +64,7 @@ class March:
 def _size(scene: Scene) -> tuple[float, float]:
     """Reach (m) of the mechanism and scale of its speeds (m/s)."""
     reach = max(
-        body.tether.reach(p) + shape.drop for body in scene.rigid for shape in body.shapes for p in shape.points
+        body.workspace.radius(p) + shape.drop for body in scene.rigid for shape in body.shapes for p in shape.points
     )
     reach = max(reach, LEAST_REACH)
     rate = max(abs(body.motion.rate) for body in scene.rigid)

@@ -16,8 +16,8 @@ from granular_contact.kernels.law import LAW, RUN
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
 from granular_contact.multibody.system import RigidHandle, System
-from granular_contact.scene.reach import dips
 from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
+from granular_contact.scene.workspace import can_be_immersed
 
 
 class Numbers:
@@ -59,7 +59,7 @@ class Tree:
 
 
 def tree(scene: Scene) -> Tree:
-    """Set up a scene that `scene.treelike` allows."""
+    """Set up a scene that `scene.minimal_support` allows."""
     joints = outward(scene.connections)
     bodies = [body for joint in joints for body in scene.rigid if body.name == joint.child]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
@@ -76,7 +76,7 @@ def _granular_load(scene: Scene, bodies: list[RigidBody]) -> GranularLoad | None
     load, strips = load_of(scene), scene.load.strips_per_rigid_part
     for i, body in enumerate(bodies):
         for shape in body.shapes:
-            if dips(scene.bed, body, shape):
+            if can_be_immersed(scene.bed, body, shape):
                 load.add(lines_of(Body(body.name, 3 * i + np.arange(3)), shape, strips))
     load.close()
     return load if load.lines else None

@@ -1,7 +1,7 @@
-"""What makes the answer of a finished solve doubtful, from its own steps, and what to change.
+"""Accuracy checks of a finished solve, made from its own steps, and what to change.
 
-Each sentence says what was measured on the trajectory. Silence is no proof: a run whose steps miss an event altogether
-has nothing of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
+Each sentence says what was measured on the trajectory. No warning is no proof: a run whose steps miss an event entirely
+has no trace of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
 in `results.accuracy`, which says which of all that is told.
 """
 
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.bed.strip_error import travelled
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.recorder import levers
@@ -20,10 +21,10 @@ from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.scene.types import Vector
 
-STEP_ERROR = 5e-3  # of the way
+STEP_ERROR = 5e-3  # of the path length
 UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
 FEW = 8  # steps from the touch to the stop
-ROUGH_BEAM = 0.05  # of the way: jumps of curvature times the square of an element; positions are off by less
+ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
 ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
 TREMBLE = 1e-3  # of a link's length
 EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
@@ -66,12 +67,8 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     energy = np.sum(momentum * v[2:], axis=1)
     kick = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
     rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
-    velocity = off = most = 0.0
-    for step, one, factor in zip(steps[1:, 0], kick * fastest[2:], np.exp(-steps[1:, 0] * rate), strict=True):
-        velocity = velocity * factor + one
-        off += step * velocity
-        most = max(most, abs(off))
-    return most / math.sqrt(3.0)
+    kicks, fade = (kick * fastest[2:])[:, None], np.exp(-steps[1:, 0] * rate)
+    return travelled(steps[1:, 0], kicks, fade) / math.sqrt(3.0)
 
 
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
@@ -89,19 +86,20 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
         said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
         yield AccuracyWarning(f"{said}, and the result is not usable; {remedy(motion.scene)}", math.inf)
         return
-    way = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_way)
-    error = step_error(time, (v * lever)[:, lever > 0.0]) / way
+    path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_way)
+    error = step_error(time, (v * lever)[:, lever > 0.0]) / path
     if motion.scene.solver.accuracy is None:  # or every jump was judged as it came
-        error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / way, 0.5 * unknown)
+        error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / path, 0.5 * unknown)
     if error > STEP_ERROR:
-        said = f"the steps are too long: they put the motion off by about {error:.1%} of its way, {error * way:.2g} m"
+        said = f"the steps are too long: the error of the motion is about {error:.1%} of its path, {error * path:.2g} m"
         yield AccuracyWarning(f"{said}; {remedy(motion.scene)}", error)
 
 
 def _unknown_energy(motion: Kinematics) -> float:
-    """What the steps leave open of the medium's work, over the greatest energy there was; velocities go with its root.
+    """Uncertainty of the medium's work by the steps, relative to the greatest energy; velocities go with its root.
 
-    It sees forces that change within a step in any direction, also across the motion, where they turn the heading.
+    It includes forces that change within a step in any direction, also across the motion, where they change its
+    direction.
     """
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
@@ -111,7 +109,7 @@ def _unknown_energy(motion: Kinematics) -> float:
 
 
 def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Whether the first touch was passed over in a few steps."""
+    """Whether the first contact was resolved by too few steps."""
     load = motion.trajectory.load
     if load is None:
         return
@@ -126,7 +124,8 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
-    """Whether a link bends within single elements: what cubics miss shows as jumps of curvature from one to the next.
+    """Whether a link bends within single elements: the error of cubic elements shows as jumps of curvature between
+    elements.
 
     At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
     l^2; in 35 beams of 1 to 16 elements, EI from 1e-6 to 1 times the source's, it was a sixteenth to one.
@@ -138,10 +137,10 @@ def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
     jump = np.abs(first[:, 1:] - last[:, :-1]).sum(axis=1)
     if link.free:
         jump = np.maximum(jump, np.abs(last[:, -1]))
-    way = max(motion.way, motion.scene.least_way)
+    path = max(motion.way, motion.scene.least_way)
     size = float(jump.max()) * length**2
-    if size > ROUGH_BEAM * way:
-        more = min(elements * int(np.ceil(np.sqrt(size / way / ROUGH_BEAM) + 1.0)), 1024)
+    if size > ROUGH_BEAM * path:
+        more = min(elements * int(np.ceil(np.sqrt(size / path / ROUGH_BEAM) + 1.0)), 1024)
         yield AccuracyWarning(
             f"{name} bends too much within its elements: take model.bodies.{name}.flexible.elements: {more} "
             f"(now {elements})"

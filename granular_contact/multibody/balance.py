@@ -1,7 +1,7 @@
-"""Forces of an assembled system at rest, their tangent and the gaps of its joints, as the engine has them at one place.
+"""Forces of an assembled system at rest, their tangent and the constraint residuals of its joints, from the engine.
 
-At rest means that all rates are zero: drag and dampers do nothing, bristles and springs all they can. Nothing of the
-system is advanced by asking; `accept` drags the bristles to where it is.
+At rest means that all rates are zero: drag and dampers have no force, bristles and springs their full force. Nothing of
+the system is advanced by asking; `accept` drags the bristles to where it is.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Vector
 
-REACH = 1e-5  # m, or rad, of differences
+DIFFERENCE_STEP = 1e-5  # m, or rad, of differences
 
 
 class Balance:
-    """Balance of a system whose weights, and torques and forces of drives, act to a share of 0 to 1.
+    """Balance of a system with a fraction, 0 to 1, of its weight and of torques and forces of drives.
 
-    size: number of coordinates; joined: of equations of joints. Times are pseudo-times below zero, at which clocks of
-    drives stand: one for each accepted place.
+    size: number of coordinates; joined: of equations of joints. Times are pseudo-times below zero, where signals of
+    drives are constant: one for each accepted state.
     """
 
     def __init__(self, system: System, places: int) -> None:
@@ -40,7 +40,7 @@ class Balance:
         self.accept(self.data.GetODE2Coordinates(exu.ConfigurationType.Initial))
 
     def at(self, q: Vector, share: float) -> tuple[Vector, Vector]:
-        """Generalised forces (size,) but for those of joints, and gaps (joined,) m or rad, at the coordinates q."""
+        """Generalised forces (size,) without those of joints, and constraint residuals (joined,) m or rad, at q."""
         self.data.SetODE2Coordinates(q)
         self._solver.ComputeODE2RHS(self.mbs)
         self._solver.ComputeAlgebraicEquations(self.mbs, False)
@@ -48,13 +48,13 @@ class Balance:
         return found[: self.size] - (1.0 - share) * self.rising(q), found[self.size :]
 
     def rising(self, q: Vector) -> Vector:
-        """Generalised forces (size,) of which a share acts, as a whole."""
+        """Full generalised forces (size,) of weight and drives, of which a fraction acts."""
         return sum((self._of_drive(load, q) for load in self._driven), self._weight)
 
     def tangent(self) -> Vector:
-        """Derivatives of forces and gaps where `at` was asked for last, by coordinates and multipliers of joints.
+        """Derivatives of forces and residuals at the last call of `at`, by coordinates and multipliers of joints.
 
-        (size + joined,) both ways; the multipliers' columns are generalised forces of joints.
+        Square, (size + joined,); the multipliers' columns are generalised forces of joints.
         """
         self._solver.ComputeJacobianODE2RHS(self.mbs, 1.0, 0.0, 1.0)
         self._solver.ComputeJacobianAE(self.mbs, 1.0, 0.0, 1.0, False)
@@ -63,8 +63,8 @@ class Balance:
     def turning(self, q: Vector, multipliers: Vector) -> Vector:
         """Derivatives (size, size) of the generalised forces of joints, which turn with the bodies.
 
-        The engine leaves them out of its tangent. By differences, which are off by some 1e-5 of them: that does for
-        Newton's method.
+        The engine leaves them out of its tangent. By finite differences with a relative error of some 1e-5, which is
+        enough for Newton's method.
         """
         n, found = self.size, np.zeros((self.size,) * 2)
         if not multipliers.any():
@@ -73,9 +73,9 @@ class Balance:
         here, total = self._added(q, multipliers, np.zeros(n))
         for i in range(n):
             moved = q.copy()
-            moved[i] += REACH
+            moved[i] += DIFFERENCE_STEP
             there, total = self._added(moved, multipliers, total)
-            found[:, i] = (there - here) / REACH
+            found[:, i] = (there - here) / DIFFERENCE_STEP
         self.data.SetODE2Coordinates(q)
         return found
 
@@ -87,7 +87,7 @@ class Balance:
         return total - before, total
 
     def accept(self, q: Vector) -> None:
-        """Take a place for one where the system was: bristles yield, and everything may move on from there."""
+        """Accept a state: bristles yield, and the next step starts from there."""
         q = np.ascontiguousarray(q)
         self._time += 1.0
         self._pass_on(q)
@@ -98,14 +98,14 @@ class Balance:
         self.data.SetTime(self._time + 1.0)
 
     def _pass_on(self, q: Vector) -> None:
-        """Tell the engine where a step starts, and that it is at rest there."""
+        """Give the engine the start of a step, at rest."""
         for configuration in (exu.ConfigurationType.Current, exu.ConfigurationType.StartOfStep):
             self.data.SetODE2Coordinates(q, configuration=configuration)
             self.data.SetODE2Coordinates_t(np.zeros_like(q), configuration=configuration)
             self.data.SetTime(self._time, configuration)
 
     def _of_drive(self, load: JointLoad, q: Vector) -> Vector:
-        """Generalised forces (size,) of the torque or force of a drive as its clock stands."""
+        """Generalised forces (size,) of the torque or force of a drive at its current time."""
         assert load.drive is not None  # of those that have one
         force = np.zeros(self.size)
         place: list[float] = q[load.where].tolist()

@@ -1,4 +1,4 @@
-"""Scene -> System: the mechanism in Exudyn, with the granular bed laid over what can reach the surface."""
+"""Scene -> System: the mechanism in Exudyn, with the granular load on what can reach the surface."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from granular_contact.multibody.joints import add_joint
 from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
-from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, rotation
+from granular_contact.scene.workspace import can_be_immersed, can_get_below
 
 if TYPE_CHECKING:
     from granular_contact.multibody.coupling import Coupling
@@ -60,7 +60,7 @@ def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
 
 
 def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
-    """Straight run of ANCF cable elements that starts out as if rigid."""
+    """Straight row of ANCF cable elements that starts like a rigid body."""
     motion = link.motion
     axis = rotation(motion.angle)[:, 0]
     nodes = []
@@ -98,7 +98,12 @@ def _granular_load(system: System) -> Coupling | None:
     scene = system.scene
     if scene.bed is None or not scene.media:
         return None
-    shapes = [(h, shape) for h in system.rigid.values() for shape in h.body.shapes if dips(scene.bed, h.body, shape)]
+    shapes = [
+        (h, shape)
+        for h in system.rigid.values()
+        for shape in h.body.shapes
+        if can_be_immersed(scene.bed, h.body, shape)
+    ]
     cables = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
     if not shapes and not any(elements for _, elements in cables):
         return None
@@ -122,7 +127,7 @@ def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
     places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
     assert scene.bed is not None
     ends = [(np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
-    near = [reaches(scene.bed, handle.link, *pair) for pair in ends]
+    near = [can_get_below(scene.bed, handle.link, *pair) for pair in ends]
     if not any(near):
         return ()
     return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]

@@ -109,7 +109,7 @@ class Slider:
         self.axis, self.seat = joint.axis, float(joint.axis @ joint.parent_point)
 
     def _vectors(self, q: Numbers) -> tuple[float, float, float, float, float, float]:
-        """Axis u, way D from the parent's node to the joint's point on the child, arm of the child (x, y each)."""
+        """Axis u, vector D from the parent's node to the joint's point on the child, arm of the child (x, y each)."""
         n = self.parent.size
         angle, _, _ = self.parent.angle(q[:n], [0.0] * n)
         c, s = math.cos(angle), math.sin(angle)

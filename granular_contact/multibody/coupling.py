@@ -24,7 +24,7 @@ from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_n
 from granular_contact.multibody.overlay import Overlay
 
 Vector = NDArray[np.float64]
-LEANING = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
+MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
 
 
 class Coupling:
@@ -104,7 +104,7 @@ class Coupling:
             # In the first step bodies may have been moved since forces were first asked.
             q, v = data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)
             self.accept_state(start_time, q, v, anew=start_time == self.load.time)
-        if self.load.leaning(self._q) > LEANING:
+        if self.load.leaning(self._q) > MOST_TILT:
             raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
         self.load.update_active(t - start_time)
 

@@ -17,7 +17,7 @@ STATIONS = 16  # to which a side is divided where the surface is not level
 def depths_by_body(motion: Kinematics) -> dict[str, list[Track]]:
     """Depth (m) of every corner and node that the medium may meet, by body; negative above the surface.
 
-    A surface that is not level meets a body between its corners too: there every side has more points.
+    A surface that is not level can touch a body between its corners: then every side has more points.
     """
     found: dict[str, list[Track]] = {}
     bed = motion.scene.bed

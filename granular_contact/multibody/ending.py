@@ -1,4 +1,4 @@
-"""How a solve ended, in a sentence that says what to change."""
+"""Status of a solve, with a sentence that says what to change."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
         case "interrupted" | "rest" | "time_limit" as code:
             return ended(code, t, solver)
         case "away":
-            return Status("failed", f"the motion ran away at {t:.6g} s; {_remedy(recorder)}")
+            return Status("failed", f"the motion diverged at {t:.6g} s; {_remedy(recorder)}")
         case "crowd":
             return Status(
                 "failed",

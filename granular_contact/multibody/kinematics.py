@@ -1,4 +1,4 @@
-"""Positions, angles and rates of bodies and joints, read out of the coordinates of all accepted steps at once."""
+"""Positions, angles and rates of bodies and joints, from the coordinates of all accepted steps at once."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ class Kinematics:
         on_parent, parent_speed = on_child * 0.0 + joint.parent_point, 0.0 * on_child
         if joint.parent is not None:
             on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
-        way, speed = on_child - on_parent, child_speed - parent_speed
-        # The axis turns with the parent; as the way lies along it, that turning has no part in the speed along it.
-        return np.sum(axis * way, axis=1), np.sum(axis * speed, axis=1)
+        offset, speed = on_child - on_parent, child_speed - parent_speed
+        # The offset is parallel to the axis, so that turning with the parent does not change the speed along it.
+        return np.sum(axis * offset, axis=1), np.sum(axis * speed, axis=1)
 
     def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 2) m of a body, and its velocity."""
@@ -102,14 +102,14 @@ class Kinematics:
 
     @property
     def way(self) -> float:
-        """Way (m) of whatever is fastest."""
+        """Length (m) of the path of the fastest point."""
         return float(accumulate(self.trajectory.time, self.speeds)[-1])
 
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
 
         Free vibration of a hinged mechanism has no angular momentum about its hinge, so this is the rate of the motion
-        as a whole, without the trembling of any one part.
+        as a whole, without the vibration of its parts.
         """
         turn = self._turning()
         momenta = turn @ self.trajectory.mass

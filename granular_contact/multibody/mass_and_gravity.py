@@ -17,7 +17,7 @@ from granular_contact.scene.types import FlexibleLink, RigidBody
 
 Vector = NDArray[np.float64]
 
-MANY = 100  # coordinates: beyond them a matrix of a chain is mostly of zeros
+SPARSE_FROM = 100  # coordinates: beyond them a matrix of a chain is mostly of zeros
 
 # Integrals of N_i N_j and of N_i over an element of length 1 whose slopes are measured in its length.
 _MASS = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420.0
@@ -78,7 +78,7 @@ def mass_matrix(system: System) -> Any:
         columns.append(at[j])
         values.append(mass[i, j])
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    if size <= MANY:
+    if size <= SPARSE_FROM:
         whole = np.zeros((size, size))
         np.add.at(whole, entries[1], entries[0])
         return whole

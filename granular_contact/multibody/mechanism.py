@@ -125,21 +125,21 @@ def travels(joint: Connection) -> bool:
 
 
 def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
-    """Way of the common centre of mass, its mean speed, and the cost.
+    """Distance travelled by the common centre of mass, its mean speed, and the cost of transport.
 
     The mean of the second half of the time is given too, as a gait sets in. cost_of_transport: work that
-    the drives put in (what they take back is not counted) over weight times way.
+    the drives put in (what they take back is not counted) over weight times distance.
     """
     time, scene = motion.trajectory.time, motion.scene
     x, speed = (along[:, 0] for along in motion.common_center)
     put_in = sum(positive_part(time, power) for _, power in driven.values())
     lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
-    way, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
+    distance, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
     weight = scene.mass * abs(scene.gravity)
     return {
         "drive_work_put_in_J": put_in,
-        "distance_m": way,
-        "forward_speed_m_s": way / lasted if lasted > 0.0 else None,
+        "distance_m": distance,
+        "forward_speed_m_s": distance / lasted if lasted > 0.0 else None,
         "forward_speed_second_half_m_s": later / (0.5 * lasted) if lasted > 0.0 else None,
-        "cost_of_transport": put_in / (weight * abs(way)) if weight * abs(way) > 0.0 else None,
+        "cost_of_transport": put_in / (weight * abs(distance)) if weight * abs(distance) > 0.0 else None,
     }

@@ -32,8 +32,8 @@ def medium_works(observer: Kinematics) -> tuple[Vector, Vector]:
 def uncertain_work(observer: Kinematics) -> float:
     """By how much (J) the work on bodies differs at most between the two rules, both of second order.
 
-    It is what the steps leave open of the energy that the medium took: next to nothing where forces and velocities
-    change little in a step.
+    It is the uncertainty of the dissipated energy by the steps: small where forces and velocities change little in a
+    step.
     """
     return float(np.abs(_more(observer)).max(initial=0.0)) if observer.scene.media else 0.0
 

@@ -2,9 +2,9 @@
 
 The engine hands a user function all coordinates of its object in Python lists, and takes the forces back in one; for a
 hundred bodies that costs more than the forces. So two objects share the work. The *trigger object* lies on one node
-only: its force function tells that forces are due. The *force object* lies on all nodes, without a force function: its
-constant force vector is set anew each time. The engine asks objects in the order in which they were added, and the
-trigger comes first.
+only: its force function is called when forces are needed. The *force object* lies on all nodes, without a force
+function: its constant force vector is set anew each time. The engine asks objects in the order in which they were
+added, and the trigger comes first.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Vector = NDArray[np.float64]
 
 
 class Overlay:
-    """Overlay on nodes, whose coordinates stand one after another in it; forces: what is to be sent."""
+    """Overlay on nodes, with their coordinates one after another; forces: what `send` applies next."""
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
@@ -29,7 +29,7 @@ class Overlay:
         self.size = 0
 
     def coordinates(self, nodes: Sequence[int], each: int) -> NDArray[np.int64]:
-        """Places of the coordinates of nodes, (nodes, each); takes those up that are not in the overlay yet."""
+        """Indices of the coordinates of nodes, (nodes, each); adds nodes that are not in the overlay yet."""
         for node in nodes:
             if node not in self.nodes:
                 self.nodes[node] = self.size + np.arange(each)
@@ -42,10 +42,11 @@ class Overlay:
         due: Callable[[float], None] | None = None,
         jacobian: Callable[[float, float, float], Any] | None = None,
     ) -> None:
-        """Add the objects, with no more than the constant forces unless there is something to call.
+        """Add the objects, with constant forces only unless functions are given.
 
-        constant: generalised forces that act all the time, by node. due: told the time whenever forces are needed,
-        before they are taken. jacobian: told time and the engine's two factors, gives its sparse matrix (see `matrix`).
+        constant: generalised forces that act all the time, by node. due: called with the time whenever forces are
+        needed, before they are read. jacobian: called with the time and the engine's two factors, returns its sparse
+        matrix (see `matrix`).
         """
         places = {node: self.coordinates([int(node)], np.size(forces))[0] for node, forces in constant.items()}
         self.constant = np.zeros(self.size)

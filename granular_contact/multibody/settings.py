@@ -24,7 +24,7 @@ NEVER = 2**30
 
 
 def force_noise(scene: Scene, link: FlexibleLink) -> float:
-    """Round-off (N) of the elastic forces of a link: what no Newton iteration can get its residual below.
+    """Round-off (N) of the elastic forces of a link: a lower bound of the residual of any Newton iteration.
 
     Positions of size L are known to eps L; over an element of length l that is a strain of eps L / l and a curvature of
     4 eps L / l^2 (the slopes of cubics), whose moment acts on the nodes with the arm l. n elements add up as sqrt(n).
@@ -36,7 +36,7 @@ def force_noise(scene: Scene, link: FlexibleLink) -> float:
 
 
 def unresolved(scene: Scene) -> bool:
-    """Whether the elastic forces of a link are noise beside what is asked of a step: it is rigid but in name."""
+    """Whether round-off of a link's elastic forces exceeds the tolerance of a step: it is practically rigid."""
     return _noise(scene) > scene.solver.tolerance * scene.force_scale
 
 
@@ -48,8 +48,8 @@ def settings(scene: Scene) -> Any:
     """Exudyn's settings for a scene.
 
     Exudyn measures a residual against the first one of its step or against an absolute force. Where that force is below
-    the noise of the elastic forces, the iteration is over when the coordinates move no more: by what the same residual
-    would move a free mass in a step, or by their own round-off.
+    the noise of the elastic forces, the iteration ends when changes of the coordinates are small: those by which the
+    same residual would move a free mass in a step, or their own round-off.
     """
     s, solver = exu.SimulationSettings(), scene.solver
     t = s.timeIntegration
@@ -74,7 +74,7 @@ def settings(scene: Scene) -> Any:
         newton.absoluteTolerance = max(newton.absoluteTolerance, _coordinate_noise(scene))
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True
-        if _rigid_but_in_name(scene):
+        if _elastic_forces_below_round_off(scene):
             newton.useModifiedNewton = False
             radius = OF_UNRESOLVED
     t.generalizedAlpha.spectralRadius = radius if solver.spectral_radius is None else solver.spectral_radius
@@ -84,7 +84,7 @@ def settings(scene: Scene) -> Any:
 
 
 def control_steps(simulation: Any, control: StepControl) -> None:
-    """Leave the choice of steps to a control; the engine still halves them where its iteration fails."""
+    """Leave the choice of steps to a step control; the engine still halves them where its iteration fails."""
     t = simulation.timeIntegration
     t.numberOfSteps = max(1, math.ceil(t.endTime / control.longest - 1e-9))
     t.adaptiveStepRecoverySteps = NEVER
@@ -100,6 +100,6 @@ def _coordinate_noise(scene: Scene) -> float:
     )
 
 
-def _rigid_but_in_name(scene: Scene) -> bool:
-    """Whether the noise exceeds the forces of the scene themselves, so that its accelerations are noise, too."""
+def _elastic_forces_below_round_off(scene: Scene) -> bool:
+    """Whether round-off of elastic forces exceeds 1e-3 of the scene's forces, so that accelerations are noise."""
     return _noise(scene) > 1e-3 * scene.force_scale

@@ -1,18 +1,17 @@
-"""Rest under gravity before the clock starts: the mechanism set down on the sand as a careful hand would do it.
+"""Static equilibrium under gravity before t = 0: the mechanism is set down on the sand slowly.
 
-Sand keeps every overshoot, so nothing is dropped. The mechanism comes down with a hundredth of its weight until it
-stands; then its weight rises to the whole, in steps small enough that what carries it is carried all the way. What is
-stood on is only ever pressed deeper, and its static resistance is mobilised in full at the end: it is what a body let
-down at vanishing speed stands on. Torques and forces of drives rise as the weight does; springs, stops and controls
-act in full, and clocks stand.
+Sand keeps every overshoot, so nothing is dropped. The mechanism is lowered with a hundredth of its weight until it
+stands; then the weight rises to its full value, in small steps. The supporting parts only ever penetrate deeper, and
+static resistance is fully mobilised at the end, as under a body that is lowered at vanishing speed. Torques and forces
+of drives rise with the weight; springs, stops and controls act in full, and time stands still.
 
-Nothing has inertia on the way. From one place to the next, q to q + d, every body is held back by its mass,
+Inertia plays no part. In a step from q to q + d every body is held back by its mass,
 
     M d / s = F(q + d) + G^T mu,    g(q + d) = 0,
 
-F all forces at rest (see `balance`), g the joints. It is the implicit Euler step of a motion that is slow everywhere,
-which never passes what it comes to rest at. s (s^2) is the pace: a free body goes on by its acceleration times s. The
-pace is chosen so that nothing goes far in a step, and grows without bound where something is stood on: the last steps
+F: all forces at rest (see `balance`); g: constraints of the joints. This is the implicit Euler step of an overdamped
+motion, which never overshoots its equilibrium. s (s^2) is the pace: a free body moves by its acceleration times s. The
+pace is chosen so that nothing moves far in a step, and grows without bound once the mechanism stands: the last steps
 are those of Newton's method.
 """
 
@@ -28,26 +27,28 @@ import numpy as np
 from granular_contact.errors import OutOfTimeError, SolveError
 from granular_contact.laws.static_friction import Smooth
 from granular_contact.multibody.balance import Balance
-from granular_contact.multibody.mass_and_gravity import MANY, mass_matrix
+from granular_contact.multibody.mass_and_gravity import SPARSE_FROM, mass_matrix
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Vector
 
-PLACES = 4000  # on the way; more are taken for a mechanism that finds no rest
-LIGHT = 0.01  # share of the weight with which it comes down
-GROWTH, RISE = 1.25, 0.05  # of the weight in a step: by this factor, by no more than this share
-FAR = 0.05  # of the mechanism's length in a step; twice that, in radians, may a body turn
-STANDS, RESTS = 0.02, 1e-6  # acceleration left, of gravity's: it stands and can take more weight; it rests
-EXACT, ROUGH = 1e-10, 1e-4  # of the mechanism's length, and of the way of a step: what Newton's method leaves
-MOST, FEW = 25, 5  # iterations: more have failed, with fewer the pace may grow
+MOST_STEPS = 4000  # a mechanism that needs more is taken to find no rest
+FIRST_WEIGHT = 0.01  # share of the weight with which the mechanism is lowered
+GROWTH, RISE = 1.25, 0.05  # of the weight in a step: largest factor, largest increase of its share
+LONGEST_STEP = 0.05  # of the mechanism's length; a body may turn by twice that, in radians
+STANDING_ACCELERATION = 0.02  # of gravity: with less the mechanism stands and can take more weight
+RESTING_ACCELERATION = 1e-6  # of gravity: with less it rests
+RESIDUAL_AT_REST = 1e-10  # of the mechanism's length: correction at which Newton's method has converged
+RESIDUAL_OF_STEP = 1e-4  # of the distance moved in the step: the same
+MOST_ITERATIONS, FEW_ITERATIONS = 25, 5  # of a step: more have failed, with fewer the pace may grow
 CREEPS = "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
-SHORTEST = 1e-12  # of the first pace: with less there is no step
-FASTEST = 1e6  # pace by which only what nothing holds can move far, of a swing's time squared
+SLOWEST_PACE = 1e-12  # of the first pace: below it the descent has failed
+FASTEST_PACE = 1e6  # of a swing's time squared: only what nothing holds moves far at this pace
 
 
 @dataclass(frozen=True)
 class _Found:
-    """End of a step: place, forces there, multipliers of joints, iterations that it took."""
+    """End of a step: coordinates, forces there, multipliers of the joints, number of iterations."""
 
     q: Vector
     force: Vector
@@ -56,22 +57,22 @@ class _Found:
 
 
 class _Descent:
-    """Way of a system down to its rest; `share` of the weight, `pace` (s^2), `steps` so far, `rests` once there."""
+    """Descent of a system to its rest; `share` of the weight, `pace` (s^2), `steps` so far, `rests` once there."""
 
     def __init__(self, system: System, recorder: Recorder) -> None:
         scene = system.scene
         self.recorder = recorder
-        self.balance = Balance(system, PLACES)
+        self.balance = Balance(system, MOST_STEPS)
         mass = mass_matrix(system)
         self.mass: Vector = mass if isinstance(mass, np.ndarray) else mass.toarray()
         self.size, self.gravity = max(scene.length, 1e-3), max(abs(scene.gravity), 0.1)
         self.lever = recorder.lever.copy()
         angles = [system.mbs.systemData.GetNodeLTGODE2(rigid.node)[2] for rigid in system.rigid.values()]
         self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
-        self.share, self.steps, self.rests = LIGHT, 0, False
-        self.pace = self.pace_taken = 0.25 * FAR * self.size / (LIGHT * self.gravity)
+        self.share, self.steps, self.rests = FIRST_WEIGHT, 0, False
+        self.pace = self.pace_taken = 0.25 * LONGEST_STEP * self.size / (FIRST_WEIGHT * self.gravity)
         self.q: Vector = system.mbs.systemData.GetODE2Coordinates()
-        self.last = np.zeros_like(self.q)  # way of the last step
+        self.last = np.zeros_like(self.q)  # displacement of the last step
         self.turning = np.zeros_like(self.mass)  # of the forces of joints, see `Balance.turning`
         self.force, _ = self.balance.at(self.q, self.share)
         wall = scene.solver.max_wall_s
@@ -79,12 +80,12 @@ class _Descent:
 
     def run(self) -> None:
         """Go on to rest, or as far as one gets."""
-        left, shortest = math.inf, SHORTEST * self.pace
-        while not self.rests and self.steps < PLACES and self.pace > shortest:
+        left, shortest = math.inf, SLOWEST_PACE * self.pace
+        while not self.rests and self.steps < MOST_STEPS and self.pace > shortest:
             if self.recorder.reason or time.perf_counter() > self.deadline:
                 return
             share = self.share
-            if left <= STANDS * share * self.gravity:
+            if left <= STANDING_ACCELERATION * share * self.gravity:
                 share = min(1.0, GROWTH * share, share + RISE)
             moved = self._step(share)
             self.steps += 1
@@ -92,36 +93,36 @@ class _Descent:
                 self.pace *= 0.25
                 continue
             left = moved / self.pace_taken
-            self.rests = self.share == 1.0 and left <= RESTS * self.gravity
+            self.rests = self.share == 1.0 and left <= RESTING_ACCELERATION * self.gravity
 
     def _step(self, share: float) -> float | None:
-        """One step with a share of the weight; greatest way (m) of any point, None where it is to be tried shorter."""
+        """One step with a share of the weight; greatest displacement (m) of any point; None: too long."""
         found = self._newton(share)
         if found is None:
             return None
-        way = found.q - self.q
-        moved = float(np.abs(self.lever * way).max())
-        downhill = float((self.force + (share - self.share) * self.balance.rising(self.q)) @ way)
-        if moved > FAR * self.size or (moved > 1e-6 * self.size and downhill < 0.0):
+        step = found.q - self.q
+        moved = float(np.abs(self.lever * step).max())
+        downhill = float((self.force + (share - self.share) * self.balance.rising(self.q)) @ step)
+        if moved > LONGEST_STEP * self.size or (moved > 1e-6 * self.size and downhill < 0.0):
             return None
-        self.q, self.force, self.last, self.share = found.q, found.force, way, share
+        self.q, self.force, self.last, self.share = found.q, found.force, step, share
         self.balance.accept(found.q)
         self.pace_taken = self.pace
-        if found.iterations > FEW:
+        if found.iterations > FEW_ITERATIONS:
             self.turning = self.balance.turning(found.q, found.multipliers)
-        if found.iterations <= FEW and moved < 0.4 * FAR * self.size:
-            self.pace = min(2.0 * self.pace, FASTEST * self.size / self.gravity)
+        if found.iterations <= FEW_ITERATIONS and moved < 0.4 * LONGEST_STEP * self.size:
+            self.pace = min(2.0 * self.pace, FASTEST_PACE * self.size / self.gravity)
         return moved
 
     def _newton(self, share: float) -> _Found | None:
-        """Where a step ends; None if that is not found."""
+        """Where a step ends; None if Newton's method does not converge."""
         n, before, factor = len(self.q), math.inf, 1.0
-        q = self.q + min(1.0, self.pace / self.pace_taken) * self.last  # as it went before
-        for iteration in range(1, MOST + 1):
+        q = self.q + min(1.0, self.pace / self.pace_taken) * self.last  # extrapolated from the last step
+        for iteration in range(1, MOST_ITERATIONS + 1):
             force, gap = self.balance.at(q, share)
             matrix = self.balance.tangent()
             residual = np.concatenate([force - self.mass @ (q - self.q) / self.pace, gap])
-            # The multipliers are found whole: the engine's are zero throughout.
+            # The multipliers themselves are unknowns, not their changes: the engine's stay zero.
             matrix[:n, :n] += self.turning - self.mass / self.pace
             found = _solution(matrix, -residual)
             if found is None:
@@ -130,11 +131,11 @@ class _Descent:
             size = float(np.abs(self.lever * change).max())
             if not size < 1e3 * self.size:
                 return None
-            # Between stretching and yielding a full step can go to and fro.
+            # Between elastic and yielding friction full steps can oscillate.
             factor = max(0.25, 0.5 * factor) if size > 0.7 * before and iteration > 4 else 1.0
-            q = q + min(factor, FAR * self.size / max(size, 1e-300)) * change
+            q = q + min(factor, LONGEST_STEP * self.size / max(size, 1e-300)) * change
             moved = float(np.abs(self.lever * (q - self.q)).max())
-            if size <= max(EXACT * self.size, ROUGH * moved):
+            if size <= max(RESIDUAL_AT_REST * self.size, RESIDUAL_OF_STEP * moved):
                 return _Found(q, force, multipliers, iteration)
             before = size
         return None
@@ -142,7 +143,7 @@ class _Descent:
 
 def _solution(matrix: Vector, right: Vector) -> Vector | None:
     """Solution of linear equations, None where there is none; what is large is sparse."""
-    if len(right) <= MANY:
+    if len(right) <= SPARSE_FROM:
         try:
             return np.asarray(np.linalg.solve(matrix, right), float)
         except np.linalg.LinAlgError:

@@ -33,6 +33,7 @@ KEEP = 0.8, 1.25  # within these factors of the last step its Jacobian serves, a
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
 SLOWED = 4.0
+COARSE = 100.0  # estimates hold for small steps: how much more an error may be, over the accuracy
 SLOWEST = 0.02  # of the speed that such a swing has; below it what starts from rest counts as moving so fast
 
 
@@ -87,7 +88,7 @@ class StepControl:
         jump = self._greatest(np.where(np.abs(self.change) < np.abs(other), self.change, other))
         whole = self._greatest(self.change)
         drift = step * (self._beta * float(np.abs(self.change).max()) + whole / 12.0) / fastest
-        slow = step * (self._beta + 1.0 / 12.0) * whole / max(speed, fastest / SLOWED)
+        slow = step * self._both * whole / max(speed, fastest / SLOWED)
         kick = 0.5 * step * jump * min(1.0, 2.0 * speed / fastest) / fastest
         need: float = max(math.sqrt(max(drift, slow) / self.accuracy), kick / self.accuracy)
         return need if math.isfinite(need) else math.inf
@@ -96,6 +97,11 @@ class StepControl:
     def _beta(self) -> float:
         """Coefficient of the scheme, apart from that of an acceleration that varies linearly over a step."""
         return abs(float(self.solver.newmarkBeta) - 1.0 / 6.0)
+
+    @property
+    def _both(self) -> float:
+        """Speed with which a change of the acceleration puts positions off, over that change and the step."""
+        return (1.0 + COARSE * self.accuracy) * (self._beta + 1.0 / 12.0)
 
     def _greatest(self, change: Vector) -> float:
         """Greatest size of changes (m,) of bodies' accelerations, of links' means."""
@@ -123,7 +129,7 @@ class StepControl:
         positions ask for they make up for in one step, with a force that grows as steps shrink.
         """
         jump = 2.0 * SAFETY * self.accuracy * self.speed  # half of it acts
-        smooth = SAFETY**2 * self.accuracy * max(self.now, self.speed / SLOWED) / (self._beta + 1.0 / 12.0)
+        smooth = SAFETY**2 * self.accuracy * max(self.now, self.speed / SLOWED) / self._both
         most = min(jump, smooth)
         for signal, arm in self.motions:
             now = signal.acceleration(t)

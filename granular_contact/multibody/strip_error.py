@@ -1,4 +1,4 @@
-"""Strips that are too long: what they put a run off by (`bed.strip_error`), a warning, and a scene with shorter ones.
+"""Strips that are too long: the error of a run by them (`bed.strip_error`), a warning, a scene with shorter ones.
 
 Where motions are prescribed, their drives make up for an error of the power. Of what floats, the error of the resultant
 counts too. A resistance by components is left out there: it holds a component that is all but at rest by whatever that
@@ -70,7 +70,7 @@ def strip_warnings(observer: Kinematics) -> Iterator[AccuracyWarning]:
     if observer.system.links:
         keys.append(f"load.strips_per_element: {load.strips_per_element} (now {now.strips_per_element})")
     yield AccuracyWarning(
-        f"the strips on which the medium acts are too long: they put the motion off by about {error:.1%} of its "
-        f"distance; take {' and '.join(keys)}",
+        f"the strips on which the medium acts are too long: the error of the motion is about {error:.1%} of its "
+        f"path; take {' and '.join(keys)}",
         error,
     )

@@ -16,7 +16,7 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.frames import instants, resample
-from granular_contact.scene.types import Motion, Vector, rotation
+from granular_contact.scene.types import InitialMotion, Vector, rotation
 
 MOST_FRAMES, PERIOD = 501, 0.04  # s
 STEEL, SAND = [0.56, 0.70, 0.80, 1.0], [0.85, 0.75, 0.55, 0.6]
@@ -29,7 +29,7 @@ def problem() -> str | None:
     try:
         import tkinter
     except ImportError:
-        return "the engine's viewer needs tkinter, which this Python has not"
+        return "the engine's viewer needs tkinter, which this Python does not have"
     try:
         tkinter.Tk().destroy()
     except tkinter.TclError as error:
@@ -38,7 +38,7 @@ def problem() -> str | None:
 
 
 def show(system: System, trajectory: Trajectory) -> None:
-    """Play a trajectory; returns when the viewer is closed. `problem` must have said None."""
+    """Play a trajectory; returns when the viewer is closed. `problem` must have returned None."""
     at = instants(float(trajectory.time[0]), float(trajectory.time[-1]), MOST_FRAMES)
     q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
     dress(system, Kinematics(system, replace(trajectory, time=at, q=q, v=v)))
@@ -84,8 +84,8 @@ def _is_ground(mbs: Any, number: int) -> bool:
     return bool(mbs.GetObject(number)["objectType"] == "Ground")
 
 
-def _solids(outline: Outline, motion: Motion) -> list[Any]:
-    """What an outline is in space, in the frame of the body that had this pose."""
+def _solids(outline: Outline, motion: InitialMotion) -> list[Any]:
+    """Solids of an outline in space, in the frame of the body that had this pose."""
     points = (outline.points - motion.position) @ rotation(motion.angle)
     radius = outline.diameter / 2
     if len(points) == 1:
@@ -101,7 +101,7 @@ def _solids(outline: Outline, motion: Motion) -> list[Any]:
 
 
 def _medium(system: System, motion: Kinematics) -> list[Any]:
-    """The medium as a sheet behind the mechanism, under all that it passes over."""
+    """The medium as a sheet behind the mechanism, over the range of its motion."""
     assert system.scene.bed is not None
     times = np.unique(np.linspace(0, len(motion.trajectory.time) - 1, 9).astype(int))
     points = np.concatenate([outline.points for i in times for outline in motion.outlines(int(i))])

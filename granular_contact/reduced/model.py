@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from granular_contact.reduced.modes import Modes, roots
-from granular_contact.scene.reducible import check_reducible
+from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector
 
 # Wavelengths need strips: so many for each mode, where the scene has fewer.
@@ -92,7 +92,7 @@ def model(scene: Scene, method: Reduced) -> Model:
     SceneError
         The mechanism has no such reduction; the message says which have one.
     """
-    check_reducible(scene, method.modes)
+    check_reduced(scene, method.modes)
     root, pin = scene.rigid[0], scene.pivot
     assert pin is not None  # or the scene was refused
     link = scene.links[0] if scene.links else None

@@ -1,4 +1,4 @@
-"""Results -> a folder: summary.json, timeseries.csv, scenario.yaml and figures/*.png, there whole or not at all."""
+"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml and figures, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import shutil
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
@@ -111,7 +111,7 @@ def write(results: Results, directory: Path, figures: bool = True, film: str | N
 
 @contextmanager
 def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
-    """Give an empty hidden folder beside `directory`, which takes its place when the block ends without an exception.
+    """Give an empty hidden folder beside `directory`, which replaces it when the block ends without an exception.
 
     kind: as for `check_target`, which is called first.
     """
@@ -131,9 +131,8 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
 
 @contextmanager
 def _held(folder: Path) -> Iterator[bool]:
-    """Lock a folder as one that a process is at work on; whether that could be done.
-
-    The system takes the lock away when the process dies, however it does.
+    """Lock a folder that a process is writing; whether that succeeded. The system releases the lock when the process
+    dies.
     """
     if fcntl is None:
         yield False
@@ -153,7 +152,7 @@ def _held(folder: Path) -> Iterator[bool]:
 def _clear_left(target: Path, kind: str) -> None:
     """Remove unfinished folders beside `target` of processes that were killed while they wrote there.
 
-    Only what bears the name of such a folder, is older than a minute, holds nothing but results and is held by nobody.
+    Only folders with such a name, older than a minute, with nothing but results in them and not locked.
     """
     if fcntl is None:
         return
@@ -183,7 +182,7 @@ def json_text(content: dict[str, Any]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """`value` in JSON types, with None for NaN and infinities, which JSON has no word for."""
+    """`value` in JSON types, with None for NaN and infinities, which JSON does not have."""
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -210,7 +209,7 @@ _Dumper.add_representer(list, _represent_list)
 
 
 def scenario_text(results: Results) -> str:
-    """Text of scenario.yaml: the resolved scenario under a line that says where it is from."""
+    """Text of scenario.yaml: the resolved scenario below a line with its origin."""
     header = f"# Written by {PROGRAM} {version(results)}; to run it again: {PROGRAM} run {SCENARIO}\n"
     return header + yaml_text(results.scenario)
 
@@ -221,7 +220,7 @@ def yaml_text(content: dict[str, Any]) -> str:
 
 
 def version(results: Results | None = None) -> str:
-    """The version that made the run if its summary tells, else the installed one."""
+    """The version of the run if its summary has it, else the installed one."""
     versions: dict[str, str] = (results.summary.get("versions") if results is not None else None) or {}
     for name in (PROGRAM, PROGRAM.replace("-", "_")):
         if name in versions:
@@ -249,6 +248,12 @@ def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) 
         writer.writerows(rows)
 
 
+def write_rows(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """A CSV file of rows, one or more, that all have the same keys."""
+    kept = list(rows)
+    write_table(path, list(kept[0]), (list(row.values()) for row in kept))
+
+
 def swap(making: Path, target: Path) -> None:
     """Put the finished folder `making` in the place of `target`; afterwards `making` is absent or the old folder."""
     if not target.exists():
@@ -267,7 +272,7 @@ def _exchange(one: Path, other: Path) -> bool:
 
 
 def _replace(making: Path, target: Path) -> None:
-    """The same in two renames: between them the old folder is whole under a hidden name, and put back on failure."""
+    """The same in two renames: between them the old folder has a hidden name; it is restored on failure."""
     old = making.with_name(f"{making.name}.old")
     try:
         target.rename(old)

@@ -1,6 +1,6 @@
-"""Numbers as people read them: units of axes, instants, and the values of keys, whose last words tell their unit.
+"""Numbers for readers: units of axes, times, and the values of keys, whose suffix gives their unit.
 
-Of an SI unit the multiple is taken that brings a number to 1 to 1000.
+SI units get the prefix with which a number is between 1 and 1000.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ _PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3:
 _SCALED = {"s": "s", "m": "m", "N": "N", "J": "J", "Nm": "N\N{MIDDLE DOT}m", "W": "W"}
 _FIXED = {"m_s": "m/s", "rad_s": "rad/s", "deg": "deg", "kg": "kg", "kg_m3": "kg/m³", "m_s2": "m/s²", "kg_m2": "kg m²"}
 _WORDS = {
-    "imbalance_relative": "energy unaccounted for",
+    "imbalance_relative": "energy imbalance",
     "max_depth_m": "largest depth",
     "max_deflection_m": "largest deflection",
     "solve_s": "solve time",
-    "stopping_time_relative": "off by",
-    "travel_relative": "travel off by",
-    "deflection_relative": "off by",
+    "stopping_time_relative": "error of stopping time",
+    "travel_relative": "error of travel",
+    "deflection_relative": "error of deflection",
     "angle_rms_deg": "rms difference of angle",
     "deflection_rms_m": "rms difference of deflection",
 }
@@ -126,7 +126,7 @@ def plain(value: Any) -> str:
 def column(key: str, values: Sequence[Any]) -> tuple[str, list[Any]]:
     """Heading of the column of a key, with a unit that suits all its values, and these in that unit.
 
-    What is no number stays as it is.
+    What is not a number stays as it is.
     """
     known = np.array([value for value in values if is_number(value)], dtype=float)
     factor, name = 1.0, _FIXED.get(split(key)[1], "")

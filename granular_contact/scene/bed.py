@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.geometry.surface import greatest_depth, height_at, slope_at, surface
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.floor import Floor
@@ -51,7 +51,7 @@ class Bed:
 
     @property
     def plain(self) -> bool:
-        """Whether it is level, of one medium and without a floor that carries."""
+        """Whether it is level, of one medium and without a stiff floor."""
         carries = self.floor is not None and self.floor.stiffness is not None
         return self.level and len(self.layers) <= 1 and not carries
 
@@ -71,8 +71,8 @@ class Bed:
 def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
     """Bed of a scene; None without a medium and without a surface.
 
-    ends: world positions (2,) m of what may meet the medium, at the start; faults: is told of media
-    that lack a number, of layers, floors and containers where there can be none, and of ends that lie below the floor.
+    ends: world positions (2,) m of what may meet the medium, at the start; faults: gets those of media that lack a
+    number, of layers, floors and containers where none are allowed, and of ends below the floor.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
@@ -94,13 +94,11 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     if spec.profile_m is not None and profile[:, 1].min() <= floor.height:
         x, y = profile[np.argmin(profile[:, 1])]
         why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "
-        faults.append(Fault("", None, "bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
+        faults.append(scene_fault("bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
     lowest = min((float(end[1]) for end in ends), default=math.inf)
     if lowest < floor.height - NOTHING:
         faults.append(
-            Fault(
-                "",
-                None,
+            scene_fault(
                 "bed.depth_m",
                 f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but at the start the lowest end is "
                 f"at {lowest:.6g} m: allowed is a floor below it",
@@ -110,30 +108,30 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
 
 
 def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
-    """What neither carries nor reports without a medium, as only the medium's load looks where bodies are."""
+    """Floors and containers without a medium: only the load of a medium checks them."""
     if places(scenario):
         return
     bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
     for key, value in (("depth_m", spec.depth_m), ("container_x_m", spec.container_x_m)):
         if value is not None:
             what = "a floor" if key == "depth_m" else "a container"
-            why = f"got {what}, but no medium, and a bed needs one; of one that is next to nothing take {bare}"
-            yield Fault("", None, f"bed.{key}", why)
+            why = f"got {what}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
+            yield scene_fault(f"bed.{key}", why)
 
 
 def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator[Fault]:
-    """What has no single force at the middle of the immersed part."""
+    """Faults of what has no resultant at the middle of the immersed part."""
     if not all(layer.whole for layer in layers):
-        yield Fault("", None, "load.form", "got resultant, but the bed has layers: allowed is distributed")
+        yield scene_fault("load.form", "got resultant, but the bed has layers: allowed is distributed")
     others = dict.fromkeys(one.law for one, *_ in places(scenario) if not one.resultant)
     if others:
         have = ", ".join(tag for tag, law in LAWS.items() if law.resultant)
         why = f"got resultant, but {', '.join(others)} has none; laws with one are {have}, else distributed is allowed"
-        yield Fault("", None, "load.form", why)
+        yield scene_fault("load.form", why)
 
 
 def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
-    """The media of a scenario with the keys that they stand under, and the depths (m) that they lie between."""
+    """The media of a scenario with their keys, and the depths (m) that they lie between."""
     layers = () if scenario.bed is None else scenario.bed.layers
     bottoms = [*(layer.top_m for layer in layers), math.inf]
     several = isinstance(scenario.medium, tuple)
@@ -146,9 +144,7 @@ def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
 def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
     for one, key, top, bottom in places(scenario):
         lacking = [
-            Fault(
-                "",
-                None,
+            scene_fault(
                 f"{key}.{name}",
                 f"got null: the source of {one.name} does not state it; give the number of your case, as "
                 f"{{from: {one.name}, {name}: ...}}",

@@ -9,7 +9,7 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.scene.layout import ZERO, Frame, Layout, point
-from granular_contact.scene.shapes import Lump, bar, made, section
+from granular_contact.scene.shapes import MassProperties, bar, made, section
 from granular_contact.scene.types import FlexibleLink, RigidBody, Shape, Vector
 
 
@@ -22,14 +22,14 @@ class _Mass:
     inertia: float
 
 
-def _parts(name: str, body: schema.Body, strips: int) -> list[tuple[Shape, Lump]]:
+def _parts(name: str, body: schema.Body, strips: int) -> list[tuple[Shape, MassProperties]]:
     """Shapes of a rigid body in its own frame."""
     if isinstance(body, schema.Link):
         return [bar(name, ZERO, np.array([body.length_m, 0.0]), section(body))]
     return [made(name, shape, strips) for shape in body.shapes]
 
 
-def _mass(body: schema.Body, lumps: list[Lump]) -> _Mass:
+def _mass(body: schema.Body, lumps: list[MassProperties]) -> _Mass:
     """As given, or of the shapes."""
     if isinstance(body, schema.Rigid) and body.density_kg_m3 is None:
         assert body.mass_kg is not None  # the schema takes a density, or both
@@ -38,7 +38,7 @@ def _mass(body: schema.Body, lumps: list[Lump]) -> _Mass:
         return _Mass(body.mass_kg, center, body.inertia_kg_m2)
     density = body.density_kg_m3
     assert density is not None
-    return merged(_Mass(density * one.volume, one.center, density * one.volume * one.gyration) for one in lumps)
+    return merged(_Mass(density * one.volume, one.center, density * one.volume * one.gyration_squared) for one in lumps)
 
 
 def merged(masses: Iterable[_Mass]) -> _Mass:
@@ -64,9 +64,9 @@ def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
             points = np.array([own.local(frames[name].world(p)) for p in shape.points])
             mass = masses[name].mass if density is None else density * lump.volume
             shapes.append(replace(shape, points=points, free=layout.is_free(name, shape.points[-1]), mass=mass))
-    root = layout.tethers[group[0]]
-    tether = replace(root, point=own.local(frames[group[0]].world(root.point)))
-    return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), tether)
+    root = layout.workspace_bounds[group[0]]
+    workspace = replace(root, point=own.local(frames[group[0]].world(root.point)))
+    return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), workspace)
 
 
 def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
@@ -76,7 +76,7 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             continue
         flexible = spec.flexible
         size = section(spec)
-        area, second_moment = size.area, size.area * size.gyration
+        area, second_moment = size.area, size.area * size.gyration_squared
         bending = flexible.bending_stiffness_N_m2
         if bending is None:
             assert flexible.youngs_modulus_Pa is not None  # the schema takes exactly one of the two
@@ -95,6 +95,6 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             axial_damping=flexible.axial_damping_N_s,
             elements=flexible.elements,
             motion=layout.motion(name, layout.frames[name]),
-            tether=layout.tethers[name],
+            workspace=layout.workspace_bounds[name],
             free=layout.is_free(name, np.array([spec.length_m, 0.0])),
         )

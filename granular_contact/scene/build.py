@@ -1,4 +1,4 @@
-"""Scenario -> Scene: place the bodies, merge what is welded, find the surface, check that it all fits together."""
+"""Scenario -> Scene: place the bodies, merge what is welded, find the surface, check the geometry."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.config.changed import checked
-from granular_contact.errors import Fault, SceneError
+from granular_contact.errors import Fault, SceneError, scene_fault
+from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import connections
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import closed, redundant
-from granular_contact.scene.reducible import check_reducible
+from granular_contact.scene.minimal_support import check_minimal
+from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
-from granular_contact.scene.suited import unsuited
-from granular_contact.scene.treelike import check_treelike
 from granular_contact.scene.types import (
     FASTEST,
     Drive,
@@ -67,7 +67,7 @@ def _built(scenario: schema.Scenario) -> Scene:
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
     else:
-        faults.append(_fault("model.joints", "every body is welded to the ground, so nothing can move"))
+        faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
         raise SceneError(faults)
     scene = Scene(
@@ -86,19 +86,19 @@ def _built(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
     )
-    if faults := [*_beyond_numbers(scene), *unsuited(scene, scenario)]:
+    if faults := [*_beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
     if isinstance(scene.method, Reduced):
-        check_reducible(scene, scene.method.modes)
+        check_reduced(scene, scene.method.modes)
     elif scene.method is not None:
-        check_treelike(scene)
+        check_minimal(scene)
     elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
     return scene
 
 
 def _bow(link: FlexibleLink, force: float) -> float:
-    """Static bow and stretch of a clamped link under a force (N) spread over it, of its length."""
+    """Static deflection and stretch of a clamped link under a distributed force (N), relative to its length."""
     return force * (link.length**2 / (8.0 * link.bending_stiffness) + 1.0 / link.axial_stiffness)
 
 
@@ -112,10 +112,6 @@ def _with_rigid(scenario: schema.Scenario, names: tuple[str, ...]) -> schema.Sce
             chain = chain.model_copy(update={"link": chain.link.model_copy(update={"flexible": None})})
     fields = {key: getattr(model, key) for key in schema.Model.model_fields} | {"bodies": bodies, "chain": chain}
     return scenario.model_copy(update={"model": schema.Model(**fields)})
-
-
-def _fault(key: str, message: str) -> Fault:
-    return Fault(file="", line=None, key=key, message=message)
 
 
 def _laid_out(
@@ -143,7 +139,7 @@ def _bodies(layout: Layout, strips: int) -> tuple[tuple[RigidBody, ...], tuple[F
 
 
 def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]) -> float:
-    """Rate (rad/s) of the ground hinge at which the tip has the speed that the run says."""
+    """Rate (rad/s) of the ground hinge at which the tip has the speed given by the run."""
     speed, pins = scenario.initial.impact_tip_speed_m_s, _pins(scenario.model)
     assert speed is not None
     if not pins:
@@ -154,7 +150,7 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]
     arm = float(np.linalg.norm(place(motions[name], at) - pins[0]))
     if not arm > 0.0:
         why = f"got {speed:g}, but no shape reaches beyond the hinge, where there is no speed; give impact_speed_rad_s"
-        faults.append(_fault("initial.impact_tip_speed_m_s", why))
+        faults.append(scene_fault("initial.impact_tip_speed_m_s", why))
         return 0.0
     return speed / arm
 
@@ -170,11 +166,13 @@ def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
     for key in ("impact_speed_rad_s", "impact_tip_speed_m_s"):
         speed = getattr(scenario.initial, key)
         if speed and not hinged:
-            yield _fault(f"initial.{key}", f"got {speed:g}, but no hinge joins the model to the ground: allowed is 0")
+            yield scene_fault(
+                f"initial.{key}", f"got {speed:g}, but no hinge joins the model to the ground: allowed is 0"
+            )
 
 
 def _joint_faults(layout: Layout) -> Iterator[Fault]:
-    """Joints on a flexible link sit at its root or its tip."""
+    """Faults of joints on a flexible link that are neither at its root nor at its tip."""
     bodies = layout.model.all_bodies
     for kind, name, joint in _all_joints(layout.model):
         sides = (("parent", joint.parent, joint.parent_point_m), ("child", joint.child, joint.child_point_m))
@@ -183,9 +181,9 @@ def _joint_faults(layout: Layout) -> Iterator[Fault]:
             if not isinstance(link, schema.Link) or link.flexible is None:
                 continue
             if isinstance(joint, schema.SliderClosure) and side == "parent":
-                yield _fault(f"model.{kind}.{name}.parent", f"{body} is flexible; a slider has a rigid parent")
+                yield scene_fault(f"model.{kind}.{name}.parent", f"{body} is flexible; a slider has a rigid parent")
             elif tuple(xy) not in ((0.0, 0.0), (link.length_m, 0.0)):
-                yield _fault(
+                yield scene_fault(
                     f"model.{kind}.{name}.{side}_point_m",
                     f"got {list(xy)}, but {body} is flexible: allowed are its root [0, 0] and its tip "
                     f"[{link.length_m:g}, 0]",
@@ -199,16 +197,19 @@ def _all_joints(model: schema.Model) -> Iterator[tuple[str, str, schema.Joint | 
 
 
 def _closure_faults(layout: Layout) -> Iterator[Fault]:
-    """The child of a closure can move; welded to the ground it would have to be the parent."""
+    """Faults of closures whose child is welded to the ground: it has to be the parent."""
     fixed = next((group for group in layout.groups if GROUND in group), [])
     for name, closure in layout.model.closures.items():
         if closure.child in fixed:
-            yield _fault(f"model.closures.{name}.child", f"{closure.child} is fixed to the ground: make it the parent")
+            yield scene_fault(
+                f"model.closures.{name}.child", f"{closure.child} is fixed to the ground: make it the parent"
+            )
 
 
 @dataclass(frozen=True)
 class _End:
-    """End or corner of an immersible part: its body, place in that body's frame and initial world position, (2,) m.
+    """End or corner of a part that a medium may act on: its body, point in the body's frame, initial world position,
+    (2,) m.
 
     drop: how far the part reaches below it (m).
     """
@@ -255,13 +256,15 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
 def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
-        yield _fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
+        yield scene_fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
         return
     for body in scene.bodies:
         speed, rate = math.hypot(*body.motion.velocity), abs(body.motion.rate)
         for got, unit in ((speed, "m/s"), (rate, "rad/s")):
             if not got < FASTEST:
-                yield _fault("initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}")
+                yield scene_fault(
+                    "initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}"
+                )
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
@@ -275,7 +278,7 @@ def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], l
 
 def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
     if scenario.media and not ends:
-        yield _fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
+        yield scene_fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
 
 
 def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | Minimal | None:

@@ -8,15 +8,15 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.config.schema.drives import target
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene import signals
 from granular_contact.scene.types import Drive
 
-FEWEST = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
+FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
 
 
 def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
-    """All drives of a scenario; what can't be made is appended to the faults."""
+    """All drives of a scenario; faults are appended."""
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
@@ -26,7 +26,7 @@ def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
             phase, given = given.phase_deg, scenario.signals[given.name]
         if isinstance(given, schema.Csv):
             words = f"{given.file} was not read: load the config from its file, or give the signal as a table"
-            faults.append(Fault("", None, f"drives.{name}.{key}", words))
+            faults.append(scene_fault(f"drives.{name}.{key}", words))
             continue
         signal = _signal(given, math.radians(1.0) if key == "angle_deg" else 1.0, phase)
         if isinstance(spec, schema.Motion):
@@ -40,19 +40,18 @@ def _without_jumps(
 ) -> signals.Signal:
     """The signal of a motion with a rate that does not jump during the run; a fault is appended where it would.
 
-    A jump of rate is an impact, of a force without bound, of which an integrator makes what its step allows.
+    A jump of the rate takes an infinite force, whose result would depend on the step of the integrator.
     """
     solver, key = scenario.solver, target(spec)
     found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
     if spec.smooth_s is None:
         faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []
         return signal
-    least = FEWEST * solver.step_s
+    least = FEWEST_STEPS * solver.step_s
     if solver.accuracy is None and spec.smooth_s < least:
-        words = (
-            f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST} times solver.step_s, or solver.accuracy"
-        )
-        faults.append(Fault("", None, f"drives.{name}.smooth_s", words))
+        words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST_STEPS} times solver.step_s"
+        words += ", or solver.accuracy"
+        faults.append(scene_fault(f"drives.{name}.smooth_s", words))
     return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
 
 
@@ -61,11 +60,9 @@ def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
     time, before, after = found[0]
     words = f"at t = {time:g} s the rate jumps from {factor * before:.4g} to {factor * after:.4g} {unit}"
     words += f" (the first of {len(found)} jumps)" if len(found) > 1 else ""
-    return Fault(
-        "",
-        None,
+    return scene_fault(
         key,
-        f"{words}, which takes a force without bound; allowed are interpolation: cubic, and smooth_s: a time (s) over "
+        f"{words}, which takes an infinite force; allowed are interpolation: cubic, and smooth_s: a time (s) over "
         "which the rate changes",
     )
 

@@ -1,4 +1,4 @@
-"""Joints of a laid-out model: what is left of them once welded rigid bodies are one, and what acts in them."""
+"""Joints of a laid-out model between the merged rigid bodies, and the forces that act in them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the bodies of a model are at the start: frames, reach, groups of welded bodies, initial motion."""
+"""Initial configuration of a model: frames, workspace bounds, groups of welded bodies, initial motion."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.scene.types import Motion, Tether, Vector, rotation, turned
+from granular_contact.scene.types import InitialMotion, Vector, WorkspaceBound, rotation, turned
 
 GROUND = "ground"
 ZERO = np.zeros(2)
@@ -73,7 +73,7 @@ def degrees_of_freedom(joint: schema.Joint) -> int:
 
 
 def _joints_outward(model: schema.Model) -> Iterator[tuple[str, schema.Joint]]:
-    """Joints in an order in which every parent is placed before its children."""
+    """Joints in topological order: every parent before its children."""
     below: dict[str, list[str]] = defaultdict(list)
     for name, joint in model.all_joints.items():
         below[joint.parent].append(name)
@@ -123,27 +123,27 @@ def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> t
     return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)
 
 
-def tethers(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, Tether]:
-    """How far from where it hangs on the ground each body can get, whatever the joints do.
+def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, WorkspaceBound]:
+    """Workspace bound of each body, whatever the coordinates of the joints.
 
-    frames: of the bodies at the start. There is no end behind sliders and free joints. What is welded moves with the
+    frames: of the bodies at the start. There is no bound beyond sliders and free joints. A welded part moves with the
     body that it is welded to.
     """
-    held: dict[str, Tether] = {}
+    held: dict[str, WorkspaceBound] = {}
     fixed = {GROUND}
     for _, joint in _joints_outward(model):
         parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
         rigidly = isinstance(joint, schema.Weld) and is_rigid(model, joint.child) and is_rigid(model, parent)
         if parent in fixed:
-            tether = Tether(frames[parent].world(on_parent), on_child, 0.0)
+            workspace = WorkspaceBound(frames[parent].world(on_parent), on_child, 0.0)
             fixed |= {joint.child} if rigidly else set()
         elif rigidly:
-            tether = held[parent]
-            tether = replace(tether, point=frames[joint.child].local(frames[parent].world(tether.point)))
+            workspace = held[parent]
+            workspace = replace(workspace, point=frames[joint.child].local(frames[parent].world(workspace.point)))
         else:
-            tether = Tether(held[parent].root, on_child, held[parent].reach(on_parent))
+            workspace = WorkspaceBound(held[parent].root, on_child, held[parent].radius(on_parent))
         no_end = isinstance(joint, schema.Slider | schema.Free)
-        held[joint.child] = replace(tether, length=math.inf) if no_end else tether
+        held[joint.child] = replace(workspace, length=math.inf) if no_end else workspace
     return held
 
 
@@ -170,11 +170,11 @@ def _weld_groups(model: schema.Model) -> list[list[str]]:
 
 @dataclass(frozen=True)
 class Layout:
-    """A model laid out: the pose and tether of every body, groups of rigid bodies that are welded together."""
+    """A model laid out: pose and workspace bound of every body, groups of rigid bodies that are welded together."""
 
     model: schema.Model
     pose: Pose
-    tethers: dict[str, Tether]
+    workspace_bounds: dict[str, WorkspaceBound]
     groups: list[list[str]]
 
     @property
@@ -182,10 +182,10 @@ class Layout:
         """Frames of all bodies, the ground among them."""
         return self.pose.frames
 
-    def motion(self, name: str, frame: Frame) -> Motion:
+    def motion(self, name: str, frame: Frame) -> InitialMotion:
         """Pose and velocity of a frame that moves with a body."""
         twist = self.pose.twists[name]
-        return Motion(frame.origin, frame.angle, twist.at(frame.origin), twist.rate)
+        return InitialMotion(frame.origin, frame.angle, twist.at(frame.origin), twist.rate)
 
     @cached_property
     def _joined(self) -> dict[str, list[Vector]]:
@@ -205,4 +205,4 @@ class Layout:
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
     """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
     placed = pose(model, states, ground_angle)
-    return Layout(model, placed, tethers(model, placed.frames), _weld_groups(model))
+    return Layout(model, placed, workspace_bounds(model, placed.frames), _weld_groups(model))

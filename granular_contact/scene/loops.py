@@ -1,4 +1,4 @@
-"""Closed loops at the start: whether they close, the state of the joints that follow, redundant constraints."""
+"""Kinematic loops at the start: whether they close, the state of dependent joints, redundant constraints."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import JointState, Pose, direction, is_rigid, point, pose
 from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive, Vector, rotation, turned
 
 Mask = NDArray[np.bool_]
 # A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.
-GAP, TILT = 1e-4, math.radians(0.01)
+LARGEST_GAP, LARGEST_TILT = 1e-4, math.radians(0.01)
 RANK_TOLERANCE = 1e-9  # of the largest singular value
-_STEPS = 8  # in which a loop is led from home to where the run wants it
+_CONTINUATION_STEPS = 8  # in which a loop is led from home to where the run wants it
 
 
 class Loops:
@@ -52,7 +52,7 @@ class Loops:
         return pose(self.model, self.states(x, rates), self.ground_angle)
 
     def gaps(self, name: str, placed: Pose) -> Vector:
-        """What is left to close one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
+        """Residual of the closure of one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
         joint = self.model.closures[name]
         parent, child = placed.frames[joint.parent], placed.frames[joint.child]
         gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
@@ -65,7 +65,7 @@ class Loops:
         return np.array([*gap, turn])
 
     def gap_rates(self, name: str, placed: Pose) -> Vector:
-        """How fast a loop that is closed opens."""
+        """Velocity residual of a closed loop."""
         joint = self.model.closures[name]
         parent, child = placed.twists[joint.parent], placed.twists[joint.child]
         pin = placed.frames[joint.child].world(point(joint.child_point_m))
@@ -83,7 +83,7 @@ class Loops:
         return np.concatenate([self.gaps(name, placed) for name in self.model.closures])
 
     def jacobian(self, x: Vector) -> dict[str, Vector]:
-        """Derivatives of the gaps of every closure by the coordinates, (rows, n) each, in a closed pose."""
+        """Constraint Jacobian of every closure, (rows, n) each, in a closed pose."""
         still = self.at(x, np.zeros_like(x))
         slopes = {name: np.zeros((len(self.gaps(name, still)), len(x))) for name in self.model.closures}
         for i, unit in enumerate(np.eye(len(x))):
@@ -112,7 +112,7 @@ def _across(joint: schema.SliderClosure, angle: float) -> Vector:
 
 
 def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:
-    """Joint states in which all loops are closed and stay so; what was not said follows. Faults are appended."""
+    """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended."""
     model = scenario.model
     if not model.closures:
         return begun.states
@@ -126,7 +126,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     x = loops.close(home, np.ones(len(home), dtype=bool))
     if placed.any():
         first = x
-        for share in np.linspace(0.0, 1.0, _STEPS + 1)[1:]:
+        for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:]:
             x = np.where(placed, first + share * (wanted - first), x)
             x = loops.close(x, ~placed)
         faults += _open(loops, x, "at the start")
@@ -137,13 +137,13 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     rates[follow] = np.linalg.lstsq(slopes[:, follow], -slopes @ rates, rcond=1e-10)[0] if follow.any() else 0.0
     opening = float(np.abs(slopes @ rates).max(initial=0.0))
     if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
-        words = f"the rates of the joints open a loop at {opening:.3g} m/s or rad/s: name fewer of them"
-        faults.append(Fault("", None, "initial.joints", words))
+        words = f"the joint rates violate a loop closure by {opening:.3g} m/s or rad/s: give fewer of them"
+        faults.append(scene_fault("initial.joints", words))
     return loops.states(x, rates)
 
 
 def _home(loops: Loops, begun: Start) -> Vector:
-    """Coordinates in which the loops are to close as the model is written; free bodies are where the run has them."""
+    """Reference coordinates, in which the loops have to close; free bodies are where the run has them."""
     home = []
     for name in loops.joints:
         joint = loops.model.all_joints[name]
@@ -164,20 +164,22 @@ def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
         gap = loops.gaps(name, placed)
         turn = 0.0 if isinstance(joint, schema.HingeClosure) else abs(float(gap[-1]))
         distance = float(np.linalg.norm(gap if isinstance(joint, schema.HingeClosure) else gap[:-1]))
-        if distance > GAP or turn > TILT:
+        if distance > LARGEST_GAP or turn > LARGEST_TILT:
             words = f"the loop does not close {when}: {joint.parent} and {joint.child} are {distance:.4g} m"
-            words += f" and {math.degrees(turn):.4g} deg" if turn > TILT else ""
-            words += f" apart there; allowed are {GAP:g} m" + (f" and {math.degrees(TILT):g} deg" if turn else "")
-            faults.append(Fault("", None, f"model.closures.{name}", words))
+            words += f" and {math.degrees(turn):.4g} deg" if turn > LARGEST_TILT else ""
+            words += f" apart there; allowed are {LARGEST_GAP:g} m" + (
+                f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""
+            )
+            faults.append(scene_fault(f"model.closures.{name}", words))
     return faults
 
 
 def redundant(
     model: schema.Model, states: Mapping[str, JointState], ground_angle: float, drives: tuple[Drive, ...]
 ) -> list[Fault]:
-    """Closures and prescribed motions that hold what is held already, by the rank of the constraints at the start.
+    """Redundant closures and prescribed motions, by the rank of the constraint Jacobian at the start.
 
-    A loop through a flexible link is never redundant: the link gives way.
+    A loop through a flexible link is never redundant.
     """
     if not model.closures:
         return []
@@ -197,11 +199,10 @@ def redundant(
             held, rank = tried, rank + gained
             continue
         spare = len(slope) - gained
-        words = (
-            f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} hold{'s' * (spare == 1)} what"
-        )
-        words += " the other joints hold already: leave it out, or choose a type that holds less"
-        faults.append(Fault("", None, f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
+        verb = "is" if spare == 1 else "are"
+        words = f"{spare} of the {len(slope)} constraint{'s' * (len(slope) > 1)} of {name} {verb} redundant with the"
+        words += " other joints: leave it out, or choose a type with fewer constraints"
+        faults.append(scene_fault(f"{'model.' * (kind == 'closures')}{kind}.{name}", words))
     return faults
 
 

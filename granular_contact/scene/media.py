@@ -10,16 +10,34 @@ from granular_contact.laws.law import Law
 
 
 def preset(name: str, **values: Any) -> Law:
-    """Medium by the name of its preset (`play_sand`) or by the path of a YAML file.
+    """Medium of a preset, or of a YAML file.
 
-    values: top-level keys that replace those of the preset, as stiffness_N_m=60.
+    Parameters
+    ----------
+    name : str
+        Name of a preset, as `play_sand`, or path of a YAML file, from the working folder.
+    **values
+        Values that replace those of the preset, by their keys in YAML, as `stiffness_N_m=60`.
+
+    Returns
+    -------
+    Law
+        The medium, for `GranularBed` or `scenario.replace({"medium": ...})`.
 
     Raises
     ------
     ConfigError
-        There is no such medium, with a list of those there are, or a value is at fault.
+        There is no such medium (the message lists the presets), or a value is not allowed.
     SceneError
-        The preset lacks a number that its source does not state: give it among the values.
+        A number is missing that the source of the preset does not state: give it among the values.
+
+    Examples
+    --------
+    >>> from granular_contact import preset
+    >>> preset("play_sand").eta_d
+    6.5
+    >>> preset("play_sand", eta_d=5.0).eta_d
+    5.0
     """
     medium: Law = load_medium(name, **values)
     for key in medium.lacking:

@@ -18,25 +18,25 @@ CHORDS = 48  # of a full circle, at the least
 
 
 @dataclass(frozen=True)
-class Lump:
-    """Volume (m3) of a shape, its centre (2,) m in the body's frame, and its inertia about it per mass (m2)."""
+class MassProperties:
+    """Volume (m3) of a shape, centre of mass (2,) m in the body frame, squared radius of gyration about it (m2)."""
 
     volume: float
     center: Vector
-    gyration: float
+    gyration_squared: float
 
 
-def made(part: str, spec: schema.Shape, strips: int) -> tuple[Shape, Lump]:
+def made(part: str, spec: schema.Shape, strips: int) -> tuple[Shape, MassProperties]:
     """Shape of a config with its mass properties; curves get at least `strips` chords."""
-    shape, lump = _SHAPES[type(spec)](part, spec, strips)
-    return shape, lump
+    shape, properties = _SHAPES[type(spec)](part, spec, strips)
+    return shape, properties
 
 
-def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool = True) -> tuple[Shape, Lump]:
+def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool = True) -> tuple[Shape, MassProperties]:
     """Straight bar from start to end, (2,) m."""
     length = float(np.linalg.norm(end - start))
-    lump = Lump(section.area * length, (start + end) / 2, length**2 / 12 + section.gyration)
-    return Shape(part, section.kind, np.stack([start, end]), section.width, section.thickness, in_sand), lump
+    properties = MassProperties(section.area * length, (start + end) / 2, length**2 / 12 + section.gyration_squared)
+    return Shape(part, section.kind, np.stack([start, end]), section.width, section.thickness, in_sand), properties
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ class Section:
         return self.width * self.thickness * (math.pi / 4 if self.is_round else 1.0)
 
     @property
-    def gyration(self) -> float:
-        """Second moment for bending in the plane, per area (m2)."""
+    def gyration_squared(self) -> float:
+        """Squared radius of gyration of the section for bending in the plane (m2)."""
         return self.thickness**2 / (16 if self.is_round else 12)
 
 
@@ -72,31 +72,33 @@ def section(spec: schema.Link | schema.ArcShape | schema.PolylineShape) -> Secti
     return Section(False, spec.width_m, spec.thickness_m)
 
 
-def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, Lump]:
+def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, MassProperties]:
     radius, center = spec.diameter_m / 2, np.array(spec.center_m)
     chords = max(CHORDS, strips)
     circle = center + radius * _circle(chords)
-    lump = Lump(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
+    properties = MassProperties(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
     turns = np.full(chords, 2 * math.pi / chords)
-    return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), lump
+    return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), properties
 
 
-def _sphere(part: str, spec: schema.SphereShape, _: int) -> tuple[Shape, Lump]:
+def _sphere(part: str, spec: schema.SphereShape, _: int) -> tuple[Shape, MassProperties]:
     d, center = spec.diameter_m, np.array(spec.center_m)
-    return Shape(part, "ball", center[None, :], d, d, spec.in_sand), Lump(math.pi / 6 * d**3, center, d**2 / 10)
+    return Shape(part, "ball", center[None, :], d, d, spec.in_sand), MassProperties(
+        math.pi / 6 * d**3, center, d**2 / 10
+    )
 
 
-def _cylinder(part: str, spec: schema.CylinderShape, _: int) -> tuple[Shape, Lump]:
+def _cylinder(part: str, spec: schema.CylinderShape, _: int) -> tuple[Shape, MassProperties]:
     size = Section(True, spec.diameter_m, spec.diameter_m)
     return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
 
 
-def _plate(part: str, spec: schema.PlateShape, _: int) -> tuple[Shape, Lump]:
+def _plate(part: str, spec: schema.PlateShape, _: int) -> tuple[Shape, MassProperties]:
     size = Section(False, spec.width_m, spec.thickness_m)
     return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
 
 
-def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, Lump]:
+def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, MassProperties]:
     size, radius, center = section(spec), spec.radius_m, np.array(spec.center_m)
     start, end = turned(spec.from_deg), turned(spec.to_deg)
     half = abs(end - start) / 2
@@ -106,30 +108,32 @@ def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, Lump]:
     # Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector.
     off = radius * math.sin(half) / half
     middle = (start + end) / 2
-    lump = Lump(
+    properties = MassProperties(
         size.area * radius * 2 * half,
         center + off * np.array([math.cos(middle), math.sin(middle)]),
-        radius**2 - off**2 + size.gyration,
+        radius**2 - off**2 + size.gyration_squared,
     )
     turns = np.full(chords, (end - start) / chords)
-    return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand, turns=turns), lump
+    return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand, turns=turns), properties
 
 
-def _polyline(part: str, spec: schema.PolylineShape, _: int) -> tuple[Shape, Lump]:
+def _polyline(part: str, spec: schema.PolylineShape, _: int) -> tuple[Shape, MassProperties]:
     size, points = section(spec), np.array(spec.points_m)
     pieces = [bar(part, a, b, size)[1] for a, b in pairwise(points)]
     volume = sum(piece.volume for piece in pieces)
     center: Vector = sum((piece.volume * piece.center for piece in pieces), np.zeros(2)) / volume
-    gyration = sum(p.volume * (p.gyration + float(np.sum((p.center - center) ** 2))) for p in pieces) / volume
+    gyration_squared = (
+        sum(p.volume * (p.gyration_squared + float(np.sum((p.center - center) ** 2))) for p in pieces) / volume
+    )
     shape = Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand)
-    return shape, Lump(volume, center, gyration)
+    return shape, MassProperties(volume, center, gyration_squared)
 
 
-def _polygon(part: str, spec: schema.PolygonShape, _: int) -> tuple[Shape, Lump]:
+def _polygon(part: str, spec: schema.PolygonShape, _: int) -> tuple[Shape, MassProperties]:
     return _solid(part, np.array(spec.points_m), spec.width_m, spec.in_sand)
 
 
-def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, Lump]:
+def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, MassProperties]:
     radius = spec.height_m / 2
     half = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # from the x axis over y to its other side
     toe = half @ rotation(math.pi / 2)  # the toe, from below to above
@@ -138,14 +142,14 @@ def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, Lump]:
     if not reach.any():
         outline = _circle(CHORDS)[:-1] * radius
     corners = np.array(spec.center_m) + outline @ rotation(turned(spec.tilt_deg)).T
-    shape, lump = _solid(part, corners, spec.width_m, spec.in_sand)
+    shape, properties = _solid(part, corners, spec.width_m, spec.in_sand)
     turns = np.full(len(shape.points) - 1, 2 * math.pi / CHORDS)
     if reach.any():  # the sole and the top are straight
         turns[[CHORDS // 2, -1]] = 0.0
-    return replace(shape, turns=turns), lump
+    return replace(shape, turns=turns), properties
 
 
-def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, Lump]:
+def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, MassProperties]:
     """Solid with a polygon as its section, corners (k, 2) m without the repeated first one."""
     closed = np.vstack([corners, corners[:1]])
     origin = corners.mean(axis=0)
@@ -154,8 +158,8 @@ def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Sha
     area = twice.sum() / 2
     center = np.array([((x0 + x1) * twice).sum(), ((y0 + y1) * twice).sum()]) / (6 * area)
     polar = ((x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) * twice).sum() / 12
-    lump = Lump(abs(area) * width, origin + center, polar / area - float(center @ center))
-    return Shape(part, "outline", closed, width, 0.0, in_sand), lump
+    properties = MassProperties(abs(area) * width, origin + center, polar / area - float(center @ center))
+    return Shape(part, "outline", closed, width, 0.0, in_sand), properties
 
 
 def _circle(chords: int) -> Vector:
@@ -166,7 +170,7 @@ def _circle(chords: int) -> Vector:
     return points
 
 
-_SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, Lump]]] = {
+_SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, MassProperties]]] = {
     schema.DiscShape: _disc,
     schema.SphereShape: _sphere,
     schema.CylinderShape: _cylinder,

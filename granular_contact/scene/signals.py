@@ -1,6 +1,7 @@
 """Signals over time: value, rate and acceleration of what a drive follows, in SI units.
 
-Each is a frozen record with three methods of the time (s); before t = 0 the clock stands, for a mechanism that settles.
+Each is a frozen record with three methods of the time (s); before t = 0 they keep their value at t = 0, for a mechanism
+that settles.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ class Ramp:
 
 @dataclass(frozen=True)
 class Buehler:
-    """Clock of a rotary leg (Saranli, Buehler, Koditschek 2001), its two rates joined smoothly.
+    """Clock of a rotary leg (Saranli, Buehler, Koditschek 2001) with a smooth change between its two rates.
 
     frequency: turns per s; sweep: angle of the stance (rad); offset: angle in the middle of it (rad), at phase 0; duty:
     share of the turn's time that the stance takes; phase: in turns; blend: share of the turn's time in which one rate
@@ -196,22 +197,22 @@ class Jump(NamedTuple):
 
 
 def jumps(signal: Signal) -> tuple[Jump, ...]:
-    """All jumps of a signal's rate but for what the rounding of a table leaves; only tables have any."""
+    """All jumps of a signal's rate beyond those from the rounding of a table; only tables have any."""
     if not isinstance(signal, Piecewise):
         return ()
     steps = np.diff(signal.times)
     a, b, c, d = np.array(signal.coefficients).T
     before = np.concatenate([[0.0], b + steps * (2.0 * c + steps * 3.0 * d)])
     after = np.concatenate([b, [0.0]])
-    way = np.diff([*a, signal.value(signal.times[-1])])  # cubics may be at rest at every instant of the table
-    least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(way / steps).max())
+    changes = np.diff([*a, signal.value(signal.times[-1])])  # cubics may be at rest at every instant of the table
+    least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(changes / steps).max())
     found = zip(signal.times, before.tolist(), after.tolist(), strict=True)
     return tuple(Jump(*one) for one in found if abs(one[2] - one[1]) > least)
 
 
 @dataclass(frozen=True)
 class Smoothed:
-    """A signal whose rate goes over every jump by b^2 (3 - 2 b), b from 0 to 1 in `duration` (s) around it.
+    """A signal whose rate changes by b^2 (3 - 2 b) over every jump, b from 0 to 1 in `duration` (s) around it.
 
     Acceleration and rate are continuous; away from the jumps by half the duration the signal is as it was. jumps: in
     the order of time.

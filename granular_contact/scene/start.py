@@ -1,4 +1,4 @@
-"""Where the joints of a scenario start: at home, as the run says, or as a drive prescribes."""
+"""Initial states of joints: the reference configuration, the values of the run, or those of a prescribed motion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import GROUND, JointState
 from granular_contact.scene.types import Drive
 
@@ -19,7 +19,7 @@ AGREEMENT = 1e-6
 
 @dataclass(frozen=True)
 class Start:
-    """States of the joints of the tree; those whose coordinate, or whose rate, was said by the run or a drive."""
+    """States of the tree's joints; names of those whose coordinate (placed) or rate (moved) a run or drive gives."""
 
     states: dict[str, JointState]
     placed: frozenset[str]
@@ -50,7 +50,7 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
                 words = (
                     f"the motion starts at {state.rate[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
                 )
-                faults.append(Fault("", None, f"drives.{name}", words))
+                faults.append(scene_fault(f"drives.{name}", words))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
             state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rate), True
         states[name] = state
@@ -60,7 +60,7 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
 
 
 def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
-    """State of a joint by the run, at home and at rest where it says nothing."""
+    """State of a joint as the run gives it; the reference configuration at rest where it does not."""
     if isinstance(joint, schema.Slider):
         at = joint.home_m if said.position_m is None else said.position_m
         return JointState(np.array([at]), np.array([said.speed_m_s or 0.0]))
@@ -92,4 +92,4 @@ def _gaps(
         if given and abs(got - wanted) > AGREEMENT:
             words = f"got {factor * got:g}, but the drive of {name} starts at {factor * wanted:g}, "
             words += f"{factor * abs(got - wanted):.3g} away: allowed is that, or no value"
-            yield Fault("", None, f"initial.joints.{name}.{key}", words)
+            yield scene_fault(f"initial.joints.{name}.{key}", words)

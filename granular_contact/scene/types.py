@@ -36,9 +36,9 @@ class Shape:
 
     points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
     point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
-    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free` tells a free face at the end of a line.
-    mass (kg): of a ball by itself, for laws that ask for it. turns (k - 1,) rad: angle by which each side between two
-    points turns where it is the chord of an arc, counter-clockwise; None: all sides are straight.
+    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free`: whether the end of a line is a free
+    face. mass (kg): of a ball by itself, for laws that ask for it. turns (k - 1,) rad: angle by which each side between
+    two points turns where it is the chord of an arc, counter-clockwise; None: all sides are straight.
     """
 
     part: str
@@ -58,7 +58,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Motion:
+class InitialMotion:
     """Initial pose and velocity of a body's frame: position (2,) m, angle rad, velocity (2,) m/s, rate rad/s."""
 
     position: Vector
@@ -68,18 +68,18 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Tether:
-    """Where a body hangs: its point (2,) m in its frame is at most `length` (m) away from a root that stays in place.
+class WorkspaceBound:
+    """Bound of where a body can get: its `point` (2,) m, body frame, stays within `length` (m) of a fixed `root`.
 
-    root: (2,) m, world frame, the joint on the ground behind which the body comes.
+    root: (2,) m, world frame, the joint on the ground that carries the body, directly or through other bodies.
     """
 
     root: Vector
     point: Vector
     length: float
 
-    def reach(self, point: Vector) -> float:
-        """Greatest distance (m) from the root that a point (2,) of the body can get."""
+    def radius(self, point: Vector) -> float:
+        """Greatest distance (m) between the root and a point (2,) of the body."""
         return self.length + float(np.linalg.norm(point - self.point))
 
 
@@ -91,8 +91,8 @@ class RigidBody:
     mass: float
     inertia: float
     shapes: tuple[Shape, ...]
-    motion: Motion
-    tether: Tether
+    motion: InitialMotion
+    workspace: WorkspaceBound
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,8 @@ class FlexibleLink:
     bending_damping: float
     axial_damping: float
     elements: int
-    motion: Motion
-    tether: Tether
+    motion: InitialMotion
+    workspace: WorkspaceBound
     free: bool
 
     @property
@@ -162,9 +162,9 @@ class JointLaw:
 class Connection:
     """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
 
-    axis: of a slider, unit vector (2,) in the parent's frame. offset: what a hinge's coordinate is beyond the parent's
-    angle less the child's (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its rate at the
-    start. closes: whether it closes a loop.
+    axis: of a slider, unit vector (2,) in the parent's frame. offset: a hinge's coordinate less the difference of the
+    parent's and the child's angle (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its
+    rate at the start. closes: whether it closes a loop.
     """
 
     name: str
@@ -191,7 +191,7 @@ class Drive:
     """What acts at a hinge or slider over time, in its coordinate: N m, rad, rad/s or N, m, m/s.
 
     load: the signal is the torque or force. motion: the coordinate follows the signal. control: gain times the error of
-    the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the rate wanted.
+    the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the reference rate.
     """
 
     joint: str
@@ -287,9 +287,9 @@ class Scene:
 
     @cached_property
     def least_way(self) -> float:
-        """Way (m) up to which nothing counts as moved: 1e-4 of the size, or ten yield displacements of the bristles.
+        """Path length (m) below which nothing counts as moved: 1e-4 of the size, or ten yield displacements.
 
-        What lies in sand and only leans on its bristles moves by some of these.
+        A body that lies in sand moves by some yield displacements without slipping.
         """
         static = self.static
         return max(1e-4 * self.length, 10.0 * static.yield_displacement if isinstance(static, Elastoplastic) else 0.0)
@@ -306,7 +306,7 @@ class Scene:
 
     @cached_property
     def force_scale(self) -> float:
-        """Force (N) to expect: the weight, at least at 1 g, and the momentum of the impact.
+        """Scale of the forces (N): the weight, at 1 g at least, and the momentum of the impact.
 
         A mechanism of mass m that enters at tip speed v, and stops over a depth of its length L, needs m v^2 / L.
         """
@@ -340,7 +340,7 @@ class Scene:
 def turned(clockwise_deg: float) -> float:
     """Angle (rad) as scenes have it, counter-clockwise, of one of a config (deg), clockwise.
 
-    Here alone fixed angles change their sense; coordinates of hinges stay clockwise, see `layout.pose`.
+    Fixed angles change their sense only here; coordinates of hinges stay clockwise, see `layout.pose`.
     """
     return -math.radians(clockwise_deg)
 
@@ -351,7 +351,7 @@ def rotation(angle: float) -> NDArray[np.float64]:
     return np.array([[c, -s], [s, c]])
 
 
-def place(motion: Motion, point: Vector) -> Vector:
+def place(motion: InitialMotion, point: Vector) -> Vector:
     """World position (2,) m of a body-frame point at the initial pose."""
     placed: Vector = motion.position + rotation(motion.angle) @ point
     return placed

@@ -1,7 +1,7 @@
-"""One config by several models: rigid, modal and finite-element, measured against the finest beam.
+"""One config with several models, rigid, modal and finite-element, compared with the finest beam.
 
-A model is good enough when stopping time and travel (angle at stop minus impact angle) are both within the tolerance;
-for the deflection, when the peak deflection is. The cheapest such model is the verdict.
+A model is accepted for the motion when stopping time and travel (angle at stop minus impact angle) are both within the
+tolerance, and for the deflection when the peak deflection is. The verdict is the cheapest accepted model.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from granular_contact.report import (
     json_text,
     scenario_text,
     whole_folder,
-    write_table,
+    write_rows,
 )
 from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.results.interpolation import at_times, rates
@@ -42,8 +42,8 @@ EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how ma
 
 
 @dataclass(frozen=True)
-class Model:
-    """One way to compute the config: its name and the overrides that select it."""
+class Candidate:
+    """A model that may compute the config: its name and the overrides that select it."""
 
     name: str
     overrides: tuple[str, ...]
@@ -57,7 +57,7 @@ class Row:
     that both have. None where either run has no such number.
     """
 
-    model: Model
+    model: Candidate
     results: Results
     seconds: float
     stopping_time: float | None
@@ -86,7 +86,7 @@ class Comparison:
         last = self.rows[-1]
         if last.results.status.code not in FINISHED:
             why = last.results.status.message
-            return f"{last.model.name} did not come to its end, so there is nothing to measure by: {why}"
+            return f"{last.model.name} did not reach its end, so there is no reference: {why}"
         candidates = sorted(self.rows[:-1], key=lambda row: row.seconds)
         good = [row for row in candidates if row.within(self.tolerance)]
         limit, finest = f"{100 * self.tolerance:g} %", self.rows[-1].model.name
@@ -96,7 +96,7 @@ class Comparison:
             cost = f"{1e3 * best.seconds:.3g} ms ({finest}: {1e3 * self.rows[-1].seconds:.3g} ms)"
             motion = (
                 f"Cheapest within {limit} in stopping time and travel: {best.model.name}, "
-                f"{100 * worst:.2g} % off in {cost}"
+                f"error {100 * worst:.2g} % in {cost}"
             )
         else:
             motion = f"No model is within {limit} of {finest} in stopping time and travel"
@@ -107,7 +107,7 @@ class Comparison:
 
 def models(
     path: str | PathLike[str], modes: Sequence[int], elements: Sequence[int], overrides: Sequence[str]
-) -> list[Model]:
+) -> list[Candidate]:
     """The models of a comparison, cheapest kind first, the finest beam last.
 
     Raises
@@ -132,14 +132,14 @@ def models(
     if faults:
         raise ConfigError(faults)
     reduced = [
-        Model(
+        Candidate(
             "rigid" if n == 0 else f"{n} mode{'s' if n > 1 else ''}",
             (f"method={{reduced: {{modes: {n}, static: elastoplastic}}}}",),
         )
         for n in sorted(set(modes))
     ]
     beams = [
-        Model(
+        Candidate(
             f"FE, {n} element{'s' if n > 1 else ''}",
             ("method=engine", *(f"model.bodies.{link}.flexible.elements={n}" for link in links)),
         )
@@ -159,9 +159,9 @@ def compare(
     progress: Callable[[str], None] | None = None,
     compiling: Compiling | None = None,
 ) -> Comparison:
-    """Run a config by every model, `repeats` times after a warm-up for the run time.
+    """Run a config with every model, `repeats` times after a warm-up, to measure the run time.
 
-    progress: told what is run next; compiling: see `run`.
+    progress: called with the name of what is run next; compiling: see `run`.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def compare(
     return Comparison(rows, tolerance)
 
 
-def _row(model: Model, results: Results, seconds: float, reference: Results, start: float) -> Row:
+def _row(model: Candidate, results: Results, seconds: float, reference: Results, start: float) -> Row:
     def relative(key: str, origin: float = 0.0) -> float | None:
         mine, exact = results.summary[key], reference.summary[key]
         if mine is None or exact is None or exact == origin:
@@ -217,41 +217,25 @@ def _rms(results: Results, reference: Results, column: str) -> float | None:
     return float(np.sqrt(np.mean((mine - exact) ** 2)))
 
 
-HEAD = (
-    "model",
-    "stopping_time_s",
-    "angle_at_stop_deg",
-    "max_deflection_m",
-    "angle_rms_deg",
-    "deflection_rms_m",
-    "stopping_time_relative",
-    "travel_relative",
-    "deflection_relative",
-    "solve_s",
-)
-
-
-def cells(row: Row) -> tuple[str | float | None, ...]:
-    """A row in the order of HEAD."""
-    summary = row.results.summary
-    return (
-        row.model.name,
-        summary["stopping_time_s"],
-        summary["angle_at_stop_deg"],
-        summary["max_deflection_m"],
-        row.angle_rms,
-        row.deflection_rms,
-        row.stopping_time,
-        row.travel,
-        row.deflection,
-        row.seconds,
-    )
+def cells(row: Row) -> dict[str, str | float | None]:
+    """A row of the table, by the names of its columns."""
+    measured = ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")
+    return {
+        "model": row.model.name,
+        **{key: row.results.summary[key] for key in measured},
+        "angle_rms_deg": row.angle_rms,
+        "deflection_rms_m": row.deflection_rms,
+        "stopping_time_relative": row.stopping_time,
+        "travel_relative": row.travel,
+        "deflection_relative": row.deflection,
+        "solve_s": row.seconds,
+    }
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write the table, the verdict, the run and the histories laid over each other, whole or not at all."""
+    """Write the table, the verdict, the scenario and a figure of all histories, completely or not at all."""
     with whole_folder(directory, "compare") as folder:
-        write_table(folder / COMPARISON, HEAD, map(cells, comparison.rows))
+        write_rows(folder / COMPARISON, map(cells, comparison.rows))
         (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")
         (folder / SCENARIO).write_text(scenario_text(comparison.rows[-1].results), encoding="utf-8")
         if figures:
@@ -262,7 +246,7 @@ def write(comparison: Comparison, directory: Path, figures: bool = True) -> None
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:
-    """What the table does not tell: the verdict, by what measure, and what to doubt."""
+    """What the table does not say: the verdict, how it was measured, and the warnings."""
     reference = comparison.rows[-1].results
     return {
         "name": reference.name,

@@ -1,4 +1,4 @@
-"""One config in several media: the same impact, what comes out of each."""
+"""One config in several media: the same impact, compared."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
-from granular_contact.report import whole_folder, write_table
+from granular_contact.report import whole_folder, write_rows
 from granular_contact.results import Compiling, Results
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import Scene, build
@@ -45,7 +45,7 @@ def compare_media(
 ) -> tuple[Row, ...]:
     """Run a config in each of several media, named as in a config (preset, file, or several joined by +).
 
-    progress: told what is run next; compiling: see `run`.
+    progress: called with the name of what is run next; compiling: see `run`.
 
     Raises
     ------
@@ -88,39 +88,23 @@ def _value(name: str) -> str:
     return parts[0] if len(parts) == 1 else f"[{', '.join(parts)}]"
 
 
-HEAD = (
-    "medium",
-    "status",
-    "stopping_time_s",
-    "angle_at_stop_deg",
-    "max_depth_m",
-    "peak_force_N",
-    "granular_work_J",
-    "energy_imbalance_relative",
-    "warnings",
-)
-
-
-def cells(row: Row) -> tuple[str | float | None, ...]:
-    """A row in the order of HEAD."""
+def cells(row: Row) -> dict[str, str | float | None]:
+    """A row of the table, by the names of its columns."""
     summary = row.results.summary
-    return (
-        row.name,
-        summary["status"],
-        summary["stopping_time_s"],
-        summary["angle_at_stop_deg"],
-        summary["max_depth_m"],
-        row.peak_force,
-        summary["energy"]["granular_work_J"],
-        summary["energy"]["imbalance_relative"],
-        "; ".join(row.results.warnings),
-    )
+    return {
+        "medium": row.name,
+        **{key: summary[key] for key in ("status", "stopping_time_s", "angle_at_stop_deg", "max_depth_m")},
+        "peak_force_N": row.peak_force,
+        "granular_work_J": summary["energy"]["granular_work_J"],
+        "energy_imbalance_relative": summary["energy"]["imbalance_relative"],
+        "warnings": "; ".join(row.results.warnings),
+    }
 
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
-    """Write the table and the histories laid over each other, whole or not at all."""
+    """Write the table and a figure of all histories, completely or not at all."""
     with whole_folder(directory, "compare-media") as folder:
-        write_table(folder / TABLE, HEAD, map(cells, rows))
+        write_rows(folder / TABLE, map(cells, rows))
         if figures:
             from granular_contact.report.figures.media import draw_media
 

@@ -1,1 +1,1 @@
-"""What a value may be, wherever it stands: strict classes, and what a plain YAML scalar means."""
+"""Values of all files: strict classes, and the meaning of plain YAML scalars."""

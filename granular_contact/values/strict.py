@@ -1,4 +1,4 @@
-"""What every schema class shares: strictness, the kinds of values, unions by tag, and faults of several keys."""
+"""Base of all schema classes: strictness, kinds of values, unions by tag, faults of several keys."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:
 
 
 def allow(words: str) -> Any:
-    """Mark a field or a type with what messages say is allowed, where the schema alone would say it worse."""
+    """Mark a field or a type with the words for what is allowed, where those from the schema are unclear."""
     return Field(json_schema_extra={ALLOWED: words})
 
 
 def listed(words: Sequence[str], between: str = ", ") -> str:
-    """Words in a row; of a great many the first few, and how many more there are."""
+    """Words in a list; only the first few of many, and how many more there are."""
     if len(words) <= MOST_LISTED:
         return between.join(words)
     return f"{between.join(words[:MOST_LISTED])}{between}... and {len(words) - MOST_LISTED} more"

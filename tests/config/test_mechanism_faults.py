@@ -41,7 +41,7 @@ FAULTS = {
         "{type: free, parent: thigh",
         9,
         "model.joints.knee.parent",
-        "got 'thigh'; a free body has the parent ground",
+        "got 'thigh'; a free joint has the parent ground",
     ),
     "closure to nobody": (
         "closures: {}",
@@ -203,7 +203,7 @@ def test_a_signal_that_nobody_follows(faults):
     text = HEAD + f"signals:\n  gait: {SINE}\n  idle: {SINE}\ndrives:\n  knee: {{type: motion, angle_deg: gait}}\n"
     [fault] = faults(text)
     assert (fault.line, fault.key) == (15, "signals.idle")
-    assert "no drive follows it" in fault.message
+    assert "no drive uses it" in fault.message
 
 
 def test_the_phase_of_a_shared_signal_needs_a_period(faults):

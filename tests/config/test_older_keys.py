@@ -67,7 +67,7 @@ def test_old_and_new_keys_make_the_same_scene() -> None:
 def test_each_old_key_is_told_once_with_its_line_and_what_to_write(tmp_path: Path) -> None:
     path = file(tmp_path, TEXT.format(**OLD))
     scenario, sources = config.load(path)
-    said = "counts counter-clockwise; write {}, as all angles turn clockwise now"
+    said = "is counter-clockwise; write {}, as all angles are clockwise now"
     assert sorted(sources.notices) == sorted(
         f"{path}:{line}: model.{key}: {said.format(new)}"
         for line, key, new in (

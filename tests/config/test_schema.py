@@ -12,7 +12,7 @@ from granular_contact import cli
 from granular_contact.config import is_sweep, json_schema, schema
 from granular_contact.config.schema import fit
 from granular_contact.config.schema.drives import DRIVES
-from granular_contact.config.schema.joints import CLOSURES, JOINTS
+from granular_contact.config.schema.joints import CLOSURES, JOINTS, SYNONYMS
 from granular_contact.config.schema.mechanism import BODIES
 from granular_contact.config.schema.scenario import FRICTIONS
 from granular_contact.config.schema.shapes import SHAPES
@@ -60,7 +60,16 @@ def test_tags_name_their_class():
         ("law", LAWS),
     ):
         for tag, choice in choices.items():
-            assert choice.model_json_schema()["properties"][key]["const"] == tag
+            allowed = choice.model_json_schema()["properties"][key]
+            assert tag in allowed.get("enum", [allowed.get("const")])
+
+
+@pytest.mark.parametrize(("word", "name"), SYNONYMS.items())
+def test_joints_have_two_names(word, name):
+    ends = {"parent": "ground", "child": "a"}
+    assert JOINTS[word].model_validate({"type": word, **ends}) == JOINTS[name].model_validate({"type": name, **ends})
+    assert JOINTS[word].model_validate({"type": word, **ends}).type == name
+    assert name == "free" or CLOSURES[word] is CLOSURES[name]
 
 
 def test_python_callers_get_the_same_checks():

@@ -113,7 +113,7 @@ REFUSED = {
     "bounds without colon": ([str(CONFIG), "DATA", *KEYS, "--bounds", "medium.eta_d=1"], "allowed is LOW:HIGH"),
     "bounds upside down": ([str(CONFIG), "DATA", *KEYS, "--bounds", "medium.eta_d=9:2"], "bounds from 9 to 2"),
     "column": ([str(CONFIG), "DATA", *KEYS, "--columns", "time_s=t,tip_x_m=tip_x_m"], "got 't', but"),
-    "pair": ([str(CONFIG), "DATA", *KEYS, "--columns", "time_s"], "--columns time_s: is no NAME=VALUE"),
+    "pair": ([str(CONFIG), "DATA", *KEYS, "--columns", "time_s"], "--columns time_s: is not NAME=VALUE"),
     "starts": ([str(CONFIG), "DATA", *KEYS, "--starts", "many"], "--starts: starts: got the text 'many'"),
     "noise twice": ([str(CONFIG), "DATA", *KEYS, "--noise", "tip_x_mm=1", "--noise", "tip_x_mm=2"],
                     "--noise: tip_x_mm: is given twice"),

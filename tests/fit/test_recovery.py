@@ -14,7 +14,7 @@ from support_fit import CONFIG, NOISE, RIGID, TRUE, fitted, four, measure, near,
 from granular_contact.errors import SolveError
 from granular_contact.studies.fit import fit
 from granular_contact.studies.fit.solve import DIED, Start, starting_points
-from granular_contact.studies.sweep import pool
+from granular_contact.studies.sweep import processes
 
 ALL = "\n".join(f"  {key}: {{start: {1.3 * value}}}" for key, value in TRUE.items())
 # Beyond four standard errors normal noise takes an estimate once in 16 000 times; the seeds are fixed anyway.
@@ -178,7 +178,7 @@ def test_a_coefficient_beyond_its_bounds_is_told(tmp_path: Path) -> None:
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "{medium.eta_d: {from: 7, to: 9}}")
     found = fitted(tmp_path, text)
     assert found.values[0] == pytest.approx(7.0, abs=1e-3)
-    assert "medium.eta_d stands at its lower bound, 7: the data ask for a value beyond it" in found.warnings[-1]
+    assert "medium.eta_d is at its lower bound, 7: the best value is beyond it" in found.warnings[-1]
 
 
 def test_starts_agree_and_are_the_same_for_a_seed(tmp_path: Path) -> None:
@@ -220,7 +220,7 @@ class Dying(ThreadPoolExecutor):
 def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, deaths: int) -> None:
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run("starts: 2"))
-    monkeypatch.setattr(pool, "local_processes", Dying)
+    monkeypatch.setattr(processes, "local_processes", Dying)
     monkeypatch.setattr(Dying, "lives", deaths)
     if deaths == 4:  # both starts, and both again
         with pytest.raises(SolveError, match="every starting point; at the first: the process died"):
@@ -232,11 +232,11 @@ def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, death
 def test_a_start_whose_process_died_is_told(recovered) -> None:
     dead = Start(recovered.solution.scaled, np.inf, DIED)
     some = replace(recovered, solution=replace(recovered.solution, starts=(*recovered.solution.starts, dead)))
-    assert "1 of 2 starting points came to nothing: the process died" in some.warnings[-1]
+    assert "1 of 2 starting points failed: the process died" in some.warnings[-1]
 
 
 def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> None:
-    from granular_contact.studies.fit import tracks
+    from granular_contact.studies.fit import responses
 
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run())
@@ -245,7 +245,7 @@ def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> N
         raise SolveError("no such luck")
 
     for run in made.runs:
-        run.simulator._tracks.clear()
-    monkeypatch.setattr(tracks, "run", fails)
+        run.simulator._responses.clear()
+    monkeypatch.setattr(responses, "run", fails)
     with pytest.raises(SolveError, match="every starting point; at the first: no such luck"):
         fit(made)

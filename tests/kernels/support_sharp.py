@@ -8,16 +8,28 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numba import njit
 from support_laws import TRUE_SIGN, Array, G, published_rft
 
 from granular_contact.laws import rft3d
+
+published_stress = njit(rft3d.Rft3d.stress)
+
+
+@njit
+def stresses(t: Array, u: Array, record: Any) -> Array:
+    """Published stresses (n, 2) N/m3 on many elements."""
+    out = np.empty_like(t)
+    for i in range(len(t)):
+        out[i, 0], out[i, 1] = published_stress(t[i, 0], t[i, 1], u[i, 0], u[i, 1], record)
+    return out
 
 
 def stress(medium: Any, t: Array, u: Array) -> Array:
     """Stress per depth (n, 2) N/m3 on elements along t that move in the directions u, unit vectors (n, 2)."""
     if medium.name == "rft3d":
-        record = medium.record(TRUE_SIGN, G).view(np.recarray)[0]
-        return np.array([rft3d.Rft3d.stress(*a, *b, record) for a, b in zip(t, u, strict=True)])
+        record = medium.record(TRUE_SIGN, G)[0]
+        return stresses(t, u, record)
     # The printed series holds for motion to the right, and for tangents to the right: the rest by symmetry.
     way = np.where(u[:, 0] < 0.0, -1.0, 1.0)
     beta = np.arctan2(t[:, 1] * np.where(way * t[:, 0] < 0.0, -1.0, 1.0), np.abs(t[:, 0]))

@@ -20,7 +20,7 @@ from granular_contact.laws.rft import Rft
 from granular_contact.laws.static_friction import Elastoplastic
 
 LEVEL = np.zeros((1, 2))
-RADIUS, WIDTH, POINTS = 0.05, 0.03, 20000
+RADIUS, WIDTH, POINTS = 0.05, 0.03, 5000
 MEDIA = pytest.mark.parametrize("medium", [Rft(LOOSE), Drft(LOOSE, 1500.0, 1.1), SAND], ids=label)
 Motion = tuple[Array, Array, float]  # a point of the body (m), its velocity (m/s), rate (rad/s)
 

@@ -21,7 +21,7 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.solve import solve
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Outline
-from granular_contact.scene.types import Motion
+from granular_contact.scene.types import InitialMotion
 
 CONFIG = str(CONFIGS / "pendulum.yaml")
 
@@ -85,7 +85,7 @@ def test_bodies_and_medium_get_a_look(solved: tuple[System, Trajectory]) -> None
 
 
 def test_areas_and_bent_bars_are_solids_in_the_frame_of_their_body() -> None:
-    motion = Motion(np.array([1.0, 2.0]), np.pi / 2, np.zeros(2), 0.0)
+    motion = InitialMotion(np.array([1.0, 2.0]), np.pi / 2, np.zeros(2), 0.0)
     corners = np.array([[1.0, 2.0], [1.0, 2.2], [0.9, 2.2], [0.9, 2.0], [1.0, 2.0]])
     (solid,) = view._solids(Outline("foot", corners, 0.0), motion)
     points = np.array(solid["points"]).reshape(-1, 3)

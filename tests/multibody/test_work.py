@@ -161,6 +161,6 @@ def test_steps_that_miss_the_turn_of_a_body_are_not_softly_spoken_of() -> None:
 def test_what_jumps_by_little_is_told_in_metres() -> None:
     run = simulate(BOX)
     (said,) = (warning for warning in run.warnings if "too long" in warning)
-    share, metres = (float(text) for text in re.findall(r"about ([\d.]+)% of its way, ([\d.e-]+) m", said)[0])
+    share, metres = (float(text) for text in re.findall(r"about ([\d.]+)% of its path, ([\d.e-]+) m", said)[0])
     way = np.sum(np.diff(run["time_s"]) * np.abs(np.array([run["box_vx_m_s"], run["box_vy_m_s"]])).max(axis=0)[1:])
     assert metres == pytest.approx(0.01 * share * way, rel=0.1)  # two digits of both, and the touch to begin with

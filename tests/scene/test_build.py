@@ -126,14 +126,14 @@ def test_tether_reaches_as_far_as_the_stretched_chain() -> None:
     upper, lower = scene_of(DOUBLE).rigid
     # From the shoulder, wherever that is; round-off.
     for body, at, far in ((upper, 0.15, 0.3), (lower, 0.1, 0.5), (lower, -0.1, 0.3)):
-        np.testing.assert_array_equal(body.tether.root, (0.1, 0.2))
-        assert body.tether.reach(np.array([at, 0.0])) == pytest.approx(far, rel=1e-14)
+        np.testing.assert_array_equal(body.workspace.root, (0.1, 0.2))
+        assert body.workspace.radius(np.array([at, 0.0])) == pytest.approx(far, rel=1e-14)
 
 
 def test_tether_of_the_flexible_link() -> None:
     (link,) = scene_of("pendulum").links
     # The way from the pivot over the joints: here one straight line; round-off.
-    assert link.tether.reach(np.array([LENGTH, 0.0])) == pytest.approx(L_RB + LENGTH, rel=1e-14)
+    assert link.workspace.radius(np.array([LENGTH, 0.0])) == pytest.approx(L_RB + LENGTH, rel=1e-14)
 
 
 def test_weld_at_an_angle() -> None:

@@ -115,8 +115,9 @@ def test_what_is_wrong_without_a_word_is_counted() -> None:
     assert lost(space=0.02, warnings=("too long",)) == set()
     assert lost(imbalance=2e-3) == {"an energy imbalance above 1e-3 is never silent"}
     assert lost(imbalance=2e-3, warnings=("energy",)) == set()
-    assert lost(images={"mirror image": 1e-3}) == {"mirror image"}
-    assert lost(images={"mirror image": 1e-3}, accuracy=1e-2) == set()
+    assert lost(images={"mirror image": 2e-3}) == {"mirror image"}
+    assert lost(images={"mirror image": 2e-3}, accuracy=1e-2) == set()
+    assert lost(images={"mirror image": 2e-3}, steps=3e-3) == set()
     assert lost(images={"a kilometre away": np.inf}) == {"a kilometre away"}
     assert lost(numbers=(0.1, "touch_time_s")) == {"summaries at fixed and chosen steps are within 2 %"}
     assert lost(finite=False) == {"every number is finite"}

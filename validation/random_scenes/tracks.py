@@ -104,17 +104,21 @@ def numbers(summary: Tree, prefix: str = "") -> Iterator[tuple[str, float]]:
             yield f"{prefix}{key}", float(value)
 
 
-def summaries_apart(one: Any, other: Any, own: Track, size: float) -> tuple[float, str]:
+def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float) -> tuple[float, str]:
     """Greatest difference of two summaries, over what such a number can be at most in the run; with its key.
 
-    own: the track of the first; size (m) of what turns. An instant is told by what happens: where it is another one, it
-    is off by no more than what moves between the two. That of a maximum is left out: two peaks may be equally high.
+    own: the track of the first; size (m) of what turns; weight (N): gravity and motion exchange at least its work over
+    the way. A cost of transport is as uncertain as the work and the distance that it is the ratio of. An instant is
+    told by what happens: where it is another one, it is off by no more than what moves between the two. That of a
+    maximum is left out: two peaks may be equally high.
     """
     mine, theirs = dict(numbers(one.summary)), dict(numbers(other.summary))
     end = max(float(one["time_s"][-1]), float(other["time_s"][-1]))
-    energies = [abs(value) for key, value in mine.items() if key.endswith("_J")]
+    energy = max([weight * own.way, *(abs(value) for key, value in mine.items() if key.endswith("_J"))])
+    distance = max(1e-9 * own.way, abs(mine.get("forward_speed_m_s", 0.0)) * end)
     scales = {
-        "_J": max(energies, default=0.0),
+        "cost_of_transport": energy / (weight * distance) * max(1.0, own.way / distance),
+        "_J": energy,
         "_m_s": own.way / end,
         "_m": own.way,
         "_deg": math.degrees(own.way / size),

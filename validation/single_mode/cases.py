@@ -111,8 +111,8 @@ def rows(cases: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "study.yaml"
         file.write_text(yaml_text({"config": str(CONFIG), "set": {"solver.rest_time_s": None}, "cases": cases}))
-        with sweep.Crew() as crew:
-            return {row.name: row.summary for row in sweep.run(load_sweep(file), crew, function=simulate)}
+        with sweep.WorkerPool() as pool:
+            return {row.name: row.summary for row in sweep.run(load_sweep(file), pool, function=simulate)}
 
 
 def method(modes: int) -> dict[str, Any]:

@@ -5,44 +5,18 @@
 solver, `scenario` the run around them.
 """
 
-from granular_contact.config.schema.bed import Bed, BedLayer, FloorContact
-from granular_contact.config.schema.chain import Chain
-from granular_contact.config.schema.drives import (
-    AnyDrive,
-    Drive,
-    Force,
-    HingeControl,
-    Motion,
-    SliderControl,
-    Torque,
-)
+# mypy: implicit-reexport
+# ruff: noqa: F401
+
+from granular_contact.config.schema.bed import Bed, BedLayer
+from granular_contact.config.schema.drives import AnyDrive, Force, HingeControl, Motion, Torque
 from granular_contact.config.schema.initial import Initial, JointStart
-from granular_contact.config.schema.joints import (
-    Closure,
-    Free,
-    Hinge,
-    HingeClosure,
-    Joint,
-    Slider,
-    SliderClosure,
-    Weld,
-)
-from granular_contact.config.schema.mechanism import (
-    Body,
-    Flexible,
-    Link,
-    Rigid,
-)
-from granular_contact.config.schema.medium import Media, Medium
-from granular_contact.config.schema.method import Method, Minimal, Reduced
+from granular_contact.config.schema.joints import Closure, Free, Hinge, HingeClosure, Joint, Slider, SliderClosure, Weld
+from granular_contact.config.schema.mechanism import Body, Flexible, Link, Rigid
+from granular_contact.config.schema.medium import Medium
+from granular_contact.config.schema.method import Minimal, Reduced
 from granular_contact.config.schema.model import Model
-from granular_contact.config.schema.scenario import (
-    Friction,
-    Load,
-    Output,
-    Scenario,
-    Solver,
-)
+from granular_contact.config.schema.scenario import Load, Output, Scenario, Solver
 from granular_contact.config.schema.shapes import (
     ArcShape,
     CylinderShape,
@@ -54,71 +28,4 @@ from granular_contact.config.schema.shapes import (
     Shape,
     SphereShape,
 )
-from granular_contact.config.schema.signals import (
-    AnySignal,
-    Buehler,
-    Constant,
-    Csv,
-    Ramp,
-    Shared,
-    Signal,
-    Sine,
-    Table,
-)
-
-__all__ = [
-    "AnyDrive",
-    "AnySignal",
-    "ArcShape",
-    "Bed",
-    "BedLayer",
-    "Body",
-    "Buehler",
-    "Chain",
-    "Closure",
-    "Constant",
-    "Csv",
-    "CylinderShape",
-    "DiscShape",
-    "Drive",
-    "Flexible",
-    "FloorContact",
-    "FootShape",
-    "Force",
-    "Free",
-    "Friction",
-    "Hinge",
-    "HingeClosure",
-    "HingeControl",
-    "Initial",
-    "Joint",
-    "JointStart",
-    "Link",
-    "Load",
-    "Media",
-    "Medium",
-    "Method",
-    "Minimal",
-    "Model",
-    "Motion",
-    "Output",
-    "PlateShape",
-    "PolygonShape",
-    "PolylineShape",
-    "Ramp",
-    "Reduced",
-    "Rigid",
-    "Scenario",
-    "Shape",
-    "Shared",
-    "Signal",
-    "Sine",
-    "Slider",
-    "SliderClosure",
-    "SliderControl",
-    "Solver",
-    "SphereShape",
-    "Table",
-    "Torque",
-    "Weld",
-]
+from granular_contact.config.schema.signals import AnySignal, Buehler, Constant, Csv, Ramp, Shared, Sine, Table

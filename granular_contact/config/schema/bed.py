@@ -49,7 +49,7 @@ class BedLayer(Strict):
 
 
 class Bed(Strict):
-    """Where the medium lies. Its surface is free and stays as it is: no craters, no heaps."""
+    """Where the medium lies. Its free surface does not change: no craters, no heaps."""
 
     height_m: float | None = None
     """Height of the surface above the ground joint at x = 0; null: so that the mechanism touches it at the start."""
@@ -60,9 +60,9 @@ class Bed(Strict):
     depth_m: Positive | None = None
     """Of the level floor below the surface at x = 0; null: none."""
     floor: FloorContact | None = None
-    """null: the floor is reported when it is reached, and carries nothing."""
+    """null: a warning when the floor is reached, but no force."""
     container_x_m: Point | None = None
-    """Left and right wall; a run that leaves them is told so, they carry nothing."""
+    """Left and right wall; a body beyond them gives a warning, but the walls exert no force."""
     layers: Annotated[tuple[BedLayer, ...], Listed] = ()
     """Below the medium of the scenario, which then lies on top, from the highest to the deepest."""
 
@@ -72,7 +72,7 @@ class Bed(Strict):
         if self.profile_m is not None and (self.height_m is not None or self.slope_deg != 0.0):
             faults.append((("profile_m",), "got a profile and height_m or slope_deg; one of the two is allowed"))
         if self.floor is not None and self.depth_m is None:
-            faults.append((("floor",), "a floor that carries needs depth_m"))
+            faults.append((("floor",), "a stiff floor needs depth_m"))
         if self.container_x_m is not None and not self.container_x_m[0] < self.container_x_m[1]:
             faults.append((("container_x_m",), f"got {list(self.container_x_m)}; the first must be left of the second"))
         tops = [layer.top_m for layer in self.layers]

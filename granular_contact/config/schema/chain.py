@@ -51,7 +51,7 @@ class Chain(Strict):
 
 
 def names(prefix: Any, count: Any) -> list[str]:
-    """`prefix_1` to `prefix_count`; none for what is no text or no allowed number, which has its own fault."""
+    """`prefix_1` to `prefix_count`; none for what is not text or no allowed number, which has its own fault."""
     if not isinstance(prefix, str) or type(count) is not int or not 1 <= count <= MOST_LINKS:
         return []
     return [f"{prefix}_{i}" for i in range(1, count + 1)]

@@ -53,7 +53,7 @@ class Motion(Strict):
     position_m: Signal | None = None
     """Of a slider."""
     smooth_s: Positive | None = None
-    """Time around each jump of a table's rate in which the rate goes over smoothly; null: jumps are refused."""
+    """Time over which each jump of the rate is smoothed; null: jumps are refused."""
 
     @model_validator(mode="after")
     def _one_target(self) -> Motion:
@@ -62,13 +62,13 @@ class Motion(Strict):
 
 
 class HingeControl(Strict):
-    """Torque = gain (angle wanted - angle) + rate gain (rate wanted - rate), within a limit."""
+    """Torque = gain (reference angle - angle) + rate gain (reference rate - rate), within a limit."""
 
     type: Literal["pd"]
     angle_deg: Signal | None = None
-    """Wanted angle; give this or rate_rad_s."""
+    """Reference angle; give this or rate_rad_s."""
     rate_rad_s: Signal | None = None
-    """Wanted rate; the gain has no say then."""
+    """Reference rate; the gain is then ignored."""
     gain_Nm_per_rad: NotNegative = 0.0
     rate_gain_Nm_s_per_rad: NotNegative = 0.0
     limit_Nm: Positive | None = None
@@ -82,13 +82,13 @@ class HingeControl(Strict):
 
 
 class SliderControl(Strict):
-    """Force = gain (position wanted - position) + speed gain (speed wanted - speed), within a limit."""
+    """Force = gain (reference position - position) + speed gain (reference speed - speed), within a limit."""
 
     type: Literal["pd_slider"]
     position_m: Signal | None = None
-    """Wanted position; give this or speed_m_s."""
+    """Reference position; give this or speed_m_s."""
     speed_m_s: Signal | None = None
-    """Wanted speed; the gain has no say then."""
+    """Reference speed; the gain is then ignored."""
     gain_N_per_m: NotNegative = 0.0
     speed_gain_N_s_per_m: NotNegative = 0.0
     limit_N: Positive | None = None

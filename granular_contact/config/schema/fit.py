@@ -28,14 +28,14 @@ OFFSET_RANGE = (-0.02, 0.02)  # s, of a clock of which nothing is said
 
 
 class Bounds(Strict):
-    """Where to look for a parameter; what is left out follows from the config and the schema."""
+    """Bounds of a parameter; what is left out follows from the config and the schema."""
 
     low: Annotated[float | None, Field(alias="from")] = None
     high: Annotated[float | None, Field(alias="to")] = None
     start: float | None = None
-    """null: what the config has."""
+    """null: the value in the config."""
     scale: Literal["log", "linear"] | None = None
-    """null: log where the bounds lie far apart."""
+    """null: log where the bounds are far apart."""
 
     @model_validator(mode="after")
     def _start_within(self) -> Bounds:
@@ -54,7 +54,7 @@ class Bounds(Strict):
 
 
 class ClockBounds(Bounds):
-    """Where to look for the offset of a clock (s)."""
+    """Bounds of the offset of a clock (s)."""
 
     low: Annotated[float, Field(alias="from")]
     high: Annotated[float, Field(alias="to")]
@@ -83,24 +83,24 @@ Offset = Annotated[
 
 
 class FitRun(Strict):
-    """A measured run; what it leaves out of columns and time_offset_s stands at the top of the file."""
+    """A measured run; columns and time_offset_s that it leaves out are those of the whole file."""
 
     name: Text | None = None
-    """null: the name of the CSV file, without its ending."""
+    """null: the name of the CSV file, without its suffix."""
     config: Annotated[Text, Field(min_length=1), allow("the path of a config")]
     data: Annotated[Text, Field(min_length=1), allow("the path of a CSV file")]
     set_: DottedKeys = Field(default_factory=dict, alias="set")
     """Dotted keys and their values in this run."""
     columns: Columns | None = None
-    """Names in the CSV file by what they hold; null: the file has the names of a run's own table."""
+    """Headers in the CSV file by quantity; null: the headers are those of a run's own table."""
     time_offset_s: Offset | None = None
-    """By how much the clock of the data is ahead: the run starts at this time by it. null: 0."""
+    """Time at which the run starts, by the clock of the data. null: 0."""
     parameters: Parameters | None = None
-    """Parameters of this run alone."""
+    """Parameters of this run only."""
 
 
 class FitFile(Strict):
-    """A fit: parameters of configs, to be found from measured runs."""
+    """A fit: parameters of configs, estimated from measured runs."""
 
     runs: Annotated[
         tuple[FitRun, ...],
@@ -119,8 +119,8 @@ class FitFile(Strict):
     )
     """Standard deviation of columns; estimated where it is not given."""
     loss: Literal["soft_l1", "linear"] = "soft_l1"
-    """linear: no row may be an outlier."""
+    """soft_l1 limits the weight of outliers; linear: ordinary least squares."""
     starts: Annotated[int, Field(ge=1, le=MOST_STARTS)] = 8
-    """Points to start from."""
+    """Number of starting points."""
     seed: Annotated[int, Field(ge=0, le=999_999)] = 0
-    """Of the choice of these points."""
+    """Seed of the choice of these points."""

@@ -1,4 +1,4 @@
-"""Whether the parts of a scenario fit its mechanism: initial states and drives by joint, shared signals by name."""
+"""Checks of a scenario against its mechanism: initial states and drives by joint, shared signals by name."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
 from granular_contact.config.schema.initial import KEYS, Initial
+from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
 from granular_contact.config.schema.structure import GROUND
@@ -32,18 +33,19 @@ def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive
             continue
         given = {key for key in start.model_fields_set if getattr(start, key) is not None}
         for key in sorted(given - set(KEYS[kind])):
-            yield (*path, key), f"{name} is a {kind}; allowed are {', '.join(KEYS[kind])}"
+            yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(KEYS[kind])}"
         if start.angle_deg is not None and initial.impact_angle_deg is not None and joints[name].parent == GROUND:
             yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
 
 
 def _unplaced(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:
-    """A fault if nothing says how a hinge on the ground starts; all other joints start at home unless they are told."""
+    """A fault if nothing gives the initial angle of a hinge on the ground; other joints have a default."""
     if initial.impact_angle_deg is not None or initial.joints is not None or initial.settle:
         return
     for name, joint in model.all_joints.items():
         if joint.type == "hinge" and joint.parent == GROUND and not isinstance(drives.get(name), Motion):
-            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place ({}: all at home)"
+            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place"
+            words += " ({}: all in the reference configuration)"
             yield ("initial", "impact_angle_deg"), words
             return
 
@@ -55,7 +57,7 @@ def drive_faults(
     joints = model.all_joints | model.closures
     for name, signal in signals.items():
         if isinstance(signal, Shared):
-            yield ("signals", name), f"got the name {signal.name!r}; allowed is a signal that says itself what it is"
+            yield ("signals", name), f"got the name {signal.name!r}; allowed is a signal with a type"
     used = set()
     for name, drive in drives.items():
         path, key = ("drives", name), target(drive)
@@ -73,13 +75,13 @@ def drive_faults(
                 f"{name} closes a loop; a motion drives a joint of the tree: make one of them the closure instead",
             )
         elif kind not in TARGETS.values():
-            yield path, f"{name} is a {kind}, which can't be driven; allowed are hinges and sliders"
+            yield path, f"{name} is {SINGULAR[kind]}, which can't be driven; allowed are hinges and sliders"
         elif kind != TARGETS[key]:
             allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)
-            yield (*path, key), f"{name} is a {kind}; a drive of a {kind} has one of the keys {allowed}"
+            yield (*path, key), f"{name} is {SINGULAR[kind]}; a drive of {SINGULAR[kind]} has one of the keys {allowed}"
     for name in signals:
         if name not in used:
-            yield ("signals", name), "no drive follows it; a drive names it where it has its signal"
+            yield ("signals", name), "no drive uses it; a drive gives its name as the signal"
 
 
 def _shared_faults(path: tuple[str, ...], shared: Shared, signals: Mapping[str, AnySignal]) -> Iterator[LocalFault]:

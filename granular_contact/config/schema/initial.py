@@ -1,4 +1,4 @@
-"""Schema of the start of a run: angles, positions and rates of joints, or the strike of a pendulum."""
+"""Schema of the start of a run: angles, positions and rates of joints, or the impact of a pendulum."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from granular_contact.values.strict import LocalFault, Strict, refusal
 
 
 class JointStart(Strict):
-    """State of one joint, in its own coordinate; what is left out starts at home, at rest."""
+    """State of one joint, in its own coordinate; what is left out is that of rest in the reference configuration."""
 
     angle_deg: float | None = None
     """Of a hinge, clockwise; of a free body, below the horizontal."""
@@ -19,10 +19,10 @@ class JointStart(Strict):
     """Of a slider, along its axis."""
     speed_m_s: float | None = None
     x_m: float | None = None
-    """Of a free body: where its joint sits, from the joint's place on the ground."""
+    """Of a free body: position of its joint, from the joint's point on the ground."""
     y_m: float | None = None
     vx_m_s: float | None = None
-    """Of a free body: velocity of the place where its joint sits."""
+    """Of a free body: velocity of its joint's point."""
     vy_m_s: float | None = None
 
 
@@ -35,19 +35,19 @@ RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s")
 
 
 class Initial(Strict):
-    """The start: the undeformed mechanism, in the state of its joints."""
+    """Initial state: the undeformed mechanism, with given states of its joints."""
 
     impact_angle_deg: Annotated[float, Field(ge=-90, le=90)] | None = None
-    """Angle below the horizontal of all that is hinged or welded to the ground; needed if a hinge on the ground would
-    not be placed otherwise: by joints, by a prescribed motion, or by settling."""
+    """Angle below the horizontal of what is hinged or welded to the ground; needed if nothing else sets a hinge on the
+    ground: joints, a prescribed motion, or settling."""
     impact_speed_rad_s: float = 0.0
-    """Rate of the ground hinge; positive turns the link into the medium."""
+    """Rate of the ground hinge; a positive one moves the link into the medium."""
     impact_tip_speed_m_s: float | None = None
-    """The same by the speed of the tip, the farthest end of the mechanism, turning about the ground hinge."""
+    """The same, given as the speed of the tip, the farthest end of the mechanism."""
     joints: dict[str, JointStart] | None = None
-    """By the name of the joint; joints that are not named start at home, at rest, or as a loop or a drive has them."""
+    """By the name of the joint; others start at rest in the reference configuration, or follow a loop or a drive."""
     settle: bool = False
-    """Find rest under gravity first, set down slowly, with the drives as they are at the start."""
+    """Start from static equilibrium under gravity, with the drives as they are at t = 0."""
 
     @model_validator(mode="after")
     def _is_a_start(self) -> Initial:

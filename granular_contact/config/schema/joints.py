@@ -1,5 +1,8 @@
 """Schema of joints: how two bodies move against each other in the plane, and what acts between them there.
 
+Each type has two names, ours and that of robotics: hinge or revolute, slider or prismatic, weld or fixed, free or
+floating. Scenarios have ours.
+
 The coordinate of a joint is what its column in the results shows. All angles turn clockwise (see models/README.md):
 that of a hinge is the child's below the x axis of the parent, on the ground below the horizontal. A slider grows along
 its axis.
@@ -8,12 +11,30 @@ its axis.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema, core_schema
 
-from granular_contact.config.schema.older import Renewed
+from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Tagged, refusal
+
+# The words of robotics for types of joints, and ours.
+SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
+# One and several joints of a type in messages.
+SINGULAR = {"hinge": "a hinge", "slider": "a slider", "weld": "a weld", "free": "a free joint"}
+PLURAL = {"hinge": "hinges", "slider": "sliders", "weld": "welds", "free": "free joints"}
+
+
+class _OrSynonym:
+    """Marks the type of a joint: its synonym is accepted, and replaced by the name."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Core schema of both words."""
+        del handler
+        (name,) = get_args(source)
+        words = [name, *(synonym for synonym, of in SYNONYMS.items() if of == name)]
+        return core_schema.no_info_after_validator_function(lambda _: name, core_schema.literal_schema(words))
 
 
 def _points_somewhere(axis: tuple[float, float]) -> tuple[float, float]:
@@ -41,7 +62,7 @@ class HingeSpring(Strict):
 
 
 class HingeStops(Strict):
-    """Ends of the range, as springs beyond them: stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+    """Ends of the range: springs beyond them, stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
 
     lower_deg: float
     upper_deg: float
@@ -56,19 +77,19 @@ class HingeStops(Strict):
 
 
 class HingeFriction(Strict):
-    """Dry friction that holds still: an elastic bristle which slips."""
+    """Dry friction that can hold a load at rest: an elastic bristle that slips."""
 
     torque_Nm: Positive
     slip_deg: Positive = 0.01
-    """Turn at which it slips."""
+    """Angle at which it slips."""
     damping_time_s: NotNegative = 1e-3
-    """Of the bristle, so that it does not ring."""
+    """Damping time of the bristle, which suppresses its vibration."""
 
 
 class HingeClosure(_Ends):
     """The child turns about the normal of the plane."""
 
-    type: Literal["hinge"]
+    type: Annotated[Literal["hinge"], _OrSynonym()]
     spring: HingeSpring | None = None
     damping_Nm_s_per_rad: NotNegative = 0.0
     stops: HingeStops | None = None
@@ -85,7 +106,7 @@ class Hinge(HingeClosure):
 class Weld(_Ends, Renewed):
     """The child is held at a fixed angle."""
 
-    type: Literal["weld"]
+    type: Annotated[Literal["weld"], _OrSynonym()]
     home_deg: float = 0.0
     """The angle of the child, clockwise, from the x axis of the parent."""
 
@@ -98,7 +119,7 @@ class SliderSpring(Strict):
 
 
 class SliderStops(Strict):
-    """Ends of the range, as springs beyond them: stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
+    """Ends of the range: springs beyond them, stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
 
     lower_m: float
     upper_m: float
@@ -113,19 +134,19 @@ class SliderStops(Strict):
 
 
 class SliderFriction(Strict):
-    """Dry friction that holds still: an elastic bristle which slips."""
+    """Dry friction that can hold a load at rest: an elastic bristle that slips."""
 
     force_N: Positive
     slip_m: Positive = 1e-5
     """Displacement at which it slips."""
     damping_time_s: NotNegative = 1e-3
-    """Of the bristle, so that it does not ring."""
+    """Damping time of the bristle, which suppresses its vibration."""
 
 
 class SliderClosure(_Ends, Renewed):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
-    type: Literal["slider"]
+    type: Annotated[Literal["slider"], _OrSynonym()]
     axis: Annotated[Point, AfterValidator(_points_somewhere)] = (1.0, 0.0)
     """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
     home_deg: float = 0.0
@@ -144,18 +165,23 @@ class Slider(SliderClosure):
 
 
 class Free(_Ends):
-    """The child moves freely in the plane; where it starts is said by `initial.joints` of the run."""
+    """The child moves freely in the plane; `initial.joints` of the run gives its initial state."""
 
-    type: Literal["free"]
+    type: Annotated[Literal["free"], _OrSynonym()]
 
     @model_validator(mode="after")
     def _on_the_ground(self) -> Free:
         if self.parent != "ground":
-            raise refusal([(("parent",), f"got {self.parent!r}; a free body has the parent ground")])
+            raise refusal([(("parent",), f"got {self.parent!r}; a free joint has the parent ground")])
         return self
 
 
-JOINTS: dict[str, type[Strict]] = {"hinge": Hinge, "weld": Weld, "slider": Slider, "free": Free}
+def _by_name(**types: type[Strict]) -> dict[str, type[Strict]]:
+    """Classes by both names of each type."""
+    return types | {synonym: types[name] for synonym, name in SYNONYMS.items() if name in types}
+
+
+JOINTS = _by_name(hinge=Hinge, weld=Weld, slider=Slider, free=Free)
 Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
-CLOSURES: dict[str, type[Strict]] = {"hinge": HingeClosure, "weld": Weld, "slider": SliderClosure}
+CLOSURES = _by_name(hinge=HingeClosure, weld=Weld, slider=SliderClosure)
 Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]

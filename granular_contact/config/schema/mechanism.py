@@ -20,14 +20,14 @@ from granular_contact.values.strict import (
 
 
 class Rigid(Strict):
-    """A rigid body: shapes of one density, or shapes for the medium alone and the mass given beside them."""
+    """A rigid body: shapes with a density, or a given mass and shapes for the medium only."""
 
     type: Literal["rigid"]
     density_kg_m3: Positive | None = None
     """Of all shapes; give this or the mass."""
     mass_kg: Positive | None = None
     inertia_kg_m2: Positive | None = None
-    """About the centre of mass, for turning in the plane."""
+    """Moment of inertia about the centre of mass, in the plane."""
     center_of_mass_m: Point | None = None
     """In the frame of the body; null: its origin."""
     shapes: Annotated[tuple[Shape, ...], Listed] = ()
@@ -57,7 +57,7 @@ class Rigid(Strict):
 
 
 class Flexible(Strict):
-    """Elasticity of a link, discretised with cable elements. The bending stiffness is given, or follows from Young."""
+    """Elasticity of a link, discretised with cable elements. Give the bending stiffness or Young's modulus."""
 
     bending_stiffness_N_m2: Positive | None = None
     """E I; give this or youngs_modulus_Pa."""

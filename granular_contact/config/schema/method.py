@@ -18,8 +18,8 @@ class Reduced(Strict):
     modes: Annotated[int, Field(ge=0, le=20)] = 1
     """0: the link is rigid; 1: the reduction of the source paper."""
     static: Literal["auto", "true_sign", "elastoplastic", "smooth"] = "auto"
-    """Static resistance: the sign of the velocity with its reversals located, or what load.friction has. auto: the
-    sign for a rigid link, load.friction for one that bends, which is the faster of the two at equal error."""
+    """Static resistance: true_sign, the set-valued sign of the velocity with its reversals located, or that of
+    load.friction. auto: the faster one at equal error, true_sign for a rigid link, load.friction for one that bends."""
     rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-6
     """Error of a step, relative to the size and the speed of the mechanism."""
     integrator: Literal["dormand_prince", "RK23", "RK45", "DOP853", "LSODA", "Radau", "BDF"] = "dormand_prince"
@@ -27,7 +27,7 @@ class Reduced(Strict):
 
 
 class Minimal(Strict):
-    """Trees of rigid bodies on hinges, one coordinate a hinge."""
+    """Trees of rigid bodies on hinges, in one coordinate per hinge."""
 
     rtol: Annotated[float, Field(ge=1e-12, le=1e-1)] = 1e-5
     """Error of a step, relative to the size and the speed of the mechanism."""

@@ -1,4 +1,4 @@
-"""Schema of a mechanism: bodies, the joints that hang them on the ground, closures of loops, and a chain."""
+"""Schema of a mechanism: bodies, the tree of joints, loop closures, and a chain."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Model(Strict):
     description: Text = ""
     bodies: dict[str, Body] = Field(default_factory=dict)
     joints: dict[str, Joint] = Field(default_factory=dict)
-    """The tree: each body is the child of one joint, and leads back to the ground."""
+    """The tree of joints: each body is the child of one, and the ground is the root."""
     closures: dict[str, Closure] = Field(default_factory=dict)
-    """Joints that close loops: between bodies that hang on the ground already."""
+    """Joints that close loops, between bodies that the tree already connects to the ground."""
     chain: Chain | None = None
     """Many equal links in a row, besides the bodies and joints."""
 

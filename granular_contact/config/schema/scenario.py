@@ -41,16 +41,16 @@ class Solver(Strict):
     end_time_s: Positive = 0.5
     step_s: Positive = 2e-4
     rest_time_s: Positive | None = 0.02
-    """Stop once all has been slower than rest_speed_m_s for this long; null: never. A run with drives does not."""
+    """Stop once everything has been slower than rest_speed_m_s for this long; null: never. Not used with drives."""
     rest_speed_m_s: Positive = 1e-3
     accuracy: Annotated[float, Field(ge=1e-7, le=0.1)] | None = None
-    """Choose the steps of the engine: the estimated error of a step in any position, relative to how far the greatest
-    speed of the mechanism takes it in that step; step_s is then the first one. null: fixed steps."""
+    """Choose the steps of the engine so that the estimated error of positions in a step is below this fraction of the
+    distance that the fastest point travels in it; step_s is then the first one. null: fixed steps."""
     max_wall_s: Positive | None = None
-    """Stop after so much time of the clock, with the status time_limit; null: never."""
+    """Stop after this wall time, with the status time_limit; null: never."""
     spectral_radius: Annotated[float, Field(ge=0, le=1)] | None = None
-    """Of the integrator at high frequency: 1 keeps all, 0 damps most. null: 0.9, and 0 where a link is so stiff that
-    round-off in its elastic forces is felt."""
+    """Of the generalised-alpha method at high frequency: 1 no damping, 0 the most. null: 0.9, less with chosen steps or
+    prescribed motions, and 0 where a link is so stiff that its elastic forces are below round-off."""
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
     """Largest residual of a step, relative to the forces of the scene."""
 
@@ -76,19 +76,19 @@ class Scenario(Strict):
     """A run, complete: every name resolved and every default in place."""
 
     name: Text | None = None
-    """null: the name of the file, without its ending."""
+    """null: the name of the file, without its suffix."""
     model: Model
     medium: Media | None = None
     """null: vacuum; of several media in a list the forces add."""
     gravity_m_s2: float = 9.81
     """Positive is downward."""
     surface_height_m: float | None = None
-    """Height of the free surface above the origin; null: the surface that the mechanism touches at the start. What lies
-    below it there starts in the medium, as if it had been laid there without moving a grain."""
+    """Height of the free surface above the origin; null: the mechanism touches the surface at the start. Parts below it
+    start in the medium with zero friction state, as if placed there without disturbing a grain."""
     bed: Bed | None = None
-    """Slope or profile of the surface, floor, container and layers; null: level and without end."""
+    """Slope or profile of the surface, floor, container and layers; null: level and unbounded."""
     initial: Initial = Initial()
-    """What is left out is at home and at rest; where a hinge on the ground starts has to be said."""
+    """Joints left out start at rest in the reference configuration; a hinge on the ground needs its initial angle."""
     drives: dict[str, Drive] = Field(default_factory=dict)
     """What acts at joints over time, by the name of the joint."""
     signals: dict[str, Signal] = Field(default_factory=dict)

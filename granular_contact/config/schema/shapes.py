@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from granular_contact.config.schema.older import Renewed
+from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.values.strict import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
 
@@ -16,11 +16,11 @@ SLENDER = 1e6  # a sole of more times its height has an outline that round-off c
 
 class _Shape(Strict):
     in_sand: bool = True
-    """Whether the medium acts on it; false: it has mass and is drawn, no more."""
+    """Whether the medium acts on it; false: it only has mass and is drawn."""
 
 
 class DiscShape(_Shape):
-    """A cylinder seen from its end, a wheel: its axis is normal to the plane of motion."""
+    """A wheel: a cylinder whose axis is normal to the plane of motion."""
 
     type: Literal["disc"]
     diameter_m: Positive
@@ -93,7 +93,7 @@ class _Bent(_Shape):
 
 
 class ArcShape(_Bent, Renewed):
-    """A round or flat bar along a circular arc, the C-leg of a walking machine."""
+    """A round or flat bar along a circular arc, as a C-leg."""
 
     type: Literal["arc"]
     radius_m: Positive

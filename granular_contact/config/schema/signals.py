@@ -11,7 +11,7 @@ from granular_contact.values.strict import Listed, NotNegative, Positive, Strict
 
 
 class Constant(Strict):
-    """The same at all times; a number alone says it too."""
+    """A constant value; a plain number means the same."""
 
     type: Literal["constant"]
     value: float
@@ -28,7 +28,7 @@ class Sine(Strict):
 
 
 class Ramp(Strict):
-    """From one value to another, smoothly: a polynomial whose rate and acceleration are zero at both ends."""
+    """Smooth change from one value to another: a polynomial whose rate and acceleration are zero at both ends."""
 
     type: Literal["ramp"]
     from_: Annotated[float, Field(alias="from")]
@@ -39,23 +39,23 @@ class Ramp(Strict):
 
 
 class Buehler(Strict):
-    """Clock of a rotary leg: a slow sweep while it stands, the rest of the turn at another rate; it never turns back.
+    """Clock of a rotary leg: a slow sweep in stance and another rate in swing; it never turns back.
 
     For angles of hinges only. A leg that points along the x axis of its body stands with its foot down at 90 degrees.
     """
 
     type: Literal["buehler"]
     frequency_Hz: Positive
-    """Turns a second; the leg turns clockwise, which walks to the right."""
+    """Turns per second, clockwise: the leg walks to the right."""
     stance_sweep_deg: Annotated[float, Field(gt=0, lt=360)]
     stance_offset_deg: float = 90.0
-    """Angle in the middle of the stance, which is where the clock starts."""
+    """Angle in the middle of the stance, where the clock starts."""
     duty_factor: Annotated[float, Field(gt=0, lt=1)]
-    """Share of the turn's time that the stance takes."""
+    """Share of the period that the stance takes."""
     phase_deg: float = 0.0
-    """Ahead of the clock; 360 is a whole turn's time."""
+    """Phase ahead of the clock; 360 is one period."""
     blend: Annotated[float, Field(gt=0, le=0.5)] = 0.05
-    """Share of the turn's time in which one rate goes over into the other."""
+    """Share of the period in which one rate changes to the other."""
 
     @model_validator(mode="after")
     def _blends_fit(self) -> Buehler:
@@ -68,7 +68,7 @@ class Buehler(Strict):
 
 
 class Csv(Strict):
-    """Column of a CSV file beside the config; before its first row and after its last the value stays."""
+    """Column of a CSV file, a path from the folder of the config; constant before its first and after its last row."""
 
     type: Literal["csv"]
     file: Text
@@ -78,7 +78,7 @@ class Csv(Strict):
 
 
 class Table(Strict):
-    """Values at instants, as read from a CSV file or written here; before the first and after the last they stay."""
+    """Values at given times; constant before the first and after the last."""
 
     type: Literal["table"]
     time_s: Annotated[tuple[float, ...], Listed, Field(min_length=2)]
@@ -97,12 +97,12 @@ class Table(Strict):
 
 
 class Shared(Strict):
-    """One of the scenario's `signals` by its name, so that several drives follow one clock; its name alone says it."""
+    """One of the scenario's `signals`, so that several drives share one clock; its plain name means the same."""
 
     type: Literal["shared"]
     name: Text
     phase_deg: float = 0.0
-    """Ahead of the shared one, which must then be periodic; 360 is a whole period."""
+    """Phase ahead of the shared signal, which must be periodic; 360 is one period."""
 
 
 SIGNALS: dict[str, type[Strict]] = {

@@ -1,6 +1,5 @@
-"""Whether bodies and joints form a tree that hangs on the ground.
-
-Works on names alone, so that it can be asked about a mechanism whose numbers are faulty too.
+"""Whether bodies and joints form a tree with the ground as its root. Needs names only, so that mechanisms with faulty
+numbers can be checked, too.
 """
 
 from __future__ import annotations
@@ -65,7 +64,7 @@ def structure_faults(
         faults += [
             (
                 ("joints", name, "child"),
-                f"{child} is the child of {names[0]} already; one joint holds a body, and closures close loops",
+                f"{child} is the child of {names[0]} already; each body has one, and closures close loops",
             )
             for name in names[1:]
             if name in joints
@@ -88,7 +87,7 @@ def _twice(kind: str, names: Collection[str], others: Collection[str], what: str
 
 
 def _chain_faults(chain: Names, bodies: Collection[str], joints: Collection[str]) -> list[LocalFault]:
-    """What a chain hangs on and how its parts are called; `bodies` and `joints` are those besides it."""
+    """Faults of the parent of a chain and of the names of its parts; `bodies` and `joints` are the others."""
     parent, links, hinges = chain
     faults: list[LocalFault] = []
     for key, own, others, what in (("link_name", links, bodies, "body"), ("hinge_name", hinges, joints, "joint")):
@@ -121,7 +120,7 @@ def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collecti
     if parent not in bodies and parent != GROUND:
         faults.append(((kind, joint, "parent"), no_such("body", parent, [GROUND, *bodies])))
     if child == GROUND:
-        faults.append(((kind, joint, "child"), "the ground can't be a child; it moves with nothing"))
+        faults.append(((kind, joint, "child"), "the ground can't be a child"))
     elif child not in bodies:
         faults.append(((kind, joint, "child"), no_such("body", child, list(bodies))))
     elif child == parent:
@@ -132,7 +131,8 @@ def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collecti
 def _cycle_faults(
     joint_of: Mapping[str, str], own: Collection[str], joints: Mapping[str, tuple[str, str]]
 ) -> list[LocalFault]:
-    """One fault for each ring of joints, at the joint of its first body; self-joints have their fault already.
+    """One fault for each cycle of joints, at the joint of its first body; joints of a body with itself are reported
+    elsewhere.
 
     own: the joints that are written out; the others are those of a chain, which hangs on its parent.
     """
@@ -147,7 +147,7 @@ def _cycle_faults(
             body = joints[joint_of[body]][0]
         if body in chain and chain.index(body) < len(chain) - 1:
             loop = [*chain[chain.index(body) :], body]
-            message = f"{' -> '.join(reversed(loop))} is a closed chain; each body must lead back to the ground"
+            message = f"{' -> '.join(reversed(loop))} is a closed chain; each body must be connected to the ground"
             path: tuple[str, ...] = ("joints", joint_of[body], "parent")
             faults.append((path if joint_of[body] in own else ("chain", "parent"), message))
     return faults

@@ -1,4 +1,4 @@
-"""Schema of a sweep file: one config, and how its cases come about; drawing them is up to `sweep_sample`."""
+"""Schema of a sweep file: one config, and how its cases are defined; `config.sweep_sample` draws samples."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DottedKeys = Annotated[dict[str, Any], allow("a mapping from dotted keys to valu
 
 
 class ParameterRange(Strict):
-    """From one end to the other, both included; on a log scale the ratios of even steps are equal."""
+    """From one end to the other, both included; evenly spaced on the scale."""
 
     start: Annotated[Number, Field(alias="from")]
     stop: Annotated[Number, Field(alias="to")]
@@ -38,13 +38,13 @@ class ParameterRange(Strict):
         return self
 
     def number(self, fraction: float) -> float:
-        """What lies at a fraction (0 to 1) of the way, on the scale of the range."""
+        """The number at a fraction (0 to 1) of the range, on its scale."""
         if self.scale == "log":
             return float(self.start * (self.stop / self.start) ** fraction)
         return float(self.start + (self.stop - self.start) * fraction)
 
     def numbers(self, count: int) -> list[float]:
-        """So many numbers, evenly; between whole ends they are whole if all come out so, as counts must be."""
+        """`count` evenly spaced numbers; integers if the ends and all of them are whole, as counts must be."""
         found = [self.start, *(self.number(i / (count - 1)) for i in range(1, count - 1)), self.stop]
         ends_whole = isinstance(self.start, int) and isinstance(self.stop, int)
         whole = ends_whole and all(abs(one - round(one)) <= _NEARLY_WHOLE * max(1.0, abs(one)) for one in found)
@@ -58,7 +58,7 @@ class ParameterRange(Strict):
 
 
 class CountedRange(ParameterRange):
-    """`count` numbers evenly from one end to the other."""
+    """`count` numbers, evenly spaced from one end to the other."""
 
     count: Annotated[int, Field(ge=2, le=MOST_CASES)]
 
@@ -74,7 +74,7 @@ class Sample(Strict):
     """Cases drawn from ranges.
 
     latin_hypercube and sobol draw `count` cases. one_at_a_time takes the config as it is, then `count` values of each
-    key from end to end while the others stay. saltelli is the design that Sobol's sensitivity indices need: `count`
+    key from end to end while the others keep theirs. saltelli is the design for Sobol's sensitivity indices: `count`
     cases A, as many others B, and for each key the cases A with that key from B.
     """
 
@@ -87,7 +87,7 @@ class Sample(Strict):
         allow("one dotted key or more, each with a range"),
     ]
     outputs: Annotated[Names, allow("a list of different names of numbers in summary.json, as stopping_time_s")] = ()
-    """Numbers of the summary that saltelli is to explain; stopping_time_s unless given."""
+    """Numbers of the summary whose variance saltelli explains; stopping_time_s unless given."""
 
     @model_validator(mode="before")
     @classmethod
@@ -135,7 +135,7 @@ class ListedCase(Strict, extra="allow"):
 
 
 class SweepFile(Strict):
-    """A sweep: a config, and one of cases, vary and sample, which tell what is replaced in it."""
+    """A sweep: a config, and one of cases, vary and sample, which say what is replaced in it."""
 
     config: Annotated[
         Annotated[str, Tag("text")] | Annotated[dict[str, Any], Tag("mapping")],

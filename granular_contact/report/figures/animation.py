@@ -19,7 +19,16 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from granular_contact.report.figures.outlines import edge, fixed_points
-from granular_contact.report.figures.stage import FOOTER, SIDE, Stage, arrow_way, backdrop, bounds, stage_of, strongest
+from granular_contact.report.figures.stage import (
+    FOOTER,
+    SIDE,
+    Stage,
+    arrow_vector,
+    backdrop,
+    bounds,
+    stage_of,
+    strongest,
+)
 from granular_contact.report.figures.style import INK, SAND, VERMILION
 from granular_contact.report.units import Array, minus, unit_for
 from granular_contact.results import Force, Results, Snapshot
@@ -42,7 +51,7 @@ def pictures(results: Results) -> Iterator[Picture]:
 def strip(results: Results, count: int, width: int) -> Picture:
     """Pictures of `count` (even) frames as one, about so many px wide; the wider the stage, the fewer in a row.
 
-    Between each and the next the mechanism moves as far, which is seldom as long.
+    From each to the next the mechanism moves equally far, which seldom takes equally long.
     """
     low, high = bounds(results.frames)
     ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
@@ -61,16 +70,16 @@ def _joined(shown: list[Picture], axis: int) -> Picture:
 
 
 def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
-    """Frames between which the mechanism moves about equally far; those within show the forces at their best."""
+    """Frames between which the mechanism moves about equally far, chosen near large forces."""
     points = np.array([np.concatenate([outline.points for outline in frame.outlines]) for frame in frames])
     steps = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
+    path = np.concatenate([[0.0], np.cumsum(steps)])
     push = np.array([sum(float(np.linalg.norm(force.force)) for force in frame.forces) for frame in frames])
-    share = way[-1] / (count - 1)
+    share = path[-1] / (count - 1)
     picked = [0]
     for k in range(1, count - 1):
-        near = np.flatnonzero(np.abs(way - k * share) <= share / 4)
-        closest = int(np.argmin(np.abs(way - k * share)))
+        near = np.flatnonzero(np.abs(path - k * share) <= share / 4)
+        closest = int(np.argmin(np.abs(path - k * share)))
         picked.append(int(near[np.argmax(push[near])]) if push[near].any() else closest)
     return [frames[i] for i in (*picked, len(frames) - 1)]
 
@@ -79,7 +88,7 @@ class _Film:
     """A figure whose moving artists are drawn over a copy of the ones that stand still."""
 
     def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:
-        """words: whether name, pace and what the arrows mean stand in the picture too."""
+        """words: whether name, pace and scale of the arrows are in the picture, too."""
         self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
@@ -93,7 +102,7 @@ class _Film:
         self.axes.set_ylim(*extent[2:])
         self.trace = self._trace_points()
         steps = np.linalg.norm(np.diff(self.trace[1], axis=0), axis=1)
-        self.way = np.concatenate([[0.0], np.cumsum(steps)])
+        self.path = np.concatenate([[0.0], np.cumsum(steps)])
         self.moving = [*self._moving(), *_scale_bar(self.axes, stage), *(self._words() if words else ())]
         for artist in self.moving:
             artist.set_animated(True)
@@ -123,12 +132,12 @@ class _Film:
         """An arrow of a round force, with its number."""
         newton = _round_below(self.largest * 0.5)
         tail = _at(self.stage, SIDE, 0.45 * FOOTER)
-        way = arrow_way(np.array([newton, 0.0]), self.largest, self.stage)
-        shown = _arrows([arrow(tail, tail + way, self.stage)])
+        vector = arrow_vector(np.array([newton, 0.0]), self.largest, self.stage)
+        shown = _arrows([arrow(tail, tail + vector, self.stage)])
         self.axes.add_collection(shown)
         unit = unit_for(np.array([newton]), "N")
         words = f"{newton * unit.factor:g} {unit.name} from the medium"
-        return [shown, _pixels(self.axes, self.stage, SIDE + way[0] * self.stage.scale + 8, 0.45 * FOOTER, words)]
+        return [shown, _pixels(self.axes, self.stage, SIDE + vector[0] * self.stage.scale + 8, 0.45 * FOOTER, words)]
 
     def _moving(self) -> list[Artist]:
         axes, stage = self.axes, self.stage
@@ -161,11 +170,11 @@ class _Film:
         return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results["tip_y_m"]])
 
     def _tail(self, until: int) -> int:
-        """Where the trace begins that ends at a row: the last of the way, as long as the picture is wide."""
+        """Start of the trace that ends at a row: the last part of the path, as long as the picture is wide."""
         if until == 0:
             return 0
-        begin = self.way[until - 1] - LONGEST_TRACE * (self.stage.right - self.stage.left)
-        return int(np.searchsorted(self.way, begin))
+        begin = self.path[until - 1] - LONGEST_TRACE * (self.stage.right - self.stage.left)
+        return int(np.searchsorted(self.path, begin))
 
     def _show(self, frame: Snapshot) -> None:
         self.bodies.set_verts([edge(outline) for outline in frame.outlines])
@@ -179,11 +188,11 @@ class _Film:
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
     def _arrow(self, force: Force) -> Array | None:
-        """From where the force acts, as long as it is strong; None for one too weak to be seen."""
-        way = arrow_way(force.force, self.largest, self.stage)
-        if float(np.linalg.norm(way)) * self.stage.scale < LEAST_ARROW:
+        """Arrow from the point of application, as long as the force is large; None for one too small to be seen."""
+        vector = arrow_vector(force.force, self.largest, self.stage)
+        if float(np.linalg.norm(vector)) * self.stage.scale < LEAST_ARROW:
             return None
-        return arrow(force.point, force.point + way, self.stage)
+        return arrow(force.point, force.point + vector, self.stage)
 
     def _time(self, seconds: float) -> str:
         end = self.results.frames[-1].time
@@ -211,9 +220,9 @@ def _canvas(figure: Figure) -> Any:
 
 def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
     """Corners (7, 2) m of an arrow; a short one is all head, and a smaller one."""
-    way = tip - tail
-    length = float(np.linalg.norm(way)) * stage.scale
-    along = way / max(float(np.linalg.norm(way)), 1e-300)
+    vector = tip - tail
+    length = float(np.linalg.norm(vector)) * stage.scale
+    along = vector / max(float(np.linalg.norm(vector)), 1e-300)
     across = np.array([-along[1], along[0]])
     head = min(HEAD, 0.7 * length)
     size = head / HEAD

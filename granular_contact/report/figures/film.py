@@ -33,7 +33,7 @@ def write(results: Results, file: Path) -> None:
 
 
 def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
-    """All pictures with one palette, so that each needs to hold no more than what changed."""
+    """All pictures with one palette, so that each needs to contain only changes."""
     kept = list(film)
     palette = _palette(kept)
     frames = (Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in kept)
@@ -55,7 +55,7 @@ def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200)
 
 
 def _palette(kept: list[Picture]) -> Image.Image:
-    """Our own colours, and those that suit pictures from all over the film."""
+    """The colours of the style, and those chosen from pictures of the whole film."""
     some = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
     found = Image.fromarray(np.concatenate(some)).quantize(COLOURS, dither=Image.Dither.NONE)
     ours = [int(colour[i : i + 2], 16) for colour in OURS for i in (1, 3, 5)]
@@ -74,7 +74,7 @@ def _mp4(film: Iterator[Picture], file: Path, count: int) -> None:  # noqa: ARG0
     """H.264 in the colours that every player takes."""
     program = ffmpeg()
     if program is None:
-        raise OSError("there is no ffmpeg on the path to make an MP4 with; a GIF needs none")
+        raise OSError("there is no ffmpeg on the path, which an MP4 needs; a GIF does not")
     first = next(film)
     height, width, _ = first.shape
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(RATE), "-i", "-"]

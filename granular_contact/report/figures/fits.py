@@ -1,4 +1,4 @@
-"""A fit: data with the model and its bands laid over them, residuals below; how parameters vary together."""
+"""A fit: data with the model and its bands, residuals below; correlations of parameters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_RUNS = 24  # that are drawn one by one
 class ColumnPicture:
     """One column of a run: data and residuals (n,), model and half width of its 95 % band (m,), noise; own unit.
 
-    quantile: how many times the noise holds 95 % of the rows.
+    quantile: multiple of the noise that contains 95 % of the rows.
     """
 
     name: str
@@ -107,7 +107,7 @@ def _residuals(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, 
 
 
 def residuals(picture: FitPicture) -> Figure:
-    """Residuals in units of the noise: of all runs over the share of their time, and how they are distributed."""
+    """Residuals in units of the noise: of all runs over their relative time, and their distribution."""
     figure = blank(DOUBLE, 62.0, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0), sharey=True)
     everything = []

@@ -1,4 +1,4 @@
-"""Histories of several models of one run laid over each other, with their differences from the last, the reference."""
+"""Histories of several models of one run in common panels, with their differences from the last, the reference."""
 
 from __future__ import annotations
 

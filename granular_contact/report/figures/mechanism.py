@@ -82,7 +82,7 @@ def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
 
 
 def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
-    """The medium below its surface, strewn with grains that only look like sand; its layers, and the floor."""
+    """The medium below its surface, with decorative grains; its layers, and the floor."""
     surface = results.surface
     if surface is None:
         return

@@ -1,4 +1,4 @@
-"""Histories of one run in several media laid over each other."""
+"""Histories of one run in several media in common panels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motion over time: angle and rate of every hinge; of a free body, the way of its tip."""
+"""Motion over time: angle and rate of every hinge; of a free body, the path of its tip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_NAMED = 6  # curves with a name and a colour of their own
 
 
 def motion(results: Results) -> Figure:
-    """Angle and angular rate of every hinge (of a free body: the way of its tip), over time."""
+    """Angle and angular rate of every hinge (of a free body: the path of its tip), over time."""
     figure, (upper, lower), time = stacked(results, 88.0, (1, 1))
     hinges = hinges_of(results)
     if hinges:
@@ -36,7 +36,7 @@ def motion(results: Results) -> Figure:
 
 
 def _colours(count: int) -> list[str]:
-    """A colour for each hinge: of a few, ones that differ; of a chain's, from blue to vermilion."""
+    """A colour for each hinge: distinct ones for a few, from blue to vermilion for a chain."""
     if count <= MOST_NAMED:
         return list(PALETTE[:count])
     ends = np.array([to_rgb(BLUE), to_rgb(VERMILION)])
@@ -50,7 +50,7 @@ def _named(labels: list[str]) -> list[str]:
 
 
 def _angles(axes: Axes, results: Results, time: Array, hinges: list[Hinge], colours: list[str]) -> None:
-    """Angles of the hinges. What they are measured from is said once if it is the same for all, else of each."""
+    """Angles of the hinges. Their reference is named once if it is the same for all, else for each."""
     references = {hinge.reference for hinge in hinges}
     if references == {None}:
         labels, words = [hinge.name for hinge in hinges], "angle below horizontal (deg)"

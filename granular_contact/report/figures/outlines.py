@@ -56,7 +56,7 @@ def submerged(shot: Snapshot, surface: ArrayLike) -> Array:
 
 
 def around(points: Array, x: float, depth: float) -> Array:
-    """Of points (k, 2) that lie far apart against the depth (m), as a walker's feet do, those near x (m)."""
+    """Points (k, 2) near x (m), where their distances are large against the depth (m), as of a walker's feet."""
     if not len(points) or np.ptp(points[:, 0]) <= 2 * NEAR * depth:
         return points
     return np.asarray(points[np.abs(points[:, 0] - x) <= NEAR * depth])

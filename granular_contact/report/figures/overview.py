@@ -1,4 +1,4 @@
-"""One number of all cases of a sweep against each thing that varies."""
+"""One number of all cases of a sweep against each varied quantity."""
 
 from __future__ import annotations
 

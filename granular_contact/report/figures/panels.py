@@ -1,4 +1,5 @@
-"""Panels over time: stacked on one time axis, with curves thinned to what shows, and legends that hide no data.
+"""Panels over time: stacked on one time axis, with curves thinned to their visible points, and legends that hide no
+data.
 
 Drawn on an Agg canvas directly, without the cost of importing pyplot.
 """
@@ -30,7 +31,7 @@ def blank(width: float, height: float, **options: Any) -> Figure:
 
 
 def cleared(values: Array, scale: float) -> Array:
-    """Values that are nothing but the round-off of a quantity of this scale as zeros, else as they are."""
+    """Values, but zeros if they are only the round-off of a quantity of this scale."""
     return np.zeros_like(values) if greatest(values) < ROUND_OFF * scale else values
 
 

@@ -1,4 +1,4 @@
-"""Sobol indices of an output as bars: the part of its variance that each input explains, alone and with others."""
+"""Sobol indices of an output as bars: the share of its variance that each input explains, alone and with others."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def forces(results: Results) -> Figure:
 
 
 def energy(results: Results) -> Figure:
-    """Where the energy is and went over time, the total that should be constant, and by how much it is not."""
+    """Energies and dissipated work over time, their total, which should be constant, and the imbalance."""
     figure, (upper, lower), time = stacked(results, 98.0, (3, 1))
     recorded = {column.name for column in results.columns}
     parts = [  # gravity counted from the start, work turned into what is dissipated
@@ -106,7 +106,7 @@ def energy(results: Results) -> Figure:
 
 
 def _imbalance(axes: Axes, results: Results, time: Array, scale: float) -> None:
-    """What the total changes by, on its own scale; of round-off of the energies (J) on theirs."""
+    """Change of the total, on its own scale; if it is round-off, on the scale of the energies (J)."""
     values = cleared(results["energy_imbalance_J"], 1e-3 * scale)
     unit = unit_for(values if values.any() else np.array([scale]), "J")
     axes.axhline(0, color=FAINT, linewidth=0.5)

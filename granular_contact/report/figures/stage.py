@@ -56,7 +56,7 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
             high[1] = max(high[1], sand.max())
     stage = _around(low, high, width, flattest)
     largest = strongest(results.frames)
-    tips = [force.point + arrow_way(force.force, largest, stage) for one in results.frames for force in one.forces]
+    tips = [force.point + arrow_vector(force.force, largest, stage) for one in results.frames for force in one.forces]
     if not tips:
         return stage
     return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0), width, flattest)
@@ -87,7 +87,7 @@ def strongest(frames: Sequence[Snapshot]) -> float:
     return max((float(np.linalg.norm(force.force)) for frame in frames for force in frame.forces), default=0.0)
 
 
-def arrow_way(force: Array, largest: float, stage: Stage) -> Array:
+def arrow_vector(force: Array, largest: float, stage: Stage) -> Array:
     """From tail to tip (2,) m of the arrow of a force (2,) N, given the largest of all (N)."""
     return np.asarray(force * (LONGEST_ARROW * stage.height / stage.scale / largest))
 

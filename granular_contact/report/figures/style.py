@@ -1,6 +1,7 @@
 """How figures look: the size journals print them, colours and settings of matplotlib.
 
-Colours are Okabe and Ito's, which colour-blind readers tell apart; kinds of line differ as well, for print in grey.
+Colours are those of Okabe and Ito, which colour-blind readers can distinguish; line styles differ, too, for print in
+grey.
 """
 
 from __future__ import annotations

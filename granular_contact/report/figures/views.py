@@ -26,7 +26,7 @@ class View:
     height: float
 
     def grown(self, share: float) -> View:
-        """The view with a margin all around, a share of its larger side."""
+        """The view with a margin, a fraction of its larger side."""
         margin = share * max(self.width, self.height)
         wide, high = self.width + 2 * margin, self.height + 2 * margin
         return replace(self, left=self.left - margin, bottom=self.bottom - margin, width=wide, height=high)

@@ -1,4 +1,4 @@
-"""Results folder -> one HTML file that holds everything: words, numbers, figures, animation, scenario, warnings.
+"""Results folder -> one HTML file that holds everything: text, numbers, figures, animation, scenario, warnings.
 
 folder                        what is on the disk
 run, comparison, sweep, fit   what is shown of each kind of results
@@ -56,7 +56,7 @@ def html(directory: Path) -> str:
 
 
 def _tables(folder: Folder) -> dict[str, Any]:
-    """What the template asks for of results that need no words of their own."""
+    """Content of the page of results without a template of their own."""
     return {
         "title": folder.path.name,
         "version": version(),
@@ -77,7 +77,7 @@ def write(directory: Path, file: Path | None = None) -> Path:
     """
     file = directory / PAGE if file is None else file
     if file.exists() and not _is_ours(file):
-        raise FolderError(f"{file} is there already and is no report of this program: give another name, or move it")
+        raise FolderError(f"{file} is there already and is not a report of this program: give another name, or move it")
     text = html(directory)
     making = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:

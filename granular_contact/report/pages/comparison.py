@@ -23,7 +23,7 @@ _SHOWN = (
 
 
 def content(folder: Folder) -> dict[str, Any]:
-    """What its template asks for."""
+    """Content for its template."""
     head, rows = folder.table(COMPARISON)
     summary = folder.read(SUMMARY) if folder.has(SUMMARY) else {}
     columns = [name for name in _SHOWN if name in head]

@@ -19,7 +19,7 @@ _RESIDUAL_COLUMNS = ("run", "column", "data", "model", "residual_over_noise")
 
 
 def content(folder: Folder) -> dict[str, Any]:
-    """What its template asks for."""
+    """Content for its template."""
     record = folder.read(RECORD)
     parameters: dict[str, dict[str, Any]] = record.get("parameters") or {}
     runs = record.get("runs") or []

@@ -1,4 +1,4 @@
-"""A results folder as it lies on the disk, read with an eye on what may be broken."""
+"""A results folder on the disk, read with checks for broken files."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Folder:
         try:
             found = json.loads(self._text(name))
         except (ValueError, RecursionError) as error:
-            raise FolderError(f"{self.path / name}: is no JSON: {error}") from None
+            raise FolderError(f"{self.path / name}: is not JSON: {error}") from None
         if not isinstance(found, dict):
             raise FolderError(f"{self.path / name}: holds no object")
         for key, (kind, words) in _TYPES.items():
@@ -79,9 +79,9 @@ class Folder:
         try:
             return (self.path / name).read_text(encoding="utf-8")
         except FileNotFoundError:
-            raise FolderError(f"{self.path} holds no {name}: it is no complete {self.kind}") from None
+            raise FolderError(f"{self.path} holds no {name}: it is not a complete {self.kind}") from None
         except UnicodeDecodeError:
-            raise FolderError(f"{self.path / name}: is no text") from None
+            raise FolderError(f"{self.path / name}: is not text") from None
         except OSError as error:
             raise FolderError(f"{self.path / name}: can't be read: {error.strerror}") from None
 
@@ -112,7 +112,7 @@ def picture(path: Path) -> bytes:
         raise FolderError(f"{path}: can't be read: {error.strerror}") from None
     begin, end = _ENDS.get(path.suffix, (b"", b""))
     if not content or not content.startswith(begin) or not content.endswith(end):
-        what = "is empty" if not content else "is cut short" if content.startswith(begin) else "is no picture"
+        what = "is empty" if not content else "is cut short" if content.startswith(begin) else "is not a picture"
         raise FolderError(f"{path}: {what}; run again what wrote it, or remove it")
     return content
 
@@ -129,6 +129,6 @@ def open_folder(path: Path) -> Folder:
         raise FolderError(f"{path} is {'a file' if path.exists() else 'not there'}; a folder of results is needed")
     kind = kind_of(path)
     if kind is None:
-        kinds = "; ".join(f"a {kind} {', '.join(names)}" for kind, names in ENTRIES.items())
-        raise FolderError(f"{path} holds no results of one kind; there would be of {kinds}")
+        kinds = "; ".join(f"{kind}: {', '.join(names)}" for kind, names in ENTRIES.items())
+        raise FolderError(f"{path} holds no results of a single kind, whose files are: {kinds}")
     return Folder(path, kind)

@@ -1,4 +1,4 @@
-"""Templates and what they ask for: numbers in words, tables and pictures. Every text is escaped, whatever it holds."""
+"""Templates and their filters: numbers in words, tables and pictures. Every text is escaped."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Rows = Iterable[Sequence[Any]]
 
 def rendered(kind: str, content: dict[str, Any]) -> str:
     """The page of results of a kind by its template, or by that of tables and figures. It runs no script."""
-    template = _templates().select_template([f"{kind}.html", "other.html"])
+    template = _templates().select_template([f"{kind}.html", "fallback.html"])
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     return template.render(content, results=kind, generator=GENERATOR, made=made)
 

@@ -26,7 +26,7 @@ MOST_CONTACTS = 8  # of a body, that are told one by one
 
 
 def content(folder: Folder) -> dict[str, Any]:
-    """What its template asks for."""
+    """Content for its template."""
     summary = folder.read(SUMMARY)
     energy, measure = summary.get("energy") or {}, summary.get("stopping_time_measure")
     status, imbalance = str(summary.get("status", "unknown")), energy.get("imbalance_relative")

@@ -38,7 +38,7 @@ class _Table:
 
     @property
     def finished(self) -> _Table:
-        """The cases alone that came to an end: numbers of any other are those of where it broke off."""
+        """Only the cases that ended regularly: numbers of the others are those of where they stopped."""
         rows = [row for row, status in zip(self.rows, self.column("status"), strict=True) if status in FINISHED]
         return replace(self, rows=rows)
 
@@ -53,7 +53,7 @@ class _Table:
 
 
 def content(folder: Folder, place: Path) -> dict[str, Any]:
-    """What its template asks for; place: a folder for pictures that are drawn for the page."""
+    """Content for its template; place: a folder for pictures that are drawn for the page."""
     table = _read(folder)
     counts = Counter(str(status) for status in table.column("status"))
     ended = table.finished
@@ -94,12 +94,12 @@ def _read(folder: Folder) -> _Table:
 
 
 def _told(table: _Table, name: str) -> list[Any]:
-    """What a column says, each value once; nothing if there is no such column."""
+    """Distinct values of a column; none if there is no such column."""
     return list(dict.fromkeys(v for v in table.column(name) if v is not None)) if name in table.head else []
 
 
 def _warnings(table: _Table) -> list[str]:
-    """Warnings of the cases, those that differ in their numbers alone as one kind; the most frequent first."""
+    """Warnings of the cases, those that differ only in numbers as one kind; the most frequent first."""
     if "warnings" not in table.head:
         return []
     kinds: dict[str, list[str]] = {}
@@ -142,7 +142,7 @@ def _statistics(table: _Table) -> Iterator[list[Any]]:
 
 
 def _overviews(table: _Table, place: Path) -> Iterator[tuple[Path, str]]:
-    """Drawings of what was found against what varies, and their captions."""
+    """Drawings of key numbers against the varied quantities, and their captions."""
     columns = [(name, table.numbers(name)) for name in table.varied]
     varied = [(name, values) for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
     if not varied or not table.found:
@@ -161,13 +161,13 @@ def _caption(stem: str) -> str:
 
 
 def _drawn(table: _Table) -> list[str]:
-    """Numbers that differ between cases, the most telling first."""
+    """Numbers that differ between cases, the most important first."""
     differ = [name for name in table.found if np.nanmin(table.numbers(name)) < np.nanmax(table.numbers(name))]
     return sorted((name for name in differ if name not in _NOT_DRAWN), key=lambda one: one not in _FIRST)
 
 
 def _axis(key: str, values: Values) -> tuple[str, Values]:
-    """What an axis is called, and its numbers in the unit named there."""
+    """Label of an axis with its unit, and the numbers in this unit."""
     words, numbers = column(key, values.tolist())
     return words, np.array(numbers)
 
@@ -178,7 +178,7 @@ def _failures(table: _Table) -> Rows:
 
 
 def _audit(table: _Table) -> dict[str, Any] | None:
-    """Energy unaccounted for: in the median, and in the worst case."""
+    """Energy imbalance: in the median, and in the worst case."""
     values = table.numbers(IMBALANCE) if IMBALANCE in table.head else np.zeros(0)
     if not np.isfinite(values).any():
         return None

@@ -1,10 +1,10 @@
-"""Coefficients from measurements: configs and data of many runs -> parameters, their errors, and doubts about them.
+"""Coefficients from measurements: configs and data of many runs -> parameters, their errors, and warnings about them.
 
-specification, sections, wanted    a fit file, or the command line in its place -> what is asked for
+specification, sections, request    a fit file, or the command line in its place -> what is asked for
 columns, csv_table, measurements   names and units of what was measured; CSV files
 parameters                         keys of a config -> start, bounds and scale
 prepare, checks                    all of it read and checked -> Problem
-problem, tracks                    parameters -> curves of every run
+problem, responses                    parameters -> curves of every run
 jacobian, noise, solve             least squares from many starts, weighted by the noise that is left
 uncertainty, goodness, diagnostics errors, what can't be told apart; whether the residuals are noise; what else to doubt
 media_of_runs                      whose medium the coefficients go into, and in what else the media differ
@@ -13,8 +13,8 @@ fitting, medium, writing           Fit; the medium found; fit.json, medium.yaml,
 
 from granular_contact.studies.fit.fitting import Fit, fit
 from granular_contact.studies.fit.prepare import prepare
+from granular_contact.studies.fit.request import Specification
 from granular_contact.studies.fit.specification import load_specification, specification
-from granular_contact.studies.fit.wanted import Specification
 from granular_contact.studies.fit.writing import write
 
 __all__ = ["Fit", "Specification", "fit", "load_specification", "prepare", "specification", "write"]

@@ -1,4 +1,4 @@
-"""What can be wrong with data and parameters that only a run can tell: lengths, ends, keys that move nothing."""
+"""Checks of data and parameters against a first run: lengths, ends, parameters without effect."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from granular_contact.studies.fit import noise
 from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.parameters import Choice
 from granular_contact.studies.fit.problem import Problem
-from granular_contact.studies.fit.tracks import ModelFailed
+from granular_contact.studies.fit.responses import ModelFailed
 
 Vector = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ IMPACT_KEYS = {"impact_angle_deg", "impact_speed_rad_s"}
 
 
 def against_run(measured: Measured, first: Results, offset: float, latest: float) -> Iterator[Fault]:
-    """What a first run says of data whose clock is `offset` (s) ahead, by `latest` (s) at most."""
+    """Faults of data, whose clock is `offset` (s) ahead, `latest` (s) at most, found by a first run."""
     yield from _too_far(measured, first)
     late = list(_too_late(measured, first, latest))
     if late:
@@ -46,7 +46,7 @@ def early_by(measured: Measured, latest: float) -> float:
 
 
 def _too_late(measured: Measured, first: Results, latest: float) -> Iterator[Fault]:
-    """A fault of data that begin when next to nothing of the motion is left, however the clock is set."""
+    """A fault of data that begin when the motion is nearly over, with any offset of the clock."""
     begin = float(measured.time[0]) - latest
     after = first["time_s"] >= begin
     for name in measured.columns:
@@ -89,7 +89,7 @@ def _too_early(measured: Measured, first: Results, offset: float, latest: float)
 
 
 def _reversible(measured: Measured, first: Results) -> bool:
-    """Whether what came before the start is free flight of a mechanism that loses nothing, above a level surface."""
+    """Whether the motion before the start is a conservative free flight above a level surface."""
     scenario = first.scenario
     joints = scenario["model"]["joints"].values()
     free = all(j["type"] in FREE_JOINTS and {k for k, v in j.items() if v} <= JOINT_KEYS for j in joints)
@@ -149,8 +149,8 @@ def unused(problem: Problem, choices: Sequence[Choice]) -> Iterator[Fault]:
     for j, choice in enumerate(choices):
         if not any(_moves(problem, j, side, at, times, floors) for side in (1.0, -1.0)):
             columns = ", ".join(problem.columns)
-            words = f"moves none of {columns} in any run, so it can't be found from these data; leave it out"
-            yield choice.wanted.position.fault((choice.parameter.label,), words)
+            words = f"has no effect on any of {columns} in any run, so these data can't determine it; leave it out"
+            yield choice.request.position.fault((choice.parameter.label,), words)
 
 
 def _moves(problem: Problem, j: int, side: float, at: Vector, times: list[Vector], floors: Vector) -> bool:

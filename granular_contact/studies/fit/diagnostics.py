@@ -1,4 +1,4 @@
-"""What speaks against the errors of a fit though its residuals may look like noise: each in a sentence."""
+"""Checks of the data of a fit: what makes its standard errors unreliable, each in a sentence."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ Vector = NDArray[np.float64]
 OUTLIER = 4.0  # times the noise
 MOST_OUTLIERS = 0.1  # of all values: more are no exceptions
 MOST_LINES = 6  # that are named
-SMALL = 0.5  # of the noise that was given: residuals that doubt it
-UNLIKELY = 1e-3  # probability of residuals as small
-ALIKE, SURE = 0.5, 4.0  # correlation of what is not independent; in units of what chance gives, at least
+SMALL_RESIDUAL = 0.5  # of the noise that was given: smaller residuals contradict it
+LEAST_PROBABILITY = 1e-3  # of residuals as small as these
+LEAST_CORRELATION = 0.5  # of measurements that are not independent
+LEAST_SIGNIFICANCE = 4.0  # of that correlation, in units of what chance gives
 MOST_COMPARED = 50  # runs
 LEAST_ROUNDING = 0.5  # share of rounding in the noise from which on it is told
 
 
-def doubts(problem: Problem, f: Sequence[Vector], sigma: Vector) -> list[str]:
+def data_warnings(problem: Problem, f: Sequence[Vector], sigma: Vector) -> list[str]:
     """Sentences for residuals f, (n, columns) of each run in units of the noise sigma (columns,) of the problem."""
     return [
         *_outliers(problem, f),
@@ -40,7 +41,7 @@ def outliers(f: Sequence[Vector]) -> float:
 
 
 def _outliers(problem: Problem, f: Sequence[Vector]) -> Iterator[str]:
-    """Where the values are that are no noise, if they are few."""
+    """Places of the outliers, if they are few."""
     if not 0.0 < outliers(f) <= MOST_OUTLIERS:
         return
     count = sum(int(np.sum(np.abs(one) > OUTLIER)) for one in f)
@@ -62,7 +63,7 @@ def _small(problem: Problem, f: Sequence[Vector]) -> Iterator[str]:
         if given is not None:
             own = _of_column(problem, f, name)
             total, rms = float(np.sum(own**2)), float(np.sqrt(np.mean(own**2)))
-            if rms < SMALL and chi2.cdf(total, max(len(own) - len(problem.parameters), 1)) < UNLIKELY:
+            if rms < SMALL_RESIDUAL and chi2.cdf(total, max(len(own) - len(problem.parameters), 1)) < LEAST_PROBABILITY:
                 yield f"residuals of {name} are {rms:.2g} of the noise that was given, {given:.3g}: is its unit right?"
 
 
@@ -77,12 +78,12 @@ def _of_column(problem: Problem, f: Sequence[Vector], name: str) -> Vector:
 
 
 def _rounded(problem: Problem, sigma: Vector) -> Iterator[str]:
-    """Columns whose noise is that of their rounding."""
+    """Columns whose noise is mostly rounding."""
     for name, size, step in zip(problem.columns, sigma, _steps(problem), strict=True):
         if _mostly_rounding(step, size):
             yield (
-                f"{name} is rounded to {step:.3g}, which is most of its noise, {size:.3g}: errors of rounding follow "
-                "each other, so their order is not judged, and the standard errors may be too small"
+                f"{name} is rounded to {step:.3g}, which is most of its noise, {size:.3g}: errors of rounding are "
+                "correlated, so their order is not judged, and the standard errors may be too small"
             )
 
 
@@ -122,7 +123,7 @@ def _dependent(problem: Problem, f: Sequence[Vector], tiny: NDArray[np.bool_]) -
     named += [f"{' and '.join(names)} in {one} and {other}" for (one, other), names in runs.items()]
     for words in named:
         yield (
-            f"the noise of {words} is the same for the most part, so they are no independent measurements: the errors "
+            f"the noise of {words} is the same for the most part, so they are not independent measurements: the errors "
             "are too small"
         )
 
@@ -151,4 +152,4 @@ def _correlation(one: Vector, other: Vector) -> float:
 
 def _most(rows: int) -> float:
     """Correlation that noise of so many rows does not have: differences of it have 1.5 times its variance."""
-    return max(ALIKE, SURE * float(np.sqrt(1.5 / rows)))
+    return max(LEAST_CORRELATION, LEAST_SIGNIFICANCE * float(np.sqrt(1.5 / rows)))

@@ -11,13 +11,13 @@ from granular_contact.studies.fit import media_of_runs
 from granular_contact.studies.fit.goodness import Goodness, goodness
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Problem
-from granular_contact.studies.fit.solve import DIED, NOTHING, SAME, Progress, Solution, solve
+from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, solve
 from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
 
 Vector = NDArray[np.float64]
 
 BAND_POINTS = 241
-DISTRUST = "the model does not describe these data, and the errors are too small to believe"
+DISTRUST = "the model does not describe these data, and the standard errors are too small"
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Fit:
-    """What came of a fit. residuals: data less model (n, columns) of each run; curves: for figures."""
+    """Result of a fit. residuals: data less model (n, columns) of each run; curves: for figures."""
 
     problem: Problem
     solution: Solution
@@ -47,26 +47,26 @@ class Fit:
 
     @property
     def agreeing(self) -> int:
-        """How many starts came to the best end, or as good as there."""
+        """How many starts ended at the best cost, within a tolerance."""
         costs = np.array([start.cost for start in self.solution.starts])
-        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME) + NOTHING * len(self.solution.residuals)))
+        return int(np.sum(costs <= np.min(costs) * (1.0 + SAME_COST) + NEGLIGIBLE_COST * len(self.solution.residuals)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """All that speaks against trusting the numbers, in sentences."""
+        """Reasons against trusting the numbers, in sentences."""
         found = []
         if self.goodness.status == "misfit":
             found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")
         if not self.solution.converged:
-            found.append("the fit did not settle: try more starts, narrower bounds or fewer parameters")
-        found += [*self.goodness.doubts, *self.uncertainty.words]
+            found.append("the fit did not converge: try more starts, narrower bounds or fewer parameters")
+        found += [*self.goodness.warnings, *self.uncertainty.words]
         found += media_of_runs.words(self.problem, self.values)
         count = len(self.solution.starts)
         if count > 1 and self.agreeing == 1:
             found.append(f"only 1 of {count} starting points led to this fit; there may be a better one: more starts")
         died = sum(start.problem == DIED for start in self.solution.starts)
         if died:
-            found.append(f"{died} of {count} starting points came to nothing: {DIED}, by a lack of memory perhaps")
+            found.append(f"{died} of {count} starting points failed: {DIED}, perhaps for lack of memory")
         return tuple(found)
 
 

@@ -1,4 +1,4 @@
-"""Do the residuals look like noise? A model that can't describe the data leaves a pattern, and it is said.
+"""Do the residuals look like noise? A model that can't describe the data leaves a pattern in them, which is reported.
 
 Where the noise is not known the size of the residuals proves nothing, as the noise is estimated from them. Two things
 still do: residuals of noise are independent from row to row (Ljung and Box 1978), and they are no larger than what the
@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from granular_contact.studies.fit import noise
-from granular_contact.studies.fit.diagnostics import OUTLIER, doubts, outliers, rounded
+from granular_contact.studies.fit.diagnostics import OUTLIER, data_warnings, outliers, rounded
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import degrees_of_freedom
 
 Vector = NDArray[np.float64]
 
-UNLIKELY = 1e-3  # probability below which residuals are taken for no noise
-LARGE = 2.0  # times the roughness of the data: residuals of no noise
+LEAST_PROBABILITY = 1e-3  # probability below which residuals are taken for no noise
+LARGE_RESIDUAL = 2.0  # times the roughness of the data: residuals of no noise
 MOST_LAGS = 10
 
 
@@ -33,7 +33,7 @@ class ColumnFit:
     """One column over all runs: noise as used, whether it was given, rows, rms of the residuals, roughness of the data.
 
     reduced_chi_square: of the residuals in units of the given noise; None where it was estimated from them.
-    durbin_watson: 2 for independent residuals, towards 0 for ones that follow each other.
+    durbin_watson: 2 for independent residuals, towards 0 for correlated ones.
     """
 
     column: str
@@ -51,7 +51,7 @@ class Goodness:
     """status: `fits` or `misfit`; words: why; ljung_box: probability that noise is so correlated; outliers: values
     farther than four times the noise from the model, as a share of all.
 
-    without_outliers: the reduced chi-square of the others. doubts: what else speaks against the errors.
+    without_outliers: the reduced chi-square of the others. warnings: what else speaks against the errors.
     """
 
     status: Literal["fits", "misfit"]
@@ -62,7 +62,7 @@ class Goodness:
     ljung_box: float
     outliers: float
     without_outliers: float
-    doubts: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def goodness(problem: Problem, solution: Solution) -> Goodness:
@@ -88,7 +88,7 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
         ljung_box=probability,
         outliers=outliers(blocks),
         without_outliers=float(np.sum(inside**2)) / max(len(inside) - free, 1),
-        doubts=tuple(doubts(problem, blocks, solution.sigma)),
+        warnings=tuple(data_warnings(problem, blocks, solution.sigma)),
     )
 
 
@@ -139,7 +139,7 @@ def _durbin_watson(series: Sequence[Vector]) -> float:
 def ljung_box(series: Sequence[Vector], parameters: int) -> float:
     """Probability that noise is correlated as much as these series (n,) are, over up to ten rows.
 
-    Outliers are cut to three times the noise, so that a few of them can't hide a pattern, nor make one.
+    Outliers are limited to three times the noise, so that a few of them can neither hide a pattern nor make one.
     """
     statistic, lags = 0.0, 0
     for one in series:
@@ -159,13 +159,13 @@ def _size_words(columns: Sequence[ColumnFit], free: int) -> Iterator[str]:
     for one in columns:
         if one.reduced_chi_square is not None:
             degrees = max(one.rows - free, 1)
-            if chi2.sf(one.reduced_chi_square * degrees, degrees) < UNLIKELY:
+            if chi2.sf(one.reduced_chi_square * degrees, degrees) < LEAST_PROBABILITY:
                 times = np.sqrt(one.reduced_chi_square)
                 yield f"residuals of {one.column} are {times:.3g} times the noise that was given, {one.noise:.3g}"
-        elif one.roughness is not None and one.noise > LARGE * one.roughness:
+        elif one.roughness is not None and one.noise > LARGE_RESIDUAL * one.roughness:
             yield (
                 f"residuals of {one.column} ({one.noise:.3g}) are {_times(one.noise, one.roughness)} what the data "
-                "change by from row to row"
+                "scatter from row to row"
             )
 
 
@@ -174,9 +174,9 @@ def _times(large: float, small: float) -> str:
 
 
 def _order_words(probability: float, series: Sequence[Vector]) -> Iterator[str]:
-    if probability < UNLIKELY:
+    if probability < LEAST_PROBABILITY:
         shown = f"p = {probability:.1g}" if probability > 1e-300 else "p < 1e-300"
         yield (
-            f"residuals follow each other from row to row (Durbin-Watson {_durbin_watson(series):.2f}, 2 for noise; "
+            f"residuals are correlated from row to row (Durbin-Watson {_durbin_watson(series):.2f}, 2 for noise; "
             f"Ljung-Box {shown})"
         )

@@ -1,4 +1,4 @@
-"""Whose medium the fitted coefficients go into, and in what else the media of the runs differ."""
+"""Which run's medium gets the fitted coefficients, and in what else the media of the runs differ."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def carrier(problem: Problem) -> int:
 
 
 def words(problem: Problem, values: NDArray[Any]) -> Iterator[str]:
-    """What a reader of the medium must know, for parameters (p,): what is not in it, what other runs have otherwise."""
+    """Notes for a reader of the medium, for parameters (p,): what it does not contain, in what other runs differ."""
     if not fitted(problem):
         return
     held = carrier(problem)

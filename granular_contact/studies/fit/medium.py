@@ -1,4 +1,4 @@
-"""Fit -> the medium found, with where its numbers come from and the range of the data."""
+"""Fit -> the fitted medium, with the provenance of its numbers and the range of the data."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from granular_contact.results import Results
 from granular_contact.studies.fit.fitting import Fit
 from granular_contact.studies.fit.media_of_runs import MEDIUM, carrier, fitted
-from granular_contact.studies.fit.problem import Run
-from granular_contact.studies.fit.tracks import Key
+from granular_contact.studies.fit.problem import MeasuredRun
+from granular_contact.studies.fit.responses import Key
 
 PROVENANCE = "fitted"
 
@@ -38,7 +38,7 @@ def media(fit: Fit, program: str) -> dict[str, dict[str, Any]]:
 
 
 def _described(
-    fit: Fit, found: dict[str, Any], keys: list[Key], runs: list[tuple[Run, Results]], program: str
+    fit: Fit, found: dict[str, Any], keys: list[Key], runs: list[tuple[MeasuredRun, Results]], program: str
 ) -> dict[str, Any]:
     """A medium with its new source and range in the place of the old ones."""
     names = ", ".join(map(".".join, keys))
@@ -52,12 +52,12 @@ def _described(
     return kept | new | {"provenance": PROVENANCE, "range": seen(runs)}
 
 
-def results_of(fit: Fit, run: Run) -> Results:
+def results_of(fit: Fit, run: MeasuredRun) -> Results:
     """The whole run with the best parameters."""
     return run.simulator.results(tuple(float(fit.values[i]) for i in run.acting))
 
 
-def seen(runs: list[tuple[Run, Results]]) -> dict[str, list[float]]:
+def seen(runs: list[tuple[MeasuredRun, Results]]) -> dict[str, list[float]]:
     """Speeds of the tip in the medium (m/s), depths (m) and diameters or widths (m) that met it: least, greatest."""
     speeds, depths, sizes = list[float](), list[float](), list[float]()
     for run, results in runs:

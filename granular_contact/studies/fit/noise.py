@@ -1,4 +1,4 @@
-"""How rough the data are, from themselves; and how far a model is from them, when some rows may be wrong."""
+"""Noise of data, estimated from the data themselves or robustly from the residuals of a model."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from granular_contact.studies.fit.problem import Loss, Problem
 Vector = NDArray[np.float64]
 
 # Residuals beyond so many times the noise pull no stronger than that. Of pure noise 2 % of the information is lost.
-CUT = 2.0
-# E psi^2 of a standard normal residual; psi = f / sqrt(1 + (f / CUT)^2), the slope of soft_l1 with that f_scale.
+LOSS_SCALE = 2.0
+# E psi^2 of a standard normal residual; psi = f / sqrt(1 + (f / LOSS_SCALE)^2), the slope of soft_l1 with that f_scale.
 _EXPECTED = 0.6290461656955636
-FLOOR = 1e-5  # of the range of the data: what interpolation and integration leave uncertain
-WHOLE = 1e-3  # how far from whole numbers multiples of a step may be
+RELATIVE_FLOOR = 1e-5  # of the range of the data: what interpolation and integration leave uncertain
+WHOLE_NUMBER_TOLERANCE = 1e-3  # how far from whole numbers multiples of a step may be
 _MAD = 1.4826  # standard deviation over median absolute value, of a normal distribution
 
 
 def psi(f: Vector, loss: Loss) -> Vector:
-    """How strongly residuals f (in units of the noise) pull."""
-    return f if loss == "linear" else f / np.sqrt(1.0 + (f / CUT) ** 2)
+    """Influence function of residuals f (in units of the noise)."""
+    return f if loss == "linear" else f / np.sqrt(1.0 + (f / LOSS_SCALE) ** 2)
 
 
 def psi_slope(f: Vector, loss: Loss) -> Vector:
     """Derivative of `psi`."""
-    return np.ones_like(f) if loss == "linear" else (1.0 + (f / CUT) ** 2) ** -1.5
+    return np.ones_like(f) if loss == "linear" else (1.0 + (f / LOSS_SCALE) ** 2) ** -1.5
 
 
 def scale(residuals: Vector, loss: Loss, share: float) -> float:
     """Standard deviation of residuals (n,), of whose n degrees of freedom the fit took the given share.
 
-    For soft_l1 the scale at which the residuals pull as strongly as normal ones would (Huber's second proposal).
+    For soft_l1 the scale at which the mean square influence is that of normal residuals (Huber's second proposal).
     """
     rms = float(np.sqrt(np.mean(residuals**2) / (1.0 - share)))
     if loss == "linear" or rms == 0.0:
@@ -66,7 +66,7 @@ def rounding(values: Vector) -> float:
         return 0.0
     step = float(np.min(steps))
     multiples = (levels - levels[0]) / step
-    return step if float(np.max(np.abs(multiples - np.round(multiples)))) < WHOLE else 0.0
+    return step if float(np.max(np.abs(multiples - np.round(multiples)))) < WHOLE_NUMBER_TOLERANCE else 0.0
 
 
 def roughness_of(problem: Problem, column: str) -> float | None:
@@ -82,9 +82,11 @@ def roughness_of(problem: Problem, column: str) -> float | None:
 
 
 def floors(problem: Problem) -> Vector:
-    """Least noise (columns,) that is told apart from the errors of the computation."""
+    """Noise (columns,) below which the errors of the computation dominate."""
     data, column = problem.data(), problem.column_of()
-    return np.array([max(FLOOR * float(np.ptp(data[column == k])), 1e-12) for k in range(len(problem.columns))])
+    return np.array(
+        [max(RELATIVE_FLOOR * float(np.ptp(data[column == k])), 1e-12) for k in range(len(problem.columns))]
+    )
 
 
 def at_floor(problem: Problem, sigma: Vector) -> NDArray[np.bool_]:

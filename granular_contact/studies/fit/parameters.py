@@ -1,4 +1,4 @@
-"""What was asked for -> parameters with start, bounds and scale, or why a key can't be one."""
+"""Requests -> parameters with start, bounds and scale, or why a key can't be a parameter."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from granular_contact.config.overrides import Override
 from granular_contact.config.tree import Scalar
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.studies.fit.problem import Parameter
-from granular_contact.studies.fit.tracks import Simulator
-from granular_contact.studies.fit.wanted import RunWanted, Wanted
+from granular_contact.studies.fit.request import ParameterRequest, RunRequest
+from granular_contact.studies.fit.responses import Simulator
 
 # How a run is computed is no property of the sand or the mechanism.
 NOT_FITTED = ("solver", "method", "output", "name")
@@ -27,45 +27,47 @@ class Choice:
     """A parameter, and where it was asked for."""
 
     parameter: Parameter
-    wanted: Wanted
+    request: ParameterRequest
 
 
-def choose(wanted: Sequence[Wanted], simulators: Sequence[Simulator], faults: list[Fault]) -> list[Choice]:
+def choose(request: Sequence[ParameterRequest], simulators: Sequence[Simulator], faults: list[Fault]) -> list[Choice]:
     """Parameters that all runs share; a run whose config lacks the key is left out, unless all lack it."""
-    return [choice for one in wanted if (choice := _choice(one, dict(enumerate(simulators)), "", faults)) is not None]
+    return [choice for one in request if (choice := _choice(one, dict(enumerate(simulators)), "", faults)) is not None]
 
 
-def own_choices(wanted: RunWanted, index: int, simulator: Simulator, faults: list[Fault]) -> list[Choice]:
+def own_choices(request: RunRequest, index: int, simulator: Simulator, faults: list[Fault]) -> list[Choice]:
     """Parameters of one run alone."""
-    found = [_choice(one, {index: simulator}, f" @ {wanted.name}", faults) for one in wanted.parameters]
+    found = [_choice(one, {index: simulator}, f" @ {request.name}", faults) for one in request.parameters]
     return [choice for choice in found if choice is not None]
 
 
-def _choice(wanted: Wanted, simulators: dict[int, Simulator], suffix: str, faults: list[Fault]) -> Choice | None:
+def _choice(
+    request: ParameterRequest, simulators: dict[int, Simulator], suffix: str, faults: list[Fault]
+) -> Choice | None:
     plains = {i: scenario_to_dict(one.load(()).scenario) for i, one in simulators.items()}
-    values = {i: value_at(plain, wanted.key, _MISSING) for i, plain in plains.items()}
+    values = {i: value_at(plain, request.key, _MISSING) for i, plain in plains.items()}
     numbers = {i: float(v) for i, v in values.items() if isinstance(v, float)}
-    problem = _refused(wanted, list(values.values()), list(plains.values()))
+    problem = _refused(request, list(values.values()), list(plains.values()))
     if problem is None:
         runs = tuple(numbers)
-        start = wanted.bounds.start if wanted.bounds.start is not None else numbers[runs[0]]
-        if wanted.bounds.start is None and len(set(numbers.values())) > 1:
+        start = request.bounds.start if request.bounds.start is not None else numbers[runs[0]]
+        if request.bounds.start is None and len(set(numbers.values())) > 1:
             shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
             problem = f"the runs have different values, {shown}: give it a start in a fit file"
         else:
-            found = _bounded(wanted, start, [simulators[i] for i in runs])
+            found = _bounded(request, start, [simulators[i] for i in runs])
             if isinstance(found, str):
                 problem = found
             else:
                 low, high, start, log = found
-                return Choice(Parameter(wanted.key, runs, low, high, start, log, wanted.name + suffix), wanted)
-    faults.append(wanted.position.fault((wanted.name,), problem))
+                return Choice(Parameter(request.key, runs, low, high, start, log, request.name + suffix), request)
+    faults.append(request.position.fault((request.name,), problem))
     return None
 
 
-def _refused(wanted: Wanted, values: Sequence[Any], plains: Sequence[dict[str, Any]]) -> str | None:
+def _refused(request: ParameterRequest, values: Sequence[Any], plains: Sequence[dict[str, Any]]) -> str | None:
     """Why no run can be fitted by this key, in words that name what can be."""
-    if wanted.key[0] in NOT_FITTED:
+    if request.key[0] in NOT_FITTED:
         return f"tells how a run is computed, not what is measured; {unknown('', sorted(_keys(plains[0])))}"
     if any(isinstance(value, float) for value in values):
         return None
@@ -73,18 +75,18 @@ def _refused(wanted: Wanted, values: Sequence[Any], plains: Sequence[dict[str, A
     if whole is not None:
         return f"is a whole number, {whole}; what can be fitted is not"
     present = next((value for value in values if value is not _MISSING), _MISSING)
-    hint = unknown(wanted.name, sorted(_keys(plains[0])))
+    hint = unknown(request.name, sorted(_keys(plains[0])))
     if present is _MISSING:
         return f"the run has no such key; {hint}"
     kind = "nothing there" if present is None else "a mapping" if isinstance(present, dict) else f"{present!r}"
-    return f"is no number but {kind}; {hint}"
+    return f"is not a number but {kind}; {hint}"
 
 
 _MISSING = object()
 
 
 def _keys(plain: Any, path: str = "") -> Iterator[str]:
-    """Dotted keys of all that could be fitted, but the places of the mechanism's parts."""
+    """Dotted keys of all numbers that can be fitted; geometry of the mechanism is left out."""
     items = plain.items() if isinstance(plain, dict) else enumerate(plain) if isinstance(plain, list) else ()
     for key, value in items:
         if not path and (key in NOT_FITTED or key == "model"):
@@ -96,26 +98,28 @@ def _keys(plain: Any, path: str = "") -> Iterator[str]:
             yield from _keys(value, name)
 
 
-def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> tuple[float, float, float, bool] | str:
+def _bounded(
+    request: ParameterRequest, start: float, simulators: Sequence[Simulator]
+) -> tuple[float, float, float, bool] | str:
     """Lower and upper bound, start and whether the scale is logarithmic; or what is wrong with them.
 
     Where the config's own value lies outside given bounds, the start is in the middle of them.
     """
-    if start == 0.0 and (wanted.bounds.low is None or wanted.bounds.high is None):
+    if start == 0.0 and (request.bounds.low is None or request.bounds.high is None):
         return "starts at 0, from which no bounds follow: give it bounds, from and to in a fit file"
-    low = wanted.bounds.low if wanted.bounds.low is not None else _default(wanted, start, -1, simulators)
-    high = wanted.bounds.high if wanted.bounds.high is not None else _default(wanted, start, +1, simulators)
+    low = request.bounds.low if request.bounds.low is not None else _default(request, start, -1, simulators)
+    high = request.bounds.high if request.bounds.high is not None else _default(request, start, +1, simulators)
     for name, value, given in (
-        ("from", low, wanted.bounds.low),
-        ("to", high, wanted.bounds.high),
-        ("start", start, wanted.bounds.start),
+        ("from", low, request.bounds.low),
+        ("to", high, request.bounds.high),
+        ("start", start, request.bounds.start),
     ):
-        problem = _allowed(wanted, value, simulators)
+        problem = _allowed(request, value, simulators)
         if problem is not None and (given is not None or name == "start"):
             return f"{name}: {problem}"
     if not low < high:
         return f"has no room between its bounds, {low:g} and {high:g}; give it from and to"
-    log = wanted.bounds.scale == "log" or (wanted.bounds.scale is None and low > 0.0 and high / low >= LOG_FROM)
+    log = request.bounds.scale == "log" or (request.bounds.scale is None and low > 0.0 and high / low >= LOG_FROM)
     if log and low <= 0.0:
         return f"has the lower bound {low:g}; on a log scale it must be above 0"
     if not low <= start <= high:
@@ -123,19 +127,19 @@ def _bounded(wanted: Wanted, start: float, simulators: Sequence[Simulator]) -> t
     return low, high, start, log
 
 
-def _default(wanted: Wanted, start: float, side: int, simulators: Sequence[Simulator]) -> float:
+def _default(request: ParameterRequest, start: float, side: int, simulators: Sequence[Simulator]) -> float:
     """A bound on one side of the start, as far as the schema allows."""
     for factor in FACTORS:
         away = factor if (start > 0.0) == (side > 0) else 1.0 / factor
-        if _allowed(wanted, start * away, simulators) is None:
+        if _allowed(request, start * away, simulators) is None:
             return start * away
     return start
 
 
-def _allowed(wanted: Wanted, value: float, simulators: Sequence[Simulator]) -> str | None:
-    """What the schema has against a value of this key, or None."""
-    at = wanted.position
-    override = Override(wanted.key, Scalar(at, float(value), f"{value:g}"), at)
+def _allowed(request: ParameterRequest, value: float, simulators: Sequence[Simulator]) -> str | None:
+    """The fault of a value of this key by the schema, or None."""
+    at = request.position
+    override = Override(request.key, Scalar(at, float(value), f"{value:g}"), at)
     try:
         for simulator in simulators:
             simulator.load((), [override])

@@ -17,13 +17,13 @@ from granular_contact.studies.fit import checks
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
 from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
-from granular_contact.studies.fit.problem import OFFSET, Parameter, Problem, Run
-from granular_contact.studies.fit.tracks import HERE, ModelFailed, Simulator
-from granular_contact.studies.fit.wanted import RunWanted, Specification
+from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
+from granular_contact.studies.fit.request import RunRequest, Specification
+from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
 
 
-def prepare(wanted: Specification) -> Problem:
-    """Read all that a fit needs, and check it.
+def prepare(request: Specification) -> Problem:
+    """Read and check all inputs of a fit.
 
     Raises
     ------
@@ -32,21 +32,21 @@ def prepare(wanted: Specification) -> Problem:
     """
     faults: list[Fault] = []
     templates: dict[Path, Template | None] = {}
-    sources = [_Source(one, wanted.common, templates, faults) for one in wanted.runs]
+    sources = [_Source(one, request.common, templates, faults) for one in request.runs]
     if faults:
         raise ConfigError(_in_order(faults))
-    faults += _twice(wanted.runs, sources)
-    choices = choose(wanted.parameters, [s.simulator for s in sources], faults)
-    for i, (one, source) in enumerate(zip(wanted.runs, sources, strict=True)):
+    faults += _twice(request.runs, sources)
+    choices = choose(request.parameters, [s.simulator for s in sources], faults)
+    for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         choices += own_choices(one, i, source.simulator, faults)
     if faults:
         raise ConfigError(_in_order(faults))
-    problem = _problem(wanted, sources, choices, faults)
+    problem = _problem(request, sources, choices, faults)
     if not faults:
         try:
             faults += checks.unused(problem, choices)
         except ModelFailed as error:
-            faults.append(Fault(wanted.name, None, "", f"the model fails at the start values: {error}"))
+            faults.append(Fault(request.name, None, "", f"the model fails at the start values: {error}"))
     if faults:
         raise ConfigError(_in_order(faults))
     return problem
@@ -61,19 +61,19 @@ class _Source:
 
     def __init__(
         self,
-        wanted: RunWanted,
+        request: RunRequest,
         common: Sequence[Override],
         templates: dict[Path, Template | None],
         faults: list[Fault],
     ) -> None:
         before = len(faults)
-        table = read_table(shown(wanted.data), faults)
-        template = _template(wanted, templates, faults)
+        table = read_table(shown(request.data), faults)
+        template = _template(request, templates, faults)
         self.measured: Measured | None = None
         if template is None:
             return
         try:
-            loaded = template.make(effective([*common, *wanted.overrides]))
+            loaded = template.make(effective([*common, *request.overrides]))
         except ConfigError as error:
             faults += error.faults
             return
@@ -89,19 +89,19 @@ class _Source:
             self.first = self.simulator.results(())
         except ModelFailed as error:
             words = f"this run fails, so nothing can be fitted to it: {error}"
-            faults.append(wanted.at_config.fault((), words))
+            faults.append(request.at_config.fault((), words))
             return
         names = [column.name for column in self.first.columns]
         known = observables(names)
         others = [name for name in names if name not in (*known, TIME)]
-        self.measured = select(table, known, wanted.columns, faults, others)
+        self.measured = select(table, known, request.columns, faults, others)
         if self.measured is not None:
-            start, latest = _offsets(wanted)
+            start, latest = _offsets(request)
             self.early = checks.early_by(self.measured, latest)
             faults += checks.against_run(self.measured, self.first, start, latest)
 
 
-def _twice(runs: Sequence[RunWanted], sources: Sequence[_Source]) -> Iterator[Fault]:
+def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[Fault]:
     """A fault for each run with the very numbers of another."""
     seen: dict[tuple[object, ...], str] = {}
     for run, source in zip(runs, sources, strict=True):
@@ -114,21 +114,21 @@ def _twice(runs: Sequence[RunWanted], sources: Sequence[_Source]) -> Iterator[Fa
         seen.setdefault(numbers, held.file)
 
 
-def _offsets(wanted: RunWanted) -> tuple[float, float]:
+def _offsets(request: RunRequest) -> tuple[float, float]:
     """Offset of the clock to start from, and the greatest that it may have (s)."""
-    if isinstance(wanted.offset, tuple):
-        _, high, start = wanted.offset
+    if isinstance(request.offset, tuple):
+        _, high, start = request.offset
         return start, high
-    return wanted.offset, wanted.offset
+    return request.offset, request.offset
 
 
-def _template(wanted: RunWanted, templates: dict[Path, Template | None], faults: list[Fault]) -> Template | None:
+def _template(request: RunRequest, templates: dict[Path, Template | None], faults: list[Fault]) -> Template | None:
     """The config of a run, read once however many runs have it."""
-    path = shown(wanted.config)
+    path = shown(request.config)
     if path not in templates:
         templates[path] = None
         if not path.exists():
-            faults.append(wanted.at_config.fault((), f"got {str(path)!r}, but there is no such file"))
+            faults.append(request.at_config.fault((), f"got {str(path)!r}, but there is no such file"))
         else:
             own: list[Fault] = []
             try:
@@ -141,11 +141,11 @@ def _template(wanted: RunWanted, templates: dict[Path, Template | None], faults:
 
 
 def _problem(
-    wanted: Specification, sources: Sequence[_Source], choices: Sequence[Choice], faults: list[Fault]
+    request: Specification, sources: Sequence[_Source], choices: Sequence[Choice], faults: list[Fault]
 ) -> Problem:
     parameters: list[Parameter] = [choice.parameter for choice in choices]
     runs = []
-    for i, (one, source) in enumerate(zip(wanted.runs, sources, strict=True)):
+    for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         assert source.measured is not None  # or there was a fault
         acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key != OFFSET)
         simulator = Simulator(source.template, [parameters[j].key for j in acting], source.measured.columns)
@@ -156,22 +156,22 @@ def _problem(
         else:
             offset = one.offset
         simulator.early = source.early
-        runs.append(Run(one.name, simulator, source.measured, acting, offset, offset_index))
+        runs.append(MeasuredRun(one.name, simulator, source.measured, acting, offset, offset_index))
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
     return Problem(
-        wanted.name,
+        request.name,
         tuple(runs),
         tuple(parameters),
-        dict(noise) | dict(_noise(wanted, list(noise), faults)),
-        wanted.loss,
-        wanted.starts,
-        wanted.seed,
+        dict(noise) | dict(_noise(request, list(noise), faults)),
+        request.loss,
+        request.starts,
+        request.seed,
     )
 
 
-def _noise(wanted: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:
+def _noise(request: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:
     said: dict[str, str] = {}
-    for name, (value, at) in wanted.noise.items():
+    for name, (value, at) in request.noise.items():
         hit = recognise(name, columns)
         if hit is None:
             faults.append(at.fault(("noise", name), f"no data have such a column; allowed are {in_words(columns)}"))

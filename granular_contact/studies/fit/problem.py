@@ -1,4 +1,4 @@
-"""What is fitted to what: runs with their data, and the parameters that they share or have for themselves."""
+"""The problem of a fit: runs with their data, shared parameters and parameters of single runs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.studies.fit.measurements import Measured
-from granular_contact.studies.fit.tracks import Key, Simulator
+from granular_contact.studies.fit.responses import Key, Simulator
 
 Vector = NDArray[np.float64]
 Loss = Literal["soft_l1", "linear"]
@@ -21,9 +21,9 @@ OFFSET: Key = ("time_offset_s",)
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number to be found between `low` and `high`; `runs` (indices) is what it acts on.
+    """A number to be estimated between `low` and `high`; it acts on `runs` (indices).
 
-    Solvers see it scaled: its logarithm, or its share of the way from low to high.
+    Solvers see it scaled: its logarithm, or its position between low (0) and high (1).
     """
 
     key: Key
@@ -36,7 +36,7 @@ class Parameter:
 
     @property
     def shared(self) -> bool:
-        """Whether it is what is looked for, and not the clock or the start of a single run."""
+        """Whether it is shared by runs, and not the clock or the start of a single one."""
         return "@" not in self.label
 
     @property
@@ -59,7 +59,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Run:
+class MeasuredRun:
     """A measured run and its model. acting: indices of the problem's parameters, in the order of the simulator's keys.
 
     offset: model time is measured time less this (s), or less the parameter of index `offset_index`.
@@ -75,7 +75,7 @@ class Run:
     def at(self, x: Vector, time: Vector) -> Vector:
         """Model values (n, columns) at times (n,) s of the measurement, for parameters x (parameters,)."""
         offset = self.offset if self.offset_index is None else x[self.offset_index]
-        return self.simulator.track(tuple(float(x[i]) for i in self.acting)).at(time - offset)
+        return self.simulator.response(tuple(float(x[i]) for i in self.acting)).at(time - offset)
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Problem:
     """
 
     name: str
-    runs: tuple[Run, ...]
+    runs: tuple[MeasuredRun, ...]
     parameters: tuple[Parameter, ...]
     noise: dict[str, float | None]
     loss: Loss = "soft_l1"

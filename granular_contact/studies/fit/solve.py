@@ -1,4 +1,4 @@
-"""Problem -> the best parameters: from several points to the same basin, then weighted by the noise that is left."""
+"""Problem -> the best parameters: least squares from several starting points, then weighted by the noise."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from granular_contact.errors import SolveError
 from granular_contact.studies.fit import noise
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Loss, Problem
-from granular_contact.studies.fit.tracks import ModelFailed
+from granular_contact.studies.fit.responses import ModelFailed
 
 Vector = NDArray[np.float64]
 # Told after each starting point how many are done, and of how many.
 Progress = Callable[[int, int], None]
 
 MOST_EVALUATIONS = 60
-ROUNDS = 8  # of weights and parameters in turn
-SETTLED = 1e-3  # relative change of the noise that ends them
-ROUGHLY, FINELY = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
-FAR = 1e6  # residual of parameters for which the model fails
-SAME = 0.02  # relative difference of cost between starts that came to the same end
+MOST_ROUNDS = 8  # of weights and parameters in turn
+NOISE_TOLERANCE = 1e-3  # relative change of the noise that ends them
+COARSE_TOLERANCE, FINE_TOLERANCE = 1e-4, 1e-7  # tolerances of the way into a basin, and to its bottom
+FAILED_RESIDUAL = 1e6  # residual of parameters for which the model fails
+SAME_COST = 0.02  # relative difference of cost between starts that came to the same end
 DIED = "the process died"
-NOTHING = 1e-7  # cost for each value of data that are met but for the errors of the computation
+NEGLIGIBLE_COST = 1e-7  # cost for each value of data that are met but for the errors of the computation
 
 
 @dataclass(frozen=True)
 class Start:
-    """Where one start came to: scaled parameters and half the sum of squares; why it came nowhere."""
+    """End of one start: scaled parameters and half the sum of squares, or the problem that it ended with."""
 
     scaled: Vector
     cost: float
@@ -58,7 +58,7 @@ class Solution:
 
 
 def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) -> Solution:
-    """Fit from several starts, in so many processes, and refine the best.
+    """Fit from several starts, in `workers` processes, and refine the best.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) 
 
 
 def starting_points(problem: Problem) -> list[Vector]:
-    """The start that was given, then a Sobol sequence within the bounds (scaled); clocks start as given."""
+    """The given start, then a Sobol sequence within the bounds (scaled); offsets of clocks start as given."""
     low, high = problem.bounds
     points = [np.clip(problem.start, low, high)]
     if problem.starts > 1:
@@ -111,10 +111,10 @@ def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list
 def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Iterator[tuple[int, Start]]:
     """Index and end of each start, as they come.
 
-    A start whose process dies is tried once more in another one: it may have been killed from outside. Never in this
-    one, which would die of it as well.
+    A start whose process dies is tried once more in a new process, as it may have been killed from outside; never in
+    this process.
     """
-    from granular_contact.studies.sweep.pool import local_processes
+    from granular_contact.studies.sweep.processes import local_processes
 
     lost: list[int] = []
     with local_processes(workers) as pool:
@@ -132,19 +132,19 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
 
 
 def descend(problem: Problem, point: Vector) -> Start:
-    """Plain least squares from a point; columns are weighted by how much they vary, as the noise is not known yet."""
+    """Least squares from a point; columns are weighted by their standard deviation, as the noise is not known yet."""
     data, column = problem.data(), problem.column_of()
     spread = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
     try:
         problem.model(point, problem.times())
-        found = minimise(problem, point, spread, "linear", ROUGHLY, rough=True)
+        found = minimise(problem, point, spread, "linear", COARSE_TOLERANCE, rough=True)
     except ModelFailed as error:
         return Start(point, np.inf, str(error))
     return Start(found.x, float(found.cost))
 
 
 def minimise(
-    problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINELY, rough: bool = False
+    problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINE_TOLERANCE, rough: bool = False
 ) -> Any:
     """`scipy.optimize.least_squares` of residuals in units of sigma (columns,); raises ModelFailed."""
     data, weights, times = problem.data(), 1.0 / sigma[problem.column_of()], problem.times()
@@ -153,7 +153,7 @@ def minimise(
         try:
             return (problem.model(scaled, times) - data) * weights
         except ModelFailed:
-            return np.full(len(data), FAR)
+            return np.full(len(data), FAILED_RESIDUAL)
 
     return least_squares(
         residuals,
@@ -162,7 +162,7 @@ def minimise(
         bounds=problem.bounds,
         x_scale="jac",
         loss=loss,
-        f_scale=noise.CUT,
+        f_scale=noise.LOSS_SCALE,
         ftol=tolerance,
         xtol=tolerance,
         gtol=tolerance,
@@ -171,17 +171,17 @@ def minimise(
 
 
 def _refined(problem: Problem, point: Vector, starts: tuple[Start, ...]) -> Solution:
-    """Noise and parameters in turn, until the noise does not change any more."""
+    """Parameters and noise in turn, until the noise has converged."""
     column, floors = problem.column_of(), noise.floors(problem)
     residuals = problem.data() - problem.model(point, problem.times())
     sigma = estimate_noise(problem, residuals, column, floors)
     settled = False
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         found = minimise(problem, point, sigma, problem.loss)
         point = found.x
         residuals = problem.data() - problem.model(point, problem.times())
         new = estimate_noise(problem, residuals, column, floors)
-        settled = bool(np.all(np.abs(new - sigma) <= SETTLED * sigma))
+        settled = bool(np.all(np.abs(new - sigma) <= NOISE_TOLERANCE * sigma))
         sigma = new
         if settled:
             break

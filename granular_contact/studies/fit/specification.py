@@ -1,4 +1,4 @@
-"""A fit file, or what the command line says in its place -> Specification; its keys stand at `config.schema.fit`."""
+"""A fit file, or the options of the command line -> Specification; keys: `config.schema.fit`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from granular_contact.config.schema.fit import OFFSET_RANGE, Bounds, ClockBounds
 from granular_contact.config.sweep_cases import read_overrides
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.studies.fit.wanted import RunWanted, Specification, Wanted
+from granular_contact.studies.fit.request import ParameterRequest, RunRequest, Specification
 
 
 def load_specification(path: str | PathLike[str]) -> Specification:
@@ -36,7 +36,7 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
     if not isinstance(root, tree.Mapping):
         if not isinstance(root, tree.Broken):
             known = ", ".join(one.alias or key for key, one in FitFile.model_fields.items())
-            words = f"is no fit file: it holds {kind_of(root)}; allowed is a mapping with the keys {known}"
+            words = f"is not a fit file: it holds {kind_of(root)}; allowed is a mapping with the keys {known}"
             faults.append(root.position.fault((), words))
         raise ConfigError(sorted(faults, key=by_place))
     file = validated(FitFile, root, faults)
@@ -65,11 +65,11 @@ def _at(node: tree.Node, *path: str | int) -> tree.Position:
     return tree.key_position(node, path)
 
 
-def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) -> Iterator[RunWanted]:
+def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) -> Iterator[RunRequest]:
     for i, run in enumerate(file.runs):
         node, path = tree.find(root, ("runs", i))[0], ("runs", i)
         clock = file.time_offset_s if run.time_offset_s is None else run.time_offset_s
-        yield RunWanted(
+        yield RunRequest(
             run.name or Path(run.data).stem,
             folder / run.config,
             folder / run.data,
@@ -82,7 +82,7 @@ def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) 
         )
 
 
-def _named(runs: Iterator[RunWanted]) -> Iterator[RunWanted]:
+def _named(runs: Iterator[RunRequest]) -> Iterator[RunRequest]:
     """The runs under names that no other has: two files of one name get a number."""
     names: set[str] = set()
     for run in runs:
@@ -112,7 +112,7 @@ def _parameters(
     path: tree.Path,
     given: tuple[str, ...] | Mapping[str, Bounds | None] | None,
     faults: list[Fault],
-) -> tuple[Wanted, ...]:
+) -> tuple[ParameterRequest, ...]:
     """Parameters of a run, or of all runs, in the order of the file."""
     path = (*path, "parameters")
     bounds = given if isinstance(given, Mapping) else dict.fromkeys(given or ())
@@ -121,5 +121,5 @@ def _parameters(
         at = _at(node, "parameters", name if isinstance(given, Mapping) else i)
         parts = split(name, at, faults, form=f"dotted key: {tree.dotted(path)} has {name!r}")
         if parts is not None:
-            found.append(Wanted(parts, at, held or Bounds()))
+            found.append(ParameterRequest(parts, at, held or Bounds()))
     return tuple(found)

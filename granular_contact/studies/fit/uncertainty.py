@@ -1,4 +1,4 @@
-"""Solution -> how well each parameter is known, and which of them only together."""
+"""Solution -> standard errors and correlations of the parameters, and combinations that the data leave open."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ Vector = NDArray[np.float64]
 Direction = tuple[float, dict[str, float]]
 Directions = tuple[Direction, ...]
 
-LEVEL = 0.95
-LOOSE = 0.10  # relative error from which on a parameter counts as not determined
-CLOSE = 0.95  # correlation of parameters that are hard to tell apart
-LEAST = 1e-9  # of the largest singular value: less is nothing
-UNTOLD = 100.0  # half width of an interval, as a power of e or in lengths of the scale, that says nothing any more
+CONFIDENCE_LEVEL = 0.95
+LARGE_RELATIVE_ERROR = 0.10  # from this standard error on a parameter counts as not determined
+HIGH_CORRELATION = 0.95  # correlation of parameters that are hard to tell apart
+LEAST_SINGULAR_VALUE = 1e-9  # relative to the largest one: less is round-off
+LARGEST_HALF_WIDTH = 100.0  # of an interval, in powers of e or lengths of the scale: wider ones say nothing
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter as found, with standard error and 95 % interval; at_bound: -1 or 1 where it stands at one, else 0.
+    """An estimated parameter with standard error and 95 % interval; at_bound: -1 or 1 at a bound, else 0.
 
-    Infinite where the data say nothing of it.
+    Both are infinite where the data do not determine it.
     """
 
     parameter: Parameter
@@ -57,17 +57,17 @@ class Uncertainty:
 
 
 def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
-    """Errors from the curvature at the solution and the scatter of the residuals, in whatever unit of noise.
+    """Errors from the curvature at the solution and the scatter of the residuals.
 
-    A parameter at its bound is treated as the others are: taken for known, it would make those that it varies with look
-    well known too.
+    A parameter at its bound is treated like the others: if it counted as known, those correlated with it would seem
+    well known, too.
     """
     covariance = _covariance(problem, solution)
     deviation = np.sqrt(np.diag(covariance))
     known = np.isfinite(deviation)
     product = np.outer(deviation, deviation)
     correlation = np.divide(covariance, product, out=np.full_like(product, np.nan), where=np.outer(known, known))
-    quantile = float(student.ppf(0.5 + 0.5 * LEVEL, degrees_of_freedom(problem)))
+    quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE_LEVEL, degrees_of_freedom(problem)))
     estimates = tuple(
         _estimate(p, float(s), float(d), quantile, int(b))
         for p, s, d, b in zip(problem.parameters, solution.scaled, deviation, solution.at_bound, strict=True)
@@ -106,7 +106,7 @@ def _covariance(problem: Problem, solution: Solution) -> Vector:
         left, singular, right = np.linalg.svd(rows[:, moved] / length[moved], full_matrices=False)
         # Of rows = left S right, A is rows^T rows, and B the same with each row weighted by pull / slope.
         middle = left.T @ (left * (pull / slope)[column][:, None])
-        outer = right.T / np.maximum(singular, LEAST * singular[0])
+        outer = right.T / np.maximum(singular, LEAST_SINGULAR_VALUE * singular[0])
         inside = outer @ middle @ outer.T / np.outer(length[moved], length[moved])
         covariance[np.ix_(moved, moved)] = inside
     return covariance
@@ -131,7 +131,7 @@ def _slopes_and_pulls(problem: Problem, solution: Solution) -> tuple[Vector, Vec
 def _estimate(parameter: Parameter, scaled: float, deviation: float, quantile: float, bound: int) -> Estimate:
     value = parameter.value(scaled)
     reach = quantile * deviation
-    if reach > UNTOLD:
+    if reach > LARGEST_HALF_WIDTH:
         low, high = (0.0 if parameter.log else -np.inf), np.inf
     else:
         low, high = (_unbounded(parameter, scaled + sign * reach) for sign in (-1, 1))
@@ -144,12 +144,12 @@ def _unbounded(parameter: Parameter, scaled: float) -> float:
 
 
 def _unmoved(one: Estimate) -> bool:
-    """Whether nothing is known of a parameter of one run alone, which the directions do not tell of."""
+    """Whether the data do not determine a parameter of a single run, which is not in the directions."""
     return not one.parameter.shared and not np.isfinite(one.error)
 
 
 def _directions(problem: Problem, solution: Solution, covariance: Vector) -> Iterator[Direction]:
-    """Axes of the ellipsoid of the shared parameters, relative to their values: loosest first."""
+    """Axes of the error ellipsoid of the shared parameters, relative to their values: longest first."""
     shared = [j for j, p in enumerate(problem.parameters) if p.shared]
     own = [j for j in shared if np.isfinite(covariance[j, j])]
     yield from ((np.inf, {problem.parameters[j].label: 1.0}) for j in shared if j not in own)
@@ -178,15 +178,15 @@ def _bound_words(estimates: Sequence[Estimate], covariance: Vector) -> Iterator[
             continue
         side, bound = ("upper", one.parameter.high) if one.at_bound > 0 else ("lower", one.parameter.low)
         scaled = one.parameter.scaled(one.value)
-        if _relative(one.parameter, scaled) * np.sqrt(covariance[j, j]) > LOOSE:
-            why = "the data do not hold it back, as they hardly determine it"
+        if _relative(one.parameter, scaled) * np.sqrt(covariance[j, j]) > LARGE_RELATIVE_ERROR:
+            why = "the data hardly determine it"
         else:
-            why = "the data ask for a value beyond it: widen the bounds, or doubt the model"
-        yield f"{one.parameter.label} stands at its {side} bound, {bound:g}: {why}"
+            why = "the best value is beyond it: widen the bounds, or check the model"
+        yield f"{one.parameter.label} is at its {side} bound, {bound:g}: {why}"
 
 
 def _words(directions: Directions) -> Iterator[str]:
-    """A sentence for each combination that the data leave open."""
+    """A sentence for each combination that the data do not determine."""
     for members in map(_members, directions):
         names = list(members)
         errors = [f"{100 * error:.0f} %" if error < 3.0 else "any size" for error in members.values()]
@@ -200,9 +200,9 @@ def _words(directions: Directions) -> Iterator[str]:
 
 
 def _members(direction: Direction) -> dict[str, float]:
-    """Parameters that a direction makes uncertain by more than `LOOSE`, and by how much (relative)."""
+    """Parameters that a direction makes uncertain by more than `LARGE_RELATIVE_ERROR`, and by how much (relative)."""
     size, parts = direction
-    return {label: size * abs(part) for label, part in parts.items() if size * abs(part) > LOOSE}
+    return {label: size * abs(part) for label, part in parts.items() if size * abs(part) > LARGE_RELATIVE_ERROR}
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -210,11 +210,11 @@ def _listed(words: Sequence[str]) -> str:
 
 
 def _close_words(problem: Problem, correlation: Vector, directions: Directions) -> Iterator[str]:
-    """Pairs that are known well enough, and yet vary together."""
+    """Pairs of well determined but highly correlated parameters."""
     named = [set(_members(direction)) for direction in directions]
     for i, one in enumerate(problem.parameters):
         for j, other in enumerate(problem.parameters[:i]):
-            close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= CLOSE
+            close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= HIGH_CORRELATION
             if close and not any({one.label, other.label} <= names for names in named):
                 yield f"{other.label} and {one.label} are hard to tell apart: correlation {correlation[i, j]:+.3f}"
 

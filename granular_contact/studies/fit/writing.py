@@ -47,7 +47,7 @@ def _header(fit: Fit, name: str) -> str:
 
 
 def summary(fit: Fit) -> dict[str, Any]:
-    """What fit.json holds: plain data, SI units and degrees as in the names of the columns."""
+    """Content of fit.json: plain data, SI units and degrees as in the names of the columns."""
     problem, known, good = fit.problem, fit.uncertainty, fit.goodness
     labels = [p.label for p in problem.parameters]
     return {
@@ -154,5 +154,5 @@ def figure_data(fit: Fit) -> Any:
 
 
 def _short(parameter: Parameter) -> str:
-    """The key without what all keys of a medium begin with."""
+    """The key without the common prefix of the keys of a medium."""
     return ".".join(parameter.key).removeprefix("medium.").removeprefix("plunging.")

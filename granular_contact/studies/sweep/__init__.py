@@ -2,20 +2,20 @@
 
 worker       one case, or a few, in a process of their own: tasks in, rows out
 journal      rows on the disk as they come
-pool         processes of this machine to work in
-cluster      those of a Dask cluster
-crew         either of them, made when needed
-runner       which case goes where, and what happens when one takes its process down
-part         the folder that a sweep goes on in after it was killed
+processes    worker processes on this machine
+cluster      workers of a Dask cluster
+executor     the pool of either kind of worker, made when needed
+runner       which case goes where, and what happens when one kills its process
+checkpoint   the folder from which a killed sweep goes on
 calls        a sweep from Python
 table        rows -> table.csv, and sweep.yaml
 sensitivity  rows -> Sobol indices
 """
 
-from granular_contact.studies.sweep.crew import Crew, CrewError
+from granular_contact.studies.sweep.checkpoint import FolderRefused
+from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
 from granular_contact.studies.sweep.journal import Journal, Row
-from granular_contact.studies.sweep.part import FolderRefused
-from granular_contact.studies.sweep.pool import local_processes
+from granular_contact.studies.sweep.processes import local_processes
 from granular_contact.studies.sweep.runner import run
 
-__all__ = ["Crew", "CrewError", "FolderRefused", "Journal", "Row", "local_processes", "run"]
+__all__ = ["FolderRefused", "Journal", "Row", "WorkerPool", "WorkerPoolError", "local_processes", "run"]

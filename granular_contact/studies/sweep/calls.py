@@ -10,7 +10,7 @@ from granular_contact import scene
 from granular_contact.config import Scenario, scenario_to_dict, tree
 from granular_contact.config.changed import plain_data
 from granular_contact.config.sweep import sweep_of
-from granular_contact.studies.sweep.crew import Crew
+from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 
 
@@ -22,7 +22,7 @@ def sweep(
     combine: str | None = None,
     workers: int | None = None,
 ) -> list[dict[str, Any]]:
-    """Run a scenario with many values, in processes of their own; nothing is saved.
+    """Run a scenario with many values in worker processes; nothing is saved.
 
     Parameters
     ----------
@@ -61,6 +61,6 @@ def sweep(
     root = tree.made(plain_data(asked), tree.Position("sweep", None))
     assert isinstance(root, tree.Mapping)
     found = sweep_of(root, Path("sweep"), [], scene.build)
-    with Crew(workers) as crew:
-        rows = sorted(run(found, crew), key=lambda row: row.index)
+    with WorkerPool(workers) as pool:
+        rows = sorted(run(found, pool), key=lambda row: row.index)
     return [{"case": row.name, **row.values, **row.summary} for row in rows]

@@ -1,4 +1,4 @@
-"""A crew on a Dask cluster (extra `[cluster]`): distributed's scheduler and workers, none of our own.
+"""Workers on a Dask cluster (extra `[cluster]`): distributed's own scheduler and workers.
 
 Workers are started by the user, one process for each core, as runs hold the interpreter:
 
@@ -21,26 +21,26 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.results.summary import versions
-from granular_contact.studies.sweep.crew import Crew, CrewError
+from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
 
 ANSWER_SECONDS = 8.0  # until a scheduler counts as silent
 MISSING = "--scheduler needs distributed: pip install 'granular-contact[cluster]'"
 
 
-def cluster_crew(address: str, folder: Path | None = None) -> Crew:
+def cluster_pool(address: str, folder: Path | None = None) -> WorkerPool:
     """The workers of the cluster whose scheduler is at `address`, as tcp://host:8786.
 
-    folder: which they must see, as the results of each case go there.
+    folder: one that they must see, for the results of each case.
 
     Raises
     ------
-    CrewError
+    WorkerPoolError
         The scheduler does not answer, or has no workers, or such that would not compute what this process would.
     """
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError:
-        raise CrewError(MISSING) from None
+        raise WorkerPoolError(MISSING) from None
     _silence()
     begin = time.monotonic()
     try:
@@ -49,19 +49,18 @@ def cluster_crew(address: str, folder: Path | None = None) -> Crew:
         client = distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
     except Exception as error:  # what speaks there may be anything
         said = " ".join(str(error).split()) if isinstance(error, ValueError) else "no Dask scheduler answers"
-        raise CrewError(f"--scheduler {address}: {said} ({time.monotonic() - begin:.0f} s waited)") from None
+        raise WorkerPoolError(f"--scheduler {address}: {said} ({time.monotonic() - begin:.0f} s waited)") from None
     try:
         workers = _fit(client, address, folder)
     except BaseException:
         client.close()
         raise
-    return _ClusterCrew(client, address, workers)
+    return _ClusterPool(client, address, workers)
 
 
 def _silence() -> None:
-    """Let distributed's loggers say nothing: what they have to tell comes as an error.
-
-    It gives some of those below its own a level, which then counts there.
+    """Silence distributed's loggers, as every problem comes as an exception. Some child loggers have a level of their
+    own, which is set, too.
     """
     for name in ("distributed", *(n for n in logging.root.manager.loggerDict if n.startswith("distributed."))):
         logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -83,11 +82,11 @@ async def _identity(address: str) -> None:
     await asyncio.wait_for(ask(), ANSWER_SECONDS)
 
 
-class _ClusterCrew(Crew):
+class _ClusterPool(WorkerPool):
     """Workers of one client, which is closed at the end."""
 
     def __init__(self, client: Any, address: str, workers: int) -> None:
-        super().__init__(workers, lambda _: _ClusterExecutor(client, address), here=False)
+        super().__init__(workers, lambda _: _ClusterExecutor(client, address), local=False)
         self._client = client
 
     def __exit__(self, *error: Any) -> None:
@@ -96,7 +95,7 @@ class _ClusterCrew(Crew):
 
 
 class _ClusterExecutor(Executor):
-    """distributed's executor, with the errors that executors of this machine have."""
+    """distributed's executor, with the exceptions of executors of this machine."""
 
     def __init__(self, client: Any, address: str) -> None:
         self._inner, self._address = client.get_executor(pure=False), address
@@ -126,20 +125,22 @@ class _ClusterExecutor(Executor):
         except BaseException as error:
             outcome.set_exception(error)
 
-    def _gone(self) -> CrewError:
-        return CrewError(f"--scheduler {self._address}: the connection is lost")
+    def _gone(self) -> WorkerPoolError:
+        return WorkerPoolError(f"--scheduler {self._address}: the connection is lost")
 
 
 def _fit(client: Any, address: str, folder: Path | None) -> int:
-    """How many workers there are; each of them must give the rows that this process would give."""
+    """Number of workers; each must have the versions of this process, so that it gives the same rows."""
     try:
         client.wait_for_workers(1, timeout=2.0)
     except TimeoutError:
-        raise CrewError(f"--scheduler {address}: it has no workers; start some with dask worker {address}") from None
+        raise WorkerPoolError(
+            f"--scheduler {address}: it has no workers; start some with dask worker {address}"
+        ) from None
     for worker, threads in client.nthreads().items():
         if threads != 1:
             message = f"the worker {worker} has {threads} threads; start workers with --nthreads 1"
-            raise CrewError(f"--scheduler {address}: {message}")
+            raise WorkerPoolError(f"--scheduler {address}: {message}")
     pythons = client.get_versions()["workers"]
     here = versions()
     for package, version in here.items():
@@ -151,10 +152,10 @@ def _fit(client: Any, address: str, folder: Path | None) -> int:
         for worker, there in found.items():
             if there != version:
                 has = f"has {package} {there}" if isinstance(there, str) else f"has no {package}"
-                raise CrewError(f"--scheduler {address}: the worker {worker} {has}, and here is {version}")
+                raise WorkerPoolError(f"--scheduler {address}: the worker {worker} {has}, and here is {version}")
     if folder is not None:
         seen = client.run(os.path.isdir, str(folder))
         blind = next((worker for worker, sees in seen.items() if not sees), None)
         if blind is not None:
-            raise CrewError(f"--scheduler {address}: the worker {blind} does not see {folder}, where --plots go")
+            raise WorkerPoolError(f"--scheduler {address}: the worker {blind} does not see {folder}, where --plots go")
     return len(client.nthreads())

@@ -1,7 +1,7 @@
-"""Rows on the disk as soon as they are there: JSON lines, in a file of its own for each process that writes.
+"""Rows on the disk as soon as they are computed: JSON lines, one file per writing process.
 
-A row is one write to the system, so the death of a process leaves whole rows and at most one torn line, which is no
-row. What may be lost with the power are the last seconds.
+A row is one write to the system, so a killed process leaves complete rows and at most one incomplete line, which is
+ignored. A power failure may cost the last seconds.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _START = re.compile(rb'{"index": (\d+), ')
 
 @dataclass(frozen=True)
 class Row:
-    """What came of a case. summary: flat, by dotted key; at least `status` and `message`."""
+    """Result of a case. summary: flat, by dotted key; at least `status` and `message`."""
 
     index: int
     name: str
@@ -35,11 +35,11 @@ class Row:
 
     @property
     def failed(self) -> bool:
-        """Whether the case gave no result to rely on."""
+        """Whether the case did not end regularly."""
         return self.summary["status"] not in FINISHED
 
     def line(self) -> bytes:
-        """The row as JSON; raises TypeError for what is no plain data."""
+        """The row as JSON; raises TypeError for what is not plain data."""
         return (json.dumps(vars(self), ensure_ascii=False, default=_plain) + "\n").encode()
 
     @staticmethod
@@ -85,7 +85,7 @@ class Writer:
 
 
 class Journal:
-    """The rows in a folder of such files, in the order of the sweep, read again each time; of a case the first one."""
+    """The rows in a folder of such files, in the order of the sweep, read anew each time; one for each case."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -127,7 +127,7 @@ class Journal:
 
 
 def _index(line: bytes) -> int | None:
-    """Index of the row of a line, which is its first entry; None for a torn line."""
+    """Index of the row of a line, which is its first entry; None for an incomplete line."""
     found = _START.match(line)
     return int(found[1]) if found and line.endswith(b"}\n") else None
 
@@ -136,4 +136,4 @@ def _plain(value: Any) -> Any:
     """NumPy's scalars as Python's."""
     if hasattr(value, "item"):
         return value.item()
-    raise TypeError(f"{type(value).__name__} is no plain data")
+    raise TypeError(f"{type(value).__name__} is not plain data")

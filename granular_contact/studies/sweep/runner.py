@@ -1,4 +1,4 @@
-"""Sweep -> rows: cases dealt out to a crew in chunks; a case that takes its worker down costs its own row only."""
+"""Sweep -> rows: cases go to a pool of workers in chunks; a case that kills its worker costs only its own row."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from pathlib import Path
 from granular_contact.config import Case, Sweep
 from granular_contact.config.sweep import Probe, case_faults
 from granular_contact.errors import Fault
-from granular_contact.studies.sweep.crew import Crew, CrewError
+from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
 from granular_contact.studies.sweep.journal import Journal, Row
 from granular_contact.studies.sweep.worker import Job, Simulate, Task, check, error_row, simulate, work
 
 CHUNK_SECONDS = 0.5  # long against the 2 ms that it takes to hand over a chunk, short against a sweep
 LARGEST_CHUNK = 256
-FEW = 400  # cases that are checked sooner here than workers are started
-_DIED = "the process died; run this case alone to see why, it may need more memory than there is"
+MOST_CHECKED_HERE = 400  # cases that are checked sooner here than workers are started
+_DIED = "the process died; run this case alone to see why, it may need more memory than is available"
 
 Work = Future[tuple[list[bytes], float]]
 
 
-def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew) -> list[Fault]:
-    """Faults of cases as `case_faults` gives them, found by the crew where there are many."""
-    if len(cases) <= FEW:
+def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, pool: WorkerPool) -> list[Fault]:
+    """Faults of cases as `case_faults` gives them, found by the workers where there are many."""
+    if len(cases) <= MOST_CHECKED_HERE:
         return case_faults(sweep, cases, probe)
-    job, size = Job(sweep, simulate).packed(), max(64, len(cases) // (8 * crew.count))
+    job, size = Job(sweep, simulate).packed(), max(64, len(cases) // (8 * pool.count))
     found: list[Fault] = []
     shared: list[tuple[Future[list[Fault]], range]] = []
     for start in range(0, len(cases), size):
@@ -34,7 +34,7 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
         # What a case refers to is a file here, and may be none elsewhere.
         found += case_faults(sweep, [case for case in chunk if sweep.needs_files(case)], probe)
         others = [case for case in chunk if not sweep.needs_files(case)]
-        shared.append((crew.pool().submit(check, job, others, probe), range(start, start + len(chunk))))
+        shared.append((pool.executor().submit(check, job, others, probe), range(start, start + len(chunk))))
     for future, places in shared:
         lost = isinstance(future.exception(), BrokenExecutor)
         found += case_faults(sweep, [cases[i] for i in places], probe) if lost else future.result()
@@ -43,7 +43,7 @@ def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, crew: Crew)
 
 def run(
     sweep: Sweep,
-    crew: Crew,
+    pool: WorkerPool,
     *,
     done: Collection[int] = (),
     journal: Journal | None = None,
@@ -56,8 +56,8 @@ def run(
     ----------
     sweep : Sweep
         Of `granular_contact.config.load_sweep`.
-    crew : Crew
-        Who works.
+    pool : WorkerPool
+        The workers.
     done : collection of int
         Indices of cases that are left out.
     journal : Journal, optional
@@ -71,22 +71,22 @@ def run(
     ------
     OSError
         A row or the results of a case can't be saved; what was saved before is whole.
-    CrewError
+    WorkerPoolError
         The workers can't be reached any more.
     """
-    local = journal is not None and crew.here  # then the workers write
+    local = journal is not None and pool.local  # then the workers write
     keep = None if journal is None else journal.writer()
     job = Job(sweep, function, cases_folder, journal.folder if journal is not None and local else None).packed()
-    deal = _Deal(_tasks(sweep, done), len(sweep.cases) - len(done), crew.count)
+    scheduler = _Scheduler(_tasks(sweep, done), len(sweep.cases) - len(done), pool.count)
     suspects: list[Task] = []
     try:
-        for line in _together(deal, crew, job, suspects):
+        for line in _together(scheduler, pool, job, suspects):
             if keep is not None and not local:
                 keep.append(line)
             yield Row.of(line)
         if suspects and journal is not None and local:
             suspects = yield from _without_finished(suspects, journal)
-        for line, lost in _one_by_one(suspects, sweep, crew, job) if suspects else ():
+        for line, lost in _one_by_one(suspects, sweep, pool, job) if suspects else ():
             if keep is not None and (lost or not local):
                 keep.append(line)
             yield Row.of(line)
@@ -96,12 +96,12 @@ def run(
 
 
 def _without_finished(tasks: Sequence[Task], journal: Journal) -> Generator[Row, None, list[Task]]:
-    """Rows of the tasks that were finished before their worker died; returns the others."""
-    wanted = {task.index for task in tasks}
-    found = [row for row in journal if row.index in wanted]
+    """Rows of tasks that finished before their worker died; returns the other tasks."""
+    pending = {task.index for task in tasks}
+    found = [row for row in journal if row.index in pending]
     yield from found
-    wanted -= {row.index for row in found}
-    return [task for task in tasks if task.index in wanted]
+    pending -= {row.index for row in found}
+    return [task for task in tasks if task.index in pending]
 
 
 def _tasks(sweep: Sweep, done: Collection[int]) -> Iterator[Task]:
@@ -110,52 +110,52 @@ def _tasks(sweep: Sweep, done: Collection[int]) -> Iterator[Task]:
             yield Task(index, case, sweep.scenario(case) if sweep.needs_files(case) else None)
 
 
-class _Deal:
-    """Gives away the cases in chunks: large enough that handing them over costs little, small towards the end."""
+class _Scheduler:
+    """Divides the cases into chunks: large enough that sending them costs little, small towards the end."""
 
     def __init__(self, tasks: Iterator[Task], count: int, workers: int) -> None:
         self._tasks, self.left, self._workers = tasks, count, workers
         self._size = 1
 
     def take(self) -> list[Task]:
-        """The next cases, fewer than there are workers to share the rest."""
+        """The next chunk of cases."""
         size = max(1, min(self._size, self.left // (2 * self._workers)))
         chunk = list(islice(self._tasks, size))
         self.left -= len(chunk)
         return chunk
 
     def note(self, cases: int, seconds: float) -> None:
-        """Learn from a finished chunk; from the latest one, as a worker's first is slower than all others."""
+        """Update the size of chunks by the time of the latest one, as a worker's first chunk is slower."""
         self._size = max(1, min(LARGEST_CHUNK, int(CHUNK_SECONDS * cases / max(seconds, 1e-6))))
 
 
-def _together(deal: _Deal, crew: Crew, job: bytes, suspects: list[Task]) -> Iterator[bytes]:
-    """Lines of all cases but those of lost chunks, one of which may be the reason: `suspects` gets them."""
+def _together(scheduler: _Scheduler, pool: WorkerPool, job: bytes, suspects: list[Task]) -> Iterator[bytes]:
+    """Lines of all cases but those of lost chunks, which go to `suspects`: one may have killed its worker."""
     pending: dict[Work, list[Task]] = {}
-    while pending or deal.left:
-        while deal.left and len(pending) < 2 * crew.count:
-            chunk = deal.take()
-            pending[crew.pool().submit(work, job, chunk)] = chunk
+    while pending or scheduler.left:
+        while scheduler.left and len(pending) < 2 * pool.count:
+            chunk = scheduler.take()
+            pending[pool.executor().submit(work, job, chunk)] = chunk
         for future in wait(pending, return_when=FIRST_COMPLETED).done:
             chunk = pending.pop(future)
             error = future.exception()
-            if isinstance(error, OSError | CrewError):
+            if isinstance(error, OSError | WorkerPoolError):
                 raise error
             if error is not None:
                 suspects += chunk
                 continue
             lines, seconds = future.result()
-            deal.note(len(lines), seconds)
+            scheduler.note(len(lines), seconds)
             yield from lines
 
 
-def _one_by_one(suspects: Sequence[Task], sweep: Sweep, crew: Crew, job: bytes) -> Iterator[tuple[bytes, bool]]:
-    """Lines of cases that are tried alone, and whether the row was lost."""
-    crew.dismiss()  # new workers, that no other case has harmed
+def _one_by_one(suspects: Sequence[Task], sweep: Sweep, pool: WorkerPool, job: bytes) -> Iterator[tuple[bytes, bool]]:
+    """Lines of cases that run alone, and whether the row was lost."""
+    pool.shutdown()  # new workers, that no other case has harmed
     for task in suspects:
-        future: Work = crew.pool().submit(work, job, [task])
+        future: Work = pool.executor().submit(work, job, [task])
         error = future.exception()
-        if isinstance(error, OSError | CrewError):
+        if isinstance(error, OSError | WorkerPoolError):
             raise error
         if error is None:
             yield future.result()[0][0], False

@@ -1,7 +1,6 @@
-"""Rows of a Saltelli design -> Sobol indices: what part of the variance of an output each input explains.
-
-First order: alone. Total: with all that it does together with others. By scipy.stats.sobol_indices (Saltelli et al.
-2010), with the inputs independent and even over their ranges; intervals by a bootstrap over the points of the design.
+"""Rows of a Saltelli design -> Sobol indices: the share of the variance of an output that each input explains. First
+order: alone. Total: with all interactions. By scipy.stats.sobol_indices (Saltelli et al. 2010), with the inputs
+independent and even over their ranges; intervals by a bootstrap over the points of the design.
 """
 
 from __future__ import annotations
@@ -20,8 +19,8 @@ from granular_contact.studies.sweep.journal import Row
 CONFIDENCE = 0.95
 RESAMPLES = 999
 MOST_NAMED = 3  # cases
-WIDEST = 0.5  # interval of an index that says something
-ASTRAY = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
+WIDEST_INTERVAL = 0.5  # interval of an index that says something
+INDEX_TOLERANCE = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
 Vector = NDArray[np.float64]
@@ -43,26 +42,26 @@ class Indices:
     refused: str = ""
 
 
-def doubt(one: Indices, i: int) -> str:
-    """Why the indices of an input are not known well enough to be used; empty if they are."""
+def imprecision(one: Indices, i: int) -> str:
+    """Why the indices of an input are too imprecise to be used; empty if they are not."""
     if one.refused:
         return ""
     width = max(float(np.ptp(ends[:, i])) for ends in (one.first_interval, one.total_interval))
     first, total = float(one.first[i]), float(one.total[i])
-    if not width <= WIDEST:  # or it is no number at all
+    if not width <= WIDEST_INTERVAL:  # or it is not a number at all
         why = f"an interval {width:.2g} wide"
-    elif max(-first, -total, first - 1.0, total - 1.0) > ASTRAY:
+    elif max(-first, -total, first - 1.0, total - 1.0) > INDEX_TOLERANCE:
         why = "an index outside 0 to 1"
-    elif first - total > ASTRAY:
+    elif first - total > INDEX_TOLERANCE:
         why = "a first order above the total"
     else:
         return ""
     return f"too few points, {why}: take a greater count"
 
 
-def doubts(one: Indices) -> list[str]:
-    """Of each input whose indices are not known well enough, a sentence."""
-    named = ((name, doubt(one, i)) for i, name in enumerate(one.inputs))
+def warnings(one: Indices) -> list[str]:
+    """A sentence for each input whose indices are too imprecise."""
+    named = ((name, imprecision(one, i)) for i, name in enumerate(one.inputs))
     return [f"Sobol indices of {one.output} to {name}: {why}" for name, why in named if why]
 
 
@@ -73,7 +72,7 @@ def of_sweep(sweep: Sweep, rows: Iterable[Row]) -> list[Indices]:
 
 
 def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Sequence[str]) -> list[Indices]:
-    """Indices of each output; refused where a case has failed or has no such number, as none may be left out.
+    """Indices of each output; refused where a case failed or has no such number, as the design needs all cases.
 
     Parameters
     ----------
@@ -167,4 +166,4 @@ def _cells(one: Indices, i: int) -> list[str]:
         return [one.output, one.inputs[i], *[""] * 6, one.refused]
     first, total = one.first_interval[:, i], one.total_interval[:, i]
     numbers = one.first[i], first[0], first[1], one.total[i], total[0], total[1]
-    return [one.output, one.inputs[i], *(repr(float(value)) for value in numbers), doubt(one, i)]
+    return [one.output, one.inputs[i], *(repr(float(value)) for value in numbers), imprecision(one, i)]

@@ -51,7 +51,7 @@ def _cell(value: Any) -> str:
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """A sweep file that needs no other: the config with every default, and how its cases are drawn, or a line each."""
+    """A self-contained sweep file: the config with every default, and how cases are drawn, or a line for each."""
     return "".join(_lines(sweep))
 
 

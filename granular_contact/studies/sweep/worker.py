@@ -1,4 +1,4 @@
-"""What is done with a case, in whichever process: Case -> Scenario -> Results -> Row."""
+"""Work on a case in any process: Case -> Scenario -> Results -> Row."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def simulate(scenario: Scenario) -> Results:
 
 
 def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
-    """Lines of the tasks' rows, and the seconds that they took; whatever a case raises is a row.
+    """Lines of the tasks' rows, and the seconds that they took; an exception of a case becomes its row.
 
     Raises
     ------

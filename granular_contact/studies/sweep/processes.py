@@ -1,9 +1,9 @@
-"""Processes of this machine to work in: imported beforehand, one thread each, deaf to Ctrl-C, gone when the sweep is.
+"""Worker processes on this machine: modules imported in advance, one thread each, SIGINT blocked, ended with the sweep.
 
-Each has a thread and a pipe of its own here. A process that dies, at its work or with half a result in its pipe, ends
-that pipe: the task that it was at is known, the others go on. The pools of the standard library and of loky share one
-pipe for all results, and wait for ever for the other half; loky's processes outlive a killed parent besides, and those
-of dask's local cluster take seconds to start and to end. What is lost is a `BrokenExecutor` in all of them.
+Each has a thread and a pipe of its own here. A process that dies closes its pipe, even with half a result in it: its
+task is known, and the others go on. The pools of the standard library and of loky share one pipe for all results, and
+wait forever for the other half; loky's processes outlive a killed parent besides, and those of dask's local cluster
+take seconds to start and to end. A lost task raises `BrokenExecutor` in all of them.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def local_processes(workers: int) -> Executor:
 
 
 def prepare() -> None:
-    """Start the server that workers are forked from, without waiting: it imports meanwhile what they will need."""
+    """Start the fork server without waiting: meanwhile it imports what the workers need."""
     if _HAS_SERVER:
         from multiprocessing import forkserver, resource_tracker
 
@@ -51,7 +51,7 @@ def prepare() -> None:
 
 
 class _Processes(Executor):
-    """Threads that hand their tasks to a process each, which starts with the first of them."""
+    """Threads with a worker process each, which starts with the first task."""
 
     def __init__(self, workers: int) -> None:
         self._threads, self._own = ThreadPoolExecutor(workers), threading.local()
@@ -64,7 +64,7 @@ class _Processes(Executor):
         return self._threads.submit(self._call, function, arguments, keywords)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As of any executor; `wait=False` with `cancel_futures` ends the work under way as well."""
+        """As of any executor; `wait=False` with `cancel_futures` also ends running tasks."""
         end_now = cancel_futures and not wait
         self._threads.shutdown(wait=not end_now, cancel_futures=cancel_futures)
         with self._lock:
@@ -81,7 +81,7 @@ class _Processes(Executor):
         self.shutdown(wait=kind is None, cancel_futures=kind is not None)
 
     def _call(self, *call: Any) -> Any:
-        """In one of the threads: what its process makes of a function with its arguments."""
+        """In one of the threads: the result of a function with its arguments, computed in the worker process."""
         task = pickle.dumps(call)
         try:
             if not hasattr(self._own, "pipe"):
@@ -90,7 +90,7 @@ class _Processes(Executor):
             answer = self._own.pipe.recv_bytes()
         except (EOFError, OSError):
             vars(self._own).pop("pipe", None)  # the next task gets another process
-            raise BrokenExecutor("the process died at its work") from None
+            raise BrokenExecutor("the process died during a task") from None
         fine, outcome = pickle.loads(answer)
         if fine:
             return outcome
@@ -110,7 +110,7 @@ class _Processes(Executor):
 
 
 def _serve(pipe: Connection) -> None:
-    """In a worker: do what comes through the pipe until it is closed; die with the process that started this one."""
+    """Main loop of a worker: run tasks from the pipe until it is closed; exit when the parent process dies."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
@@ -146,9 +146,8 @@ def _follow(sentinel: int) -> None:
 
 @contextmanager
 def _as_workers() -> Iterator[None]:
-    """Let processes that start now use one thread each, as there are as many as cores, and never hear of Ctrl-C.
-
-    It is sent to all processes of a terminal, and is for the one that has the rows; here it only comes later.
+    """Processes that start now use one thread each and have SIGINT blocked: a terminal sends it to all its processes,
+    but only the parent handles it. Here it is delayed until the end.
     """
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))

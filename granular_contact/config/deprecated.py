@@ -1,15 +1,15 @@
-"""Old keys in the tree of a config: what to write in their place, and which of the two counts."""
+"""Deprecated keys in the tree of a config: notices with their replacement, and which of old and new key counts."""
 
 from __future__ import annotations
 
 from granular_contact.config import tree
-from granular_contact.config.schema.older import SUCCESSORS, successor
+from granular_contact.config.schema.deprecated import SUCCESSORS, successor
 
 Path = tuple[str, ...]
 
 
 def renewed(node: tree.Node, notices: list[str]) -> tree.Node:
-    """The tree with one key for one thing, where one is laid over the other; old keys are told to `notices`."""
+    """The tree without keys that an old or new name of the same thing overrides; a notice for each old key left."""
     return _within(node, (), notices)
 
 
@@ -32,7 +32,7 @@ def _within(node: tree.Node, path: Path, notices: list[str]) -> tree.Node:
 
 
 def _covered(node: tree.Mapping, old: str, new: str) -> str | None:
-    """Which of two keys for one thing the other one is laid over: of an override, or of a model built on another."""
+    """Which of two names of one key is overridden by the other, in an override or a model built on another."""
     over = {key: (node.keys[key].line is None, node.keys[key].file == node.position.file) for key in (old, new)}
     if over[old] == over[new]:
         return None
@@ -46,4 +46,4 @@ def _notice(path: Path, node: tree.Node, at: tree.Position, new: str) -> str:
         shown = f"[{found[0]:.6g}, {found[1]:.6g}]" if isinstance(found, list) else f"{found:g}"
         instead = f"{new}: {shown}"
     place = at.file if at.line is None else f"{at.file}:{at.line}"
-    return f"{place}: {'.'.join(path)}: counts counter-clockwise; write {instead}, as all angles turn clockwise now"
+    return f"{place}: {'.'.join(path)}: is counter-clockwise; write {instead}, as all angles are clockwise now"

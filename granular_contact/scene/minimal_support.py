@@ -1,40 +1,41 @@
-"""Which mechanisms can be solved in minimal coordinates, told without solving one."""
+"""Which mechanisms minimal coordinates support."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from granular_contact.config.schema.joints import PLURAL, SINGULAR
 from granular_contact.errors import scene_error
 from granular_contact.scene.types import Scene
 
-CAN = (
+SUPPORTED = (
     "minimal coordinates are for trees of rigid bodies that hang on the ground by hinges alone, in one medium, "
     "without drives, springs, dampers, stops or friction in them"
 )
 
 
-def check_treelike(scene: Scene) -> None:
-    """Refuse a scene that minimal coordinates are not for.
+def check_minimal(scene: Scene) -> None:
+    """Refuse a scene that minimal coordinates do not support.
 
     Raises
     ------
     SceneError
-        With the key `method`, all that stands in the way, and what is possible.
+        With the key `method`, all obstacles, and what is supported.
     """
     obstacles = [*_mechanism(scene), *_extras(scene), *_bed(scene)]
     if obstacles:
-        raise scene_error("method", f"{', and '.join(obstacles)}: {CAN}")
+        raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
 
 def _mechanism(scene: Scene) -> Iterator[str]:
     if scene.links:
         yield f"{scene.links[0].name} is flexible"
-    others: dict[str, list[str]] = {}
+    others: dict[tuple[str, str], list[str]] = {}
     for joint in scene.connections:
         if joint.closes or joint.kind != "hinge":
-            others.setdefault("loop" if joint.closes else joint.kind, []).append(joint.name)
-    for kind, names in others.items():
-        one, many = (f"is a {kind}", f"are of the kind {kind}") if kind != "loop" else ("closes a loop", "close loops")
+            words = f"is {SINGULAR[joint.kind]}", f"are {PLURAL[joint.kind]}"
+            others.setdefault(("closes a loop", "close loops") if joint.closes else words, []).append(joint.name)
+    for (one, many), names in others.items():
         yield f"{_named(names)} {one if len(names) == 1 else many}"
 
 
@@ -49,7 +50,7 @@ def _extras(scene: Scene) -> Iterator[str]:
 
 
 def _named(names: list[str]) -> str:
-    """Three names at the most, and how many more there are."""
+    """At most three names, and how many more there are."""
     shown = ", ".join(names[:3])
     return f"{shown} and {len(names) - 3} more" if len(names) > 3 else shown
 
@@ -60,4 +61,4 @@ def _bed(scene: Scene) -> Iterator[str]:
     if len(scene.bed.layers) > 1:
         yield f"its bed has {len(scene.bed.layers)} media"
     if scene.bed.floor is not None and scene.bed.floor.stiffness is not None:
-        yield "its bed has a floor that carries"
+        yield "its bed has a stiff floor"

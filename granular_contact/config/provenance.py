@@ -1,6 +1,6 @@
-"""What the numbers of a medium rest on, where a config changes some of them.
+"""Provenance of a medium, corrected where a config changes some of its numbers.
 
-A preset with a changed number is no longer what its source published, and a fitted medium no longer what was fitted.
+A preset with a changed number is no longer published, and a fitted medium no longer fitted.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ ABOUT = frozenset({"law", "name", "source", "standing", "provenance", "range"}) 
 
 
 def restated(base: Node | None, node: Node) -> Node:
-    """The medium `node`, laid over the medium `base`, with what it says of its numbers put right if one was changed.
+    """The medium `node`, merged over the medium `base`, with its provenance corrected if a number was changed.
 
-    What was written over provenance and standing is left alone, and so is a medium that says neither of itself.
+    A provenance or standing that was overridden stays, and so does a medium without either.
     """
     if not isinstance(base, Mapping) or not isinstance(node, Mapping) or base is node:
         return node
@@ -36,9 +36,9 @@ def restated_each(base: Node | None, node: Node) -> Node:
 
 
 def _is_changed(before: Node | None, after: Node) -> bool:
-    """Whether a number is another one; one that its source left open (null) is not changed by being given.
+    """Whether a number was changed; giving one that its source leaves open (null) is no change.
 
-    A group of numbers that is null, as withdrawing, is not open: it stands for other numbers of the medium.
+    A group of numbers that is null, as withdrawing, is not open: it means other numbers of the medium.
     """
     if before is after:
         return False

@@ -1,4 +1,4 @@
-"""What a built system leaves out, and why: read off the system itself, not off the scene that it was built from."""
+"""What a built system leaves out, and why; read from the system itself, not from its scene."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.scene.build import LEAST_BOW
-from granular_contact.scene.reach import dips
+from granular_contact.scene.workspace import can_be_immersed
 
 # What is imported only where it is used, and for what.
 PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "nothing is drawn"), ("scipy", "no use"))
@@ -57,7 +57,7 @@ def _bed(system: System) -> Iterator[str]:
     for handle in system.rigid.values():
         shapes = handle.body.shapes
         out = [shape for shape in shapes if not shape.in_sand]
-        far = [shape for shape in shapes if shape.in_sand and not dips(scene.bed, handle.body, shape)]
+        far = [shape for shape in shapes if shape.in_sand and not can_be_immersed(scene.bed, handle.body, shape)]
         for spared, why in ((far, "cannot reach the surface"), (out, "meet no medium (in_sand: false)")):
             if spared:
                 yield f"load on {handle.body.name}: {len(spared)} of its {len(shapes)} shapes {why}"
@@ -72,11 +72,11 @@ def _bed(system: System) -> Iterator[str]:
     if scene.load.end_cap and not any(hasattr(medium, "cap_force") for medium in bed.load.media):
         yield f"end caps: {', '.join(medium.name for medium in bed.load.media)} have no force on end faces"
     if bed.load.floor is None:
-        yield "contact with a floor: there is none that carries"
+        yield "contact with a floor: there is no stiff one"
 
 
 def _nil(medium: Law) -> Iterator[str]:
-    """Coefficients of a medium that are 0, and with them a force; as YAML has them, less their units."""
+    """Coefficients of a medium that are 0, so that a force vanishes; keys of YAML without units."""
     for name, value in vars(medium).items():
         if isinstance(value, VerticalResistance):
             if value.eta_v == 0.0:
@@ -91,7 +91,7 @@ def _rest(trajectory: Trajectory) -> Iterator[str]:
         return
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
-        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants, where the load returns at once"
+        yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants: the load was not evaluated"
     never = set(load.body_names) - {body for body, _, _ in load.immersed}
     if never:
         yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

@@ -1,4 +1,4 @@
-"""The work folder of a sweep, `DIR.part` beside its target DIR: what is finished is kept there until all is.
+"""The work folder of a sweep, `DIR.part` beside its target DIR: finished cases are kept there until all are done.
 
     DIR.part/sweep.yaml     the sweep; a folder of another one is refused
     DIR.part/journal/       rows as they were finished, and what began them
@@ -39,11 +39,11 @@ _BEGUN = "begun.json"
 
 
 class FolderRefused(GranularContactError):
-    """What is in the way is not of this sweep; the message is one line."""
+    """The folder belongs to another sweep; the message is one line."""
 
 
 @dataclass(frozen=True)
-class Part:
+class Checkpoint:
     """A work folder that is open. done: cases that had a row when it was opened; cases: folder for their results."""
 
     folder: Path
@@ -53,7 +53,7 @@ class Part:
     cases: Path | None
 
     def finish(self) -> None:
-        """Let the folder, in which all is written, take the place of the target.
+        """Move the complete folder to the target.
 
         Raises
         ------
@@ -71,13 +71,13 @@ class Part:
         _remove(self.folder)
 
 
-def part_of(target: Path) -> Path:
+def work_folder(target: Path) -> Path:
     """The work folder of a target; a symbolic link is followed first."""
     target = target.resolve()
     return target.with_name(f"{target.name}.part")
 
 
-def finished(sweep: Sweep, target: Path, cases: bool) -> bool:
+def is_finished(sweep: Sweep, target: Path, cases: bool) -> bool:
     """Whether `target` holds this sweep already, with results of its cases if these are asked for.
 
     Raises
@@ -99,8 +99,8 @@ def finished(sweep: Sweep, target: Path, cases: bool) -> bool:
 
 
 @contextmanager
-def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Part]:
-    """The work folder of a sweep, made or found again, and kept from other processes meanwhile.
+def open_checkpoint(sweep: Sweep, target: Path, cases: bool = False, restart: bool = False) -> Iterator[Checkpoint]:
+    """The work folder of a sweep, new or of an earlier try, locked against other processes.
 
     cases: whether each case gets a results folder. restart: throw away what there is.
 
@@ -111,7 +111,7 @@ def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = Fals
     OSError
         The disk refuses, or something else is in the way.
     """
-    folder = part_of(target)
+    folder = work_folder(target)
     report.check_target(folder, "sweep")
     begun: dict[str, Any] = {"versions": versions(), "plots": cases}
     fresh = not (folder / JOURNAL / _BEGUN).exists()
@@ -131,12 +131,12 @@ def opened(sweep: Sweep, target: Path, cases: bool = False, restart: bool = Fals
         place = folder / CASES if cases else None
         if place is not None:
             _keep_only(place, {sweep.cases[i].name for i in done})
-        yield Part(folder, target.resolve(), journal, done, place)
+        yield Checkpoint(folder, target.resolve(), journal, done, place)
 
 
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Keep `folder` for this process; the system takes the lock away when the process dies."""
+    """Lock `folder` for this process; the system releases the lock when the process dies."""
     if fcntl is None:
         yield
         return
@@ -196,14 +196,14 @@ def _short(value: Any) -> str:
 
 
 def _clear(folder: Path) -> None:
-    """Remove what an earlier sweep left, the lock excepted."""
+    """Remove the rest of an earlier sweep, but not the lock."""
     for path in (*folder.iterdir(), *(folder / JOURNAL).iterdir()):
         if path.name not in (JOURNAL, ".lock"):
             _remove(path)
 
 
 def _keep_only(folder: Path, names: Set[str]) -> None:
-    """Remove results of cases that have no row: they may be half of it."""
+    """Remove results of cases without a row, which may be incomplete."""
     for path in folder.iterdir() if folder.exists() else ():
         if path.name not in names:
             _remove(path)
@@ -218,7 +218,7 @@ def _remove(path: Path) -> None:
 
 
 def _write_whole(path: Path, text: str) -> None:
-    """Write a file that is there whole or not at all."""
+    """Write a file completely or not at all."""
     making = path.with_suffix(".new")
     making.write_text(text, encoding="utf-8")
     _sync(making)

@@ -32,7 +32,7 @@ class ModelFailed(Exception):
 
 
 @dataclass(frozen=True)
-class Track:
+class Response:
     """Curves of a run over its time (s), from 0 to `end`; at rest they stay where they are.
 
     before: the same motion backwards in free flight, over the time before the start; None if nothing is asked there.
@@ -62,11 +62,11 @@ class Simulator:
     def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
         self._template, self._keys = template, tuple(keys)
         self.columns, self.early = tuple(columns), 0.0
-        self._tracks: dict[tuple[float, ...], Track] = {}
+        self._responses: dict[tuple[float, ...], Response] = {}
 
     def __getstate__(self) -> dict[str, object]:
-        """What goes to a worker: all but the runs, which it would make faster than it gets them."""
-        return self.__dict__ | {"_tracks": {}}
+        """What is sent to a worker: all but the cached runs, which it computes faster than it receives them."""
+        return self.__dict__ | {"_responses": {}}
 
     def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:
         """Scenario for values of the keys; raises ConfigError for a value that is not allowed."""
@@ -95,16 +95,16 @@ class Simulator:
             raise ModelFailed(results.status.message)
         return results
 
-    def track(self, values: tuple[float, ...]) -> Track:
+    def response(self, values: tuple[float, ...]) -> Response:
         """Curves of the run for values of the keys; raises ModelFailed."""
-        if values not in self._tracks:
-            if len(self._tracks) >= _KEPT:
-                self._tracks.pop(next(iter(self._tracks)))
+        if values not in self._responses:
+            if len(self._responses) >= _KEPT:
+                self._responses.pop(next(iter(self._responses)))
             results = self.results(values)
             before = self._curves(self._approach(values)) if self.early > 0.0 else None
             end, rests = float(results["time_s"][-1]), results.status.code == "rest"
-            self._tracks[values] = Track(self._curves(results), end, rests, before)
-        return self._tracks[values]
+            self._responses[values] = Response(self._curves(results), end, rests, before)
+        return self._responses[values]
 
     def _curves(self, results: Results) -> CubicSpline:
         return CubicSpline(results["time_s"], np.column_stack([results[name] for name in self.columns]))

@@ -14,7 +14,7 @@ from granular_contact.errors import SceneError
 from granular_contact.geometry.surface import greatest_depth, height_at, surface
 from granular_contact.scene import build
 from granular_contact.scene.bed import Bed
-from granular_contact.scene.reach import MARGIN, dips
+from granular_contact.scene.workspace import MARGIN, can_be_immersed
 
 # A hub of radius 20 mm, 100 mm above the sand, of a kind that its medium (for bars) does not take, and a link on it.
 HUB = """
@@ -73,7 +73,7 @@ def shifted(text: str, overrides: tuple[str, ...], by: tuple[float, float]) -> s
     except SceneError as error:
         return " ".join(sorted(fault.key for fault in error.faults))
     assert scene.bed is not None
-    return [[dips(scene.bed, body, shape) for shape in body.shapes] for body in scene.rigid]
+    return [[can_be_immersed(scene.bed, body, shape) for shape in body.shapes] for body in scene.rigid]
 
 
 @pytest.mark.parametrize(("text", "overrides"), SCENES)
@@ -104,14 +104,14 @@ def test_a_ball_reaches_by_its_radius() -> None:
         (body,) = scene.rigid
         (ball,) = (shape for shape in body.shapes if shape.kind == "ball")
         assert scene.bed is not None
-        assert dips(scene.bed, body, ball) == touches
+        assert can_be_immersed(scene.bed, body, ball) == touches
 
 
 def test_what_is_welded_at_an_angle_reaches_no_farther_than_it_does() -> None:
     """An arm of 0.09 m and, from its end, 0.09 m square to it: sqrt(2) times 0.09 m from the pin, not 0.18 m."""
     bent = BALL.replace("parent_point_m: [0.09, 0]", "parent_point_m: [0.09, 0], child_point_m: [0, -0.09]")
     (body,) = scene_of(bent).rigid
-    assert body.tether.reach(body.shapes[1].points[0]) == pytest.approx(math.hypot(0.09, 0.09), rel=1e-12)
+    assert body.workspace.radius(body.shapes[1].points[0]) == pytest.approx(math.hypot(0.09, 0.09), rel=1e-12)
 
 
 @settings(deadline=None)

@@ -1,4 +1,4 @@
-"""What a fit is asked for: runs, parameters and options, as they were written."""
+"""The request for a fit: runs, parameters and options, as they were written."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from granular_contact.studies.fit.problem import Loss
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """A parameter as asked for."""
+class ParameterRequest:
+    """A requested parameter."""
 
     key: tuple[str, ...]
     position: Position
@@ -27,8 +27,8 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class RunWanted:
-    """One run as asked for. columns: measured name -> header and place.
+class RunRequest:
+    """A requested run. columns: measured name -> header and place.
 
     offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found.
     """
@@ -41,16 +41,16 @@ class RunWanted:
     overrides: tuple[Override, ...] = ()
     columns: Mapping[str, tuple[str, Position]] = field(default_factory=dict)
     offset: float | tuple[float, float, float] = 0.0
-    parameters: tuple[Wanted, ...] = ()
+    parameters: tuple[ParameterRequest, ...] = ()
 
 
 @dataclass(frozen=True)
 class Specification:
-    """A fit as asked for. noise: measured name -> value and place."""
+    """A requested fit. noise: measured name -> value and place."""
 
     name: str
-    runs: tuple[RunWanted, ...]
-    parameters: tuple[Wanted, ...]
+    runs: tuple[RunRequest, ...]
+    parameters: tuple[ParameterRequest, ...]
     common: tuple[Override, ...]
     noise: Mapping[str, tuple[float, Position]]
     loss: Loss

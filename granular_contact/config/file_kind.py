@@ -1,4 +1,4 @@
-"""What a YAML file means to be, by its keys: a sweep, a fit, or else a config."""
+"""The kind of a YAML file by its keys: a sweep, a fit, or else a config."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from granular_contact.config.yaml_source import read_file
 
 
 def is_sweep(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a sweep; False for one that can't be read."""
+    """Whether the file at `path` is a sweep by its keys; False for one that can't be read."""
     return bool({"config", "cases", "vary", "sample"} & _keys(path))
 
 
 def is_fit(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a fit file; False for one that can't be read."""
+    """Whether the file at `path` is a fit file by its keys; False for one that can't be read."""
     return "runs" in _keys(path)
 
 

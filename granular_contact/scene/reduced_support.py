@@ -1,4 +1,4 @@
-"""Which mechanisms have a reduced model, told without building one."""
+"""Which mechanisms the reduced model supports."""
 
 from __future__ import annotations
 
@@ -6,35 +6,36 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.errors import scene_error
 from granular_contact.scene.types import Connection, FlexibleLink, Reduced, RigidBody, Scene
 
-CAN = (
+SUPPORTED = (
     "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
     "link, welded to that body by its root, in one medium with a level surface"
 )
 
 
-def check_reducible(scene: Scene, modes: int) -> None:
+def check_reduced(scene: Scene, modes: int) -> None:
     """Refuse a scene that can't be reduced to so many modes.
 
     Raises
     ------
     SceneError
-        With the key `method`, all that stands in the way, and what can be reduced.
+        With the key `method`, all obstacles, and what is supported.
     """
     obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene), *_media(scene)]
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
-        raise scene_error("method", f"{', and '.join(obstacles)}: {CAN}")
+        raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
 
 def _media(scene: Scene) -> Iterator[str]:
     if scene.bed is None:
         return
     if not scene.bed.plain:
-        yield "its bed is not level, or has several media or a floor that carries"
+        yield "its bed is not level, or has several media or a stiff floor"
     true_sign = isinstance(scene.method, Reduced) and scene.method.static == "true_sign"
     for medium in scene.media:
         if true_sign and not medium.by_component:
@@ -56,11 +57,11 @@ def _joints(scene: Scene) -> Iterator[str]:
         child, fits = _reduces(scene, joint)
         if not fits:
             where = "the ground" if joint.parent is None else joint.parent
-            yield f"{joint.name} is a {joint.kind} between {where} and {child}"
+            yield f"{joint.name} is {SINGULAR[joint.kind]} between {where} and {child}"
 
 
 def _extras(scene: Scene) -> Iterator[str]:
-    """What a reduced model has not: drives, settling, springs and the like in joints."""
+    """What a reduced model does not have: drives, settling, springs, dampers, stops and friction of joints."""
     if scene.drives:
         yield f"{scene.drives[0].joint} is driven"
     if scene.settle:
@@ -71,7 +72,7 @@ def _extras(scene: Scene) -> Iterator[str]:
 
 
 def _reduces(scene: Scene, joint: Connection) -> tuple[str, bool]:
-    """What a joint carries, in words, and whether the reduced model has such a joint."""
+    """The child of a joint, in words, and whether the reduced model supports such a joint."""
     child = scene.body(joint.child)
     if isinstance(child, RigidBody):
         return f"the rigid {child.name}", joint.kind == "hinge" and joint.parent is None

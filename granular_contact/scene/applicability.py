@@ -1,4 +1,4 @@
-"""Whether every shape has a law that takes it wherever it can get to, and every medium a shape that it takes."""
+"""Whether every shape has a law at every depth it can reach, and every medium a shape that it can act on."""
 
 from __future__ import annotations
 
@@ -7,31 +7,31 @@ from collections.abc import Iterator
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.catalogue import laws_for
 from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.law import Law, what_it_takes
 from granular_contact.scene.bed import Bed, places
-from granular_contact.scene.reach import dips, reaches
 from granular_contact.scene.types import Scene
+from granular_contact.scene.workspace import can_be_immersed, can_get_below
 
 
-def unsuited(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
-    """Shapes that get to where no medium takes them, media that take nothing that gets to them, balls in layers."""
+def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
+    """Shapes that can reach a depth without a law for them, media without a shape to act on, balls in layers."""
     if scene.bed is None or not scene.media:
         return
     layers, keys = scene.bed.layers, [key for _, key, _, _ in places(scenario)]
     parts = _getting_to(scene, scene.bed, 0.0)
     if not all(layer.whole for layer in layers) and any(kind == "ball" for _, kind in parts):
-        yield Fault("", None, "bed.layers", "a sphere is met as a whole: no layers are allowed with one")
+        yield scene_fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
         return
     for top in sorted({layer.top for layer in layers}):
         here = {keys[i]: layer.medium for i, layer in enumerate(layers) if layer.top == top}
-        yield from _unsuited_at(top, here, _getting_to(scene, scene.bed, top))
+        yield from _inapplicable_at(top, here, _getting_to(scene, scene.bed, top))
 
 
-def _unsuited_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
-    """Mismatches from a depth (m) on, of the media there, by their keys, with the parts that can get there."""
+def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
+    """Mismatches below a depth (m), between the media there, by their keys, and the parts that can get there."""
     taken = {kind for medium in media.values() for kind in medium.takes}
     given = "; ".join(dict.fromkeys(map(what_it_takes, media.values())))
     spared = [(part, kind) for part, kind in parts if kind not in taken]
@@ -39,14 +39,14 @@ def _unsuited_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]
         key, what = f"model.bodies.{part}", "can get into the sand"
         if top > 0.0:
             key, what = next(iter(media)), f"{part} can get that deep"
-        yield Fault("", None, key, f"{what}, but {given}; {_fitting(kind)}; or say in_sand: false of the shape")
+        yield scene_fault(key, f"{what}, but {given}; {_fitting(kind)}; or say in_sand: false of the shape")
     if spared or not parts:
         return
     kinds = dict.fromkeys(kind for _, kind in parts)
     for key, medium in media.items():
         if not kinds.keys() & set(medium.takes):
             fit = "; ".join(map(_fitting, kinds))
-            yield Fault("", None, key, f"{what_it_takes(medium)}, and nothing of the kind can get into it; {fit}")
+            yield scene_fault(key, f"{what_it_takes(medium)}, and nothing of the kind can get into it; {fit}")
 
 
 def _fitting(kind: Kind) -> str:
@@ -54,8 +54,8 @@ def _fitting(kind: Kind) -> str:
 
 
 def _getting_to(scene: Scene, bed: Bed, depth: float) -> list[tuple[str, Kind]]:
-    """Parts that can get below a depth (m), each once, with what a medium meets there."""
+    """Parts that can get below a depth (m), each once, with the kind of shape that a medium meets."""
     ends = [(link, np.array([[0.0, 0.0], [link.length, 0.0]])) for link in scene.links]
-    parts = [(link.name, link.kind) for link, both in ends if reaches(bed, link, *both, depth=depth)]
-    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if dips(bed, body, s, depth)]
+    parts = [(link.name, link.kind) for link, both in ends if can_get_below(bed, link, *both, depth=depth)]
+    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if can_be_immersed(bed, body, s, depth)]
     return list(dict.fromkeys(parts))

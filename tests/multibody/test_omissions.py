@@ -6,7 +6,7 @@ import pytest
 from support_runs import scene_of
 
 from granular_contact.multibody.build import build
-from granular_contact.multibody.explain import left_out
+from granular_contact.multibody.omissions import left_out
 from granular_contact.multibody.solve import solve
 
 PAIR = """

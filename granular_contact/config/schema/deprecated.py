@@ -1,6 +1,6 @@
 """Keys of earlier versions whose angles turned counter-clockwise, and those that replace them: all turn clockwise now.
 
-An old key still works, to the last digit; who reads a config is told what to write in its place (`config.older`).
+An old key still works, to the last digit; a notice says what to write instead (`config.deprecated`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _QUARTERS = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0,
 
 
 def successor(old: str, value: float) -> float | list[float]:
-    """Value of the new key for that of an old one: the angle the other way round, or the direction of an axis."""
+    """Value of the new key for that of an old one: the negative angle, or the direction of an axis."""
     if old != "axis_deg":
         return -value if value else 0.0
     quarter = _QUARTERS.get(value % 360.0)
