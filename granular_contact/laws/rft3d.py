@@ -86,17 +86,19 @@ class Rft3d(Law):
     @staticmethod
     def stress(tx, ty, ux, uy, m):
         """S (N/m^3) of the law; as `kernels.plates.stress`."""
-        sx, _, sy = in_space(ty, 0.0, -tx, ux, 0.0, uy, m)
-        return sx, sy
+        ax, _, ay = response(ty, 0.0, -tx, ux, 0.0, uy)
+        sx, sy = limited_in_plane(ax, ay, tx, ty, ux, uy, m)
+        return m.xi_n * sx, m.xi_n * sy
 
     @staticmethod
     def facet_stress(nx, ny, nz, ux, uy, uz, m):
         """S (N/m^3) of the law; as `kernels.facets.stress`."""
-        return in_space(nx, ny, nz, ux, uy, uz, m)
+        ax, ay, az = response(nx, ny, nz, ux, uy, uz)
+        return limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m)
 
 
-def in_space(nx, ny, nz, ux, uy, uz, m):
-    """S (3,) N/m^3 on an element with the normal n that moves in the direction u, unit vectors, z up."""
+def response(nx, ny, nz, ux, uy, uz):
+    """Generic response (3,) of an element with the normal n, either way, that moves in the direction u; z up."""
     if nz > 0.0:
         nx, ny, nz = -nx, -ny, -nz
     ax, ay, az = alpha(nx, ny, nz, ux, uy, uz)
@@ -104,7 +106,7 @@ def in_space(nx, ny, nz, ux, uy, uz, m):
         bx, by, bz = alpha(-nx, -ny, -nz, ux, uy, uz)
         w = 0.5 * (1.0 - nz / UPRIGHT)
         ax, ay, az = w * ax + (1.0 - w) * bx, w * ay + (1.0 - w) * by, w * az + (1.0 - w) * bz
-    return limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m)
+    return ax, ay, az
 
 
 def cubic(x1, x2, x3, k):
@@ -131,3 +133,13 @@ def limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m):
     ax, ay, az = normal * nx + share * tx, normal * ny + share * ty, normal * nz + share * tz
     power = max(0.0, ax * ux + ay * uy + az * uz)
     return m.xi_n * (ax - power * ux), m.xi_n * (ay - power * uy), m.xi_n * (az - power * uz)
+
+
+def limited_in_plane(ax, ay, tx, ty, ux, uy, m):
+    """S / xi_n as in `limited`, where the tangent t is known: without its root, which would cost a tenth of a strip."""
+    normal, along = ax * ty - ay * tx, ax * tx + ay * ty
+    most = m.mu_surf * abs(normal)
+    excess = along - min(most, max(-most, along))
+    ax, ay = ax - excess * tx, ay - excess * ty
+    power = max(0.0, ax * ux + ay * uy)
+    return ax - power * ux, ay - power * uy
