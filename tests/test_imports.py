@@ -27,10 +27,11 @@ MAY = {
     # Folders and figures by method calls of results: loaded when one is called.
     "results.methods": {"results", "report", "report.figures", "report.pages", "config", "scene", "errors"},
     "bed": {"bed", "kernels", "laws", "scene", "results", "geometry", "errors"},
+    "bed.space": {"bed.space", "bed", "kernels", "laws", "errors"},
     # Three ways through; the reduced one knows nothing of the others.
     # The coordinates of the engine's door and its observer, without the engine.
     "minimal": {"minimal", "bed", "multibody", "scene", "laws", "kernels", "results"},
-    "multibody": {"multibody", "bed", "results", "scene", "laws", "kernels", "geometry", "errors"},
+    "multibody": {"multibody", "bed", "bed.space", "results", "scene", "laws", "kernels", "geometry", "errors"},
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
     "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
@@ -131,6 +132,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         "matplotlib": ("report.figures",),
         "gymnasium": ("gym",),
         "pandas": (),
+        "trimesh": ("bed.space",),
     }
     for library in libraries & set(homes):
         assert part(dotted(path), IMPORTED) in homes[library]
@@ -155,13 +157,18 @@ def test_only_the_command_line_prints_and_exits(path: Path) -> None:
             assert "SystemExit" not in ast.unparse(node.exc)
 
 
-def loaded(code: str) -> set[str]:
-    """Top-level packages that a fresh interpreter holds after running code."""
-    code += "\nimport sys\nprint(' '.join(sorted({name.split('.')[0] for name in sys.modules})))"
+def modules_after(code: str) -> set[str]:
+    """Names of all modules that a fresh interpreter holds after running code."""
+    code += "\nimport sys\nprint(' '.join(sorted(sys.modules)))"
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=600
     )
     return set(done.stdout.splitlines()[-1].split())
+
+
+def loaded(code: str) -> set[str]:
+    """Top-level packages that a fresh interpreter holds after running code."""
+    return {name.split(".")[0] for name in modules_after(code)}
 
 
 RUN = """
@@ -191,6 +198,14 @@ def test_scene_without_medium_loads_no_numba() -> None:
     assert "numba" not in modules
     assert "matplotlib" not in modules
     assert "exudyn" in modules
+
+
+def test_a_planar_run_loads_nothing_of_space() -> None:
+    names = modules_after(RUN.format(config="pendulum", overrides=["solver.end_time_s=0.01"]))
+    assert "granular_contact.kernels.lines" in names  # the test would see it
+    space = {"facets", "bars", "slices"} | {path.stem for path in MODULES if path.stem.startswith("space_")}
+    assert not names & {f"granular_contact.kernels.{name}" for name in space}
+    assert not [name for name in names if name.startswith("granular_contact.bed.space")]
 
 
 def test_bed_out_of_reach_loads_no_numba() -> None:
