@@ -9,6 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 
 ROOT = Path(__file__).parents[1]
@@ -21,6 +22,35 @@ _kernels = sorted(path for name in ("kernels", "laws") for path in (ROOT / "gran
 _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _kernels)).hexdigest()[:16]
 _folder = Path(tempfile.gettempdir()) / f"granular-contact-{getpass.getuser()}-{_digest}"
 os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))
+
+# Files that begin, each the next that a worker without work takes: the first compiles the kernels that most files need,
+# while the second needs none. Then the longest, so that none of them is left over for one worker at the end.
+FIRST = (
+    "test_run.py",
+    "test_plots.py",
+    "test_bed.py",
+    "test_html.py",
+    "test_readme.py",
+    "test_line_tangents.py",
+    "test_recovery.py",
+    "test_sweep_cluster.py",
+    "test_sweep.py",
+    "test_turning.py",
+    "test_gallery.py",
+    "test_numbers.py",
+    "test_fit_recovery.py",
+    "test_runner.py",
+    "test_error_vs_run_time.py",
+    "test_sweep_resume.py",
+    "test_imports.py",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files of `FIRST` before the others; tests of a file stay together and in order."""
+    places = {name: i for i, name in enumerate(FIRST)}
+    items.sort(key=lambda item: places.get(item.path.name, len(FIRST)))
+
 
 # The same draws on every machine, so that a change alone turns a test red. New draws: --hypothesis-profile=seek.
 settings.register_profile("fixed", derandomize=True)

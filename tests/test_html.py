@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+import shutil
 from collections import Counter
 from collections.abc import Iterator
 from html.parser import HTMLParser
@@ -405,11 +406,18 @@ DAMAGES: tuple[tuple[str, bytes, str], ...] = (
 )
 
 
+@pytest.fixture(scope="module")
+def undamaged(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("undamaged") / "run"
+    report.write(make(), folder)
+    return folder
+
+
 @pytest.mark.parametrize(("name", "content", "words"), DAMAGES)
 def test_a_damaged_file_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes, words: str
+    undamaged: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes, words: str
 ) -> None:
-    report.write(make(), tmp_path / "run")
+    shutil.copytree(undamaged, tmp_path / "run")
     (tmp_path / "run" / name).write_bytes(content)
     assert cli.main(["report", str(tmp_path / "run")]) == 2
     told = capsys.readouterr().err

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,11 @@ def part(name: str, names: set[str]) -> str:
     return max(found, key=len, default=name.split(".")[0])
 
 
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 class WhenRun(ast.NodeTransformer):
     """Leaves out what is imported for checkers of types only."""
 
@@ -90,13 +96,12 @@ class WhenRun(ast.NodeTransformer):
         return None if ast.unparse(node.test) == "TYPE_CHECKING" else self.generic_visit(node)
 
 
+@cache
 def imports(path: Path, *, when_run: bool = False) -> set[str]:
     """Dotted names of all that a file imports, inside functions too; when_run: without what only types need."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    if when_run:
-        tree = WhenRun().visit(tree)
+    found = WhenRun().visit(ast.parse(path.read_text(encoding="utf-8"))) if when_run else tree(path)
     names: set[str] = set()
-    for node in ast.walk(tree):
+    for node in ast.walk(found):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -149,26 +154,12 @@ def test_only_the_command_line_prints_and_exits(path: Path) -> None:
     if dotted(path).startswith(("__main__", "cli")):
         return
     # (os._exit is left out: a worker process has to end without its parent.)
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.Call):
             name = ast.unparse(node.func)
             assert name not in ("print", "exit", "quit", "sys.exit", "sys.stdout.write", "sys.stderr.write")
         if isinstance(node, ast.Raise) and node.exc is not None:
             assert "SystemExit" not in ast.unparse(node.exc)
-
-
-def modules_after(code: str) -> set[str]:
-    """Names of all modules that a fresh interpreter holds after running code."""
-    code += "\nimport sys\nprint(' '.join(sorted(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=600
-    )
-    return set(done.stdout.splitlines()[-1].split())
-
-
-def loaded(code: str) -> set[str]:
-    """Top-level packages that a fresh interpreter holds after running code."""
-    return {name.split(".")[0] for name in modules_after(code)}
 
 
 RUN = """
@@ -179,42 +170,28 @@ scenario = config.load("configs/{config}.yaml", {overrides}).scenario
 results = run(build(scenario), scenario)
 assert len(results.table) > 10
 """
-
-
-def test_run_without_figures_loads_no_matplotlib(tmp_path: Path) -> None:
-    code = RUN.format(config="pendulum", overrides=["output.figures=false"])
-    code += f"""
+SHORT = "solver.end_time_s=0.01"
+# What a fresh interpreter does in turn. What is not loaded after a part was loaded by none before it.
+WITH_THE_ENGINE = {
+    "laws": "from granular_contact.laws import catalogue, floor, probe",
+    "a config is checked": 'from granular_contact import config\nconfig.load("configs/pendulum.yaml")',
+    "a scene is built": """
+from granular_contact import config, scene
+scene.build(config.load("configs/pendulum.yaml").scenario)
+""",
+    "a run without a medium": RUN.format(config="pendulum", overrides=["medium=null", SHORT]),
+    "a run out of reach of the bed": RUN.format(config="pendulum", overrides=["surface_height_m=-0.5", SHORT]),
+    "a run without figures": RUN.format(config="pendulum", overrides=["output.figures=false", SHORT])
+    + """
+import tempfile
 from pathlib import Path
 from granular_contact import report
-report.write(results, Path({str(tmp_path / "run")!r}), figures=False)
-"""
-    modules = loaded(code)
-    assert "matplotlib" not in modules
-    assert {"numba", "exudyn"} <= modules  # the test would see it
-
-
-def test_scene_without_medium_loads_no_numba() -> None:
-    modules = loaded(RUN.format(config="pendulum", overrides=["medium=null", "solver.end_time_s=0.01"]))
-    assert "numba" not in modules
-    assert "matplotlib" not in modules
-    assert "exudyn" in modules
-
-
-def test_a_planar_run_loads_nothing_of_space() -> None:
-    names = modules_after(RUN.format(config="pendulum", overrides=["solver.end_time_s=0.01"]))
-    assert "granular_contact.kernels.lines" in names  # the test would see it
-    space = {"facets", "bars", "slices"} | {path.stem for path in MODULES if path.stem.startswith("space_")}
-    assert not names & {f"granular_contact.kernels.{name}" for name in space}
-    assert not [name for name in names if name.startswith("granular_contact.bed.space")]
-
-
-def test_bed_out_of_reach_loads_no_numba() -> None:
-    modules = loaded(RUN.format(config="pendulum", overrides=["surface_height_m=-0.5", "solver.end_time_s=0.01"]))
-    assert "numba" not in modules
-
-
-def test_a_bed_on_given_poses_loads_no_engine() -> None:
-    code = """
+with tempfile.TemporaryDirectory() as folder:
+    report.write(results, Path(folder, "run"), figures=False)
+""",
+}
+WITHOUT_THE_ENGINE = {
+    "a bed on given poses": """
 import numpy as np
 from granular_contact import preset
 from granular_contact.bed.contact_lines import Body, polyline
@@ -225,27 +202,60 @@ pose, velocity = np.array([0.0, -0.02, 0.0]), np.array([0.0, -0.1, 0.0])
 load.start(pose)
 load.accept(0.0, pose, velocity)
 assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
-"""
-    modules = loaded(code)
-    assert "numba" in modules  # the test would see it
-    assert not modules & {"exudyn", "matplotlib"}
+""",
+    "a run in minimal coordinates": RUN.format(config="pendulum_rigid", overrides=["method=minimal", SHORT]),
+}
 
 
-def test_a_run_in_minimal_coordinates_loads_no_engine() -> None:
-    modules = loaded(RUN.format(config="pendulum_rigid", overrides=["method=minimal", "solver.end_time_s=0.01"]))
-    assert "numba" in modules
-    assert "exudyn" not in modules
+def loaded(parts: dict[str, str]) -> dict[str, set[str]]:
+    """Modules that a fresh interpreter holds after each of some parts of a program, packages among them."""
+    tell = "\nimport sys\nprint('loaded', ' '.join(sorted(sys.modules)))\n"
+    code = "".join(part + tell for part in parts.values())
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=600
+    )
+    lines = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("loaded ")]
+    return {name: set(line) for name, line in zip(parts, lines, strict=True)}
 
 
-def test_laws_load_no_compiler() -> None:
-    assert "numba" not in loaded("from granular_contact.laws import catalogue, floor, probe")
+@pytest.fixture(scope="module")
+def after() -> dict[str, set[str]]:
+    return loaded(WITH_THE_ENGINE)
 
 
-def test_checking_a_config_loads_no_engine() -> None:
-    modules = loaded('from granular_contact import config\nconfig.load("configs/pendulum.yaml")')
-    assert not modules & {"numba", "exudyn", "matplotlib", "scipy"}
+def test_run_without_figures_loads_no_matplotlib(after: dict[str, set[str]]) -> None:
+    modules = after["a run without figures"]
+    assert "matplotlib" not in modules
+    assert {"numba", "exudyn"} <= modules  # the tests would see them
 
 
-def test_building_a_scene_loads_no_engine() -> None:
-    code = 'from granular_contact import config, scene\nscene.build(config.load("configs/pendulum.yaml").scenario)'
-    assert not loaded(code) & {"numba", "exudyn", "matplotlib"}
+def test_a_planar_run_loads_nothing_of_space(after: dict[str, set[str]]) -> None:
+    names = after["a run without figures"]
+    assert "granular_contact.kernels.lines" in names  # the test would see it
+    space = {"facets", "bars", "slices"} | {path.stem for path in MODULES if path.stem.startswith("space_")}
+    assert not names & {f"granular_contact.kernels.{name}" for name in space}
+    assert not [name for name in names if name.startswith("granular_contact.bed.space")]
+
+
+def test_scene_without_medium_and_bed_out_of_reach_load_no_numba(after: dict[str, set[str]]) -> None:
+    assert "exudyn" in after["a run without a medium"]
+    assert "numba" not in after["a run without a medium"]
+    assert "numba" not in after["a run out of reach of the bed"]
+
+
+def test_laws_load_no_compiler(after: dict[str, set[str]]) -> None:
+    assert "numba" not in after["laws"]
+
+
+def test_checking_a_config_loads_no_engine(after: dict[str, set[str]]) -> None:
+    assert not after["a config is checked"] & {"numba", "exudyn", "matplotlib", "scipy"}
+
+
+def test_building_a_scene_loads_no_engine(after: dict[str, set[str]]) -> None:
+    assert not after["a scene is built"] & {"numba", "exudyn", "matplotlib"}
+
+
+def test_given_poses_and_minimal_coordinates_load_no_engine() -> None:
+    after = loaded(WITHOUT_THE_ENGINE)
+    assert "numba" in after["a bed on given poses"]  # the test would see it
+    assert not after["a run in minimal coordinates"] & {"exudyn", "matplotlib"}

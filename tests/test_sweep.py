@@ -21,7 +21,7 @@ import pytest
 from support_sweep import ANGLE, CONFIGS, ROOT, SPEED, TIME, arguments, command, dying, of_speed, read, until, write
 
 from granular_contact import report, scene
-from granular_contact.cli import sweep_progress
+from granular_contact.cli import main, sweep_progress
 from granular_contact.config import Scenario, Sweep, load_sweep
 from granular_contact.errors import ConfigError
 from granular_contact.results import Results
@@ -134,10 +134,16 @@ def dying_once(marker: Path, scenario: Scenario) -> Results:
     return of_speed(scenario)
 
 
-@pytest.fixture
-def numbered(tmp_path) -> Sweep:
+@pytest.fixture(scope="module")
+def numbered(tmp_path_factory) -> Sweep:
     """Twenty cases of the speeds 0 to 19."""
-    return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
+    return load_sweep(write(tmp_path_factory.mktemp("numbered"), f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
+
+
+@pytest.fixture(scope="module")
+def plain(numbered) -> list[Row]:
+    """Their rows by two workers to which nothing happens."""
+    return rows_of(numbered, of_speed)
 
 
 def rows_of(
@@ -165,8 +171,8 @@ def threads(workers: int) -> ThreadPoolExecutor:
 
 
 @pytest.mark.parametrize(("workers", "executor"), [(1, local), (20, threads), (1, threads)])
-def test_neither_workers_nor_executor_change_a_row(numbered, workers, executor):
-    assert rows_of(numbered, of_speed, workers, executor=executor) == rows_of(numbered, of_speed)
+def test_neither_workers_nor_executor_change_a_row(numbered, plain, workers, executor):
+    assert rows_of(numbered, of_speed, workers, executor=executor) == plain
 
 
 @pytest.mark.parametrize(
@@ -178,10 +184,10 @@ def test_neither_workers_nor_executor_change_a_row(numbered, workers, executor):
         (unsendable, {3}, "TypeError: function is not plain data"),
     ],
 )
-def test_a_case_that_fails_costs_its_own_row_only(numbered, function, lost, words, tmp_path):
+def test_a_case_that_fails_costs_its_own_row_only(numbered, plain, function, lost, words, tmp_path):
     rows = rows_of(numbered, function)
     assert {row.index for row in rows if row.failed} == lost
-    good = {row.index: row.summary for row in rows_of(numbered, of_speed)}
+    good = {row.index: row.summary for row in plain}
     for row in rows:
         if row.index in lost:
             assert set(row.summary) == {"status", "message"}
@@ -195,10 +201,10 @@ def test_a_case_that_fails_costs_its_own_row_only(numbered, function, lost, word
     assert (cells[SPEED], cells["status"], cells["speed"]) == ("3", "error", "")
 
 
-def test_a_case_that_was_only_near_a_crash_is_run_again(numbered, tmp_path):
+def test_a_case_that_was_only_near_a_crash_is_run_again(numbered, plain, tmp_path):
     """A worker killed from outside takes no result with it."""
     function = functools.partial(dying_once, tmp_path / "marker")
-    assert rows_of(numbered, function) == rows_of(numbered, of_speed)
+    assert rows_of(numbered, function) == plain
     assert (tmp_path / "marker").exists()
 
 
@@ -219,12 +225,12 @@ def test_real_failures_are_rows_and_told(tmp_path):
     assert f"stuck failed: {stuck['message']}" in done.stdout
 
 
-def test_an_absurd_case_is_refused_before_any_runs(tmp_path):
+def test_an_absurd_case_is_refused_before_any_runs(tmp_path, capsys, monkeypatch):
     path = tmp_path / "many.yaml"
     path.write_text(f"config: {CONFIGS / 'pendulum.yaml'}\ncases:\n  good: {{}}\n  absurd: {{{SPEED}: 1e50}}\n")
-    done = command("sweep", path, "--out", "out", folder=tmp_path)
-    assert done.returncode == 2
-    assert "starts with 1e+50 rad/s: allowed is less than 1e+08" in done.stderr
+    monkeypatch.chdir(tmp_path)
+    assert ended("sweep", path, "--out", "out") == 2
+    assert "starts with 1e+50 rad/s: allowed is less than 1e+08" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
@@ -286,26 +292,37 @@ def test_plots_give_each_case_its_results(tmp_path):
     ],
     ids=lambda value: " ".join(map(str, value))[-30:] if isinstance(value, list) else "",
 )
-def test_bad_input_ends_with_2_before_anything_runs(tmp_path, words, said):
+def test_bad_input_ends_with_2_before_anything_runs(tmp_path, capsys, monkeypatch, words, said):
     write(tmp_path, "cases:\n  a: {}\n")
     write(tmp_path, "cases: {a: {},\n  b: {medium.eta_q: 1}}\n", "bad.yaml")
     write(tmp_path, "cases:\n  a: {}\n  b: {bed.depth_m: 0.01, surface_height_m: 0}\n", "steep.yaml")
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "summary.json").touch()
     before = sorted(tmp_path.rglob("*"))
-    done = command("sweep", *words, folder=tmp_path)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert "Traceback" not in done.stderr
+    monkeypatch.chdir(tmp_path)
+    assert ended("sweep", *words) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert "Traceback" not in told
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_check_reads_sweeps_too(tmp_path):
+def ended(*words: object) -> int:
+    """What the command would end with, in this process."""
+    try:
+        return main([str(word) for word in words])
+    except SystemExit as end:
+        return int(end.code or 0)
+
+
+def test_check_reads_sweeps_too(tmp_path, capsys, monkeypatch):
     good = write(tmp_path, "cases:\n  a: {}\n", "good.yaml")
     write(tmp_path, "cases:\n  a: {}\n  b: {bed.depth_m: 0.01, surface_height_m: 0}\n", "bad.yaml")
-    done = command("check", "bad.yaml", good.name, folder=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "good.yaml: ok\n")
-    assert done.stderr.startswith("bad.yaml:4: bed.depth_m: ")
+    monkeypatch.chdir(tmp_path)
+    assert ended("check", "bad.yaml", good.name) == 2
+    told = capsys.readouterr()
+    assert told.out == "good.yaml: ok\n"
+    assert told.err.startswith("bad.yaml:4: bed.depth_m: ")
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from granular_contact.studies.sweep import cluster
 from granular_contact.studies.sweep.cluster import cluster_pool
 
 pytest.importorskip("distributed")
-QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 40}}\n"
+QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 12}}\n"
 
 
 def free_port() -> int:
@@ -88,13 +88,13 @@ def test_a_cluster_gives_the_table_of_one_worker_and_of_two(workers, tmp_path):
     for name, words in ways.items():
         done = command("sweep", path, "--out", tmp_path / name, *words, "--quiet")
         assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert timeless_bytes(tmp_path / "one").count(b"\n") == 41
+    assert timeless_bytes(tmp_path / "one").count(b"\n") == 13
     assert timeless_bytes(tmp_path / "two") == timeless_bytes(tmp_path / "one")
     assert timeless_bytes(tmp_path / "cluster") == timeless_bytes(tmp_path / "one")
 
 
 def test_results_of_cases_come_from_a_cluster_too(workers, tmp_path, monkeypatch):
-    path = write(tmp_path, f"{QUICK.replace('40', '2')}").name
+    path = write(tmp_path, f"{QUICK.replace('12', '2')}").name
     monkeypatch.chdir(tmp_path)  # the workers stand elsewhere
     done = command("sweep", path, "--out", "out", "--scheduler", workers, "--quiet", "--plots", folder=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -255,7 +255,8 @@ def beams(quick: bool) -> list[Setting]:
     coarse = (1e-3, 5e-4, 2e-4, 5e-5, 1e-5)
     if quick:
         fine, coarse = (1e-3, 2e-4, 5e-5), (1e-3, 2e-4)
-    found = [beam(n, h) for n in (4, 8, 16, 32, 64) for h in (fine if n == 4 else coarse)]
+    counts = (4, 8, 16) if quick else (4, 8, 16, 32, 64)
+    found = [beam(n, h) for n in counts for h in (fine if n == 4 else coarse)]
     for radius in (1.0, 0.7, 0.4, 0.0):
         option = (f"solver.spectral_radius={radius}",)
         found += [beam(4, h, option, f", radius {radius:g}", model=f"radius {radius:g}") for h in coarse]
@@ -567,7 +568,7 @@ def claims(points: Sequence[Point], found: Reference, worst: dict[str, float], r
 def study(quick: bool) -> Outcome:
     """Measure, tabulate and (in the full form) draw."""
     found = reference(quick)
-    rounds = 3 if quick else 9
+    rounds = 1 if quick else 9
     points = measure([*reductions(quick), *beams(quick)], found.path, rounds, 0.5)
     kinds = {kind: [p for p in points if p.setting.engine == kind] for kind in (True, False)}
     fronts = {key: front(points, key, found.uncertainty) for key in KEYS}

@@ -350,10 +350,19 @@ def frame(axes: Axes, title: str, across: str, up: str) -> None:
 # ---- the study ----
 
 
+def impacts(step: float) -> Runs:
+    """The twelve impacts by all models."""
+    return {(model, *case): simulate(model, *case, step) for model in MODELS for case in CASES}
+
+
 def study(quick: bool) -> Outcome:
     """Tables and claims; figures too, unless quick."""
     step = QUICK_STEP if quick else STEP
-    runs = {(model, *case): simulate(model, *case, step) for model in MODELS for case in CASES}
+    return outcome(impacts(step), step, figures=not quick)
+
+
+def outcome(runs: Runs, step: float, figures: bool) -> Outcome:
+    """Tables and claims of these impacts, computed with this step (s)."""
     peaks = np.array([simulate(FE, angle, EQUAL_SPEED, step).summary["max_deflection_m"] for angle in SPEEDS])
     claims = [*motion_claims(runs), *deflection_claims(runs, peaks), *model_claims(runs), *check_claims(runs)]
     one, fe = (numbers(runs, model, "max_deflection_m") for model in (ONE, FE))
@@ -365,7 +374,7 @@ def study(quick: bool) -> Outcome:
         "Impacts at one speed: deflection against angle, without the speed that differs between the paper's angles.",
         equal_speed_table(peaks),
     ]
-    if not quick:
+    if figures:
         text.append(draw(runs))
     return Outcome("\n\n".join(text), tuple(claims))
 

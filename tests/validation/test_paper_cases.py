@@ -13,13 +13,13 @@ NOT_HELD = "paper_cases.deflection grows with angle"
 
 
 @pytest.fixture(scope="module")
-def outcome() -> Outcome:
-    return study.study(True)
+def runs() -> study.Runs:
+    return study.impacts(study.QUICK_STEP)
 
 
 @pytest.fixture(scope="module")
-def runs() -> study.Runs:
-    return {(m, *case): study.simulate(m, *case, study.QUICK_STEP) for m in study.MODELS for case in study.CASES}
+def outcome(runs: study.Runs) -> Outcome:
+    return study.outcome(runs, study.QUICK_STEP, figures=False)
 
 
 def spoilt(runs: study.Runs, model: str, case: tuple[float, float], key: str, value: float) -> study.Runs:

@@ -32,7 +32,8 @@ def test_there_are_enough_cases() -> None:
 def found() -> list[study.Found]:
     chosen = [case for case in cases() if (case.factor, case.value) in CELLS]
     assert len(chosen) == len(CELLS)
-    return [study.look(case, True) for case in chosen]
+    # The limits of time of the full form: a busy machine must not end a run that says itself why it fails.
+    return [study.look(case, False) for case in chosen]
 
 
 def test_cells_keep_the_claims(found: list[study.Found]) -> None:
