@@ -3,7 +3,8 @@
 Two doors. For runs from YAML: `load` a config and `simulate` it, or the command line; `load("runner",
 solver={"accuracy": 1e-3})` and `replace(medium={"eta_d": 5})` change values; `Results` have their columns by name and
 are plotted, saved and opened; a `Simulation` goes on step by step. For an Exudyn model of your own: `GranularBed` with
-a medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`.
+a medium, for example `preset("play_sand")` or a law with numbers of your own; a law of your own is a `Law`; in space
+with shapes such as `Box` or `Mesh`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from granular_contact.bed.space.shapes import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Sphere
     from granular_contact.config.add_law import add_law
     from granular_contact.config.load import load
     from granular_contact.laws.albert import Albert
@@ -41,7 +43,12 @@ if TYPE_CHECKING:
 _HOMES = {
     "Albert": ("granular_contact.laws.albert", "Albert"),
     "Allen": ("granular_contact.laws.allen", "Allen"),
+    "Bar": ("granular_contact.bed.space.shapes", "Bar"),
     "Bingham": ("granular_contact.laws.bingham", "Bingham"),
+    "Box": ("granular_contact.bed.space.shapes", "Box"),
+    "Capsule": ("granular_contact.bed.space.shapes", "Capsule"),
+    "Cone": ("granular_contact.bed.space.shapes", "Cone"),
+    "Cylinder": ("granular_contact.bed.space.shapes", "Cylinder"),
     "Drft": ("granular_contact.laws.drft", "Drft"),
     "Elastoplastic": ("granular_contact.laws.static_friction", "Elastoplastic"),
     "Floor": ("granular_contact.laws.floor", "Floor"),
@@ -52,6 +59,8 @@ _HOMES = {
     "Layer": ("granular_contact.laws.layer", "Layer"),
     "LeeMarghitu": ("granular_contact.laws.lee_marghitu", "LeeMarghitu"),
     "LinearDepth": ("granular_contact.laws.linear_depth", "LinearDepth"),
+    "Mesh": ("granular_contact.bed.space.shapes", "Mesh"),
+    "Plate": ("granular_contact.bed.space.shapes", "Plate"),
     "Poncelet": ("granular_contact.laws.poncelet", "Poncelet"),
     "Results": ("granular_contact.results", "Results"),
     "Rft": ("granular_contact.laws.rft", "Rft"),
@@ -59,6 +68,7 @@ _HOMES = {
     "RftCoefficients": ("granular_contact.laws.rft", "RftCoefficients"),
     "Simulation": ("granular_contact.simulation", "Simulation"),
     "Smooth": ("granular_contact.laws.static_friction", "Smooth"),
+    "Sphere": ("granular_contact.bed.space.shapes", "Sphere"),
     "TsimringVolfson": ("granular_contact.laws.tsimring_volfson", "TsimringVolfson"),
     "VerticalResistance": ("granular_contact.laws.lee_marghitu", "VerticalResistance"),
     "add_law": ("granular_contact.config.add_law", "add_law"),
@@ -73,7 +83,12 @@ _HOMES = {
 __all__ = [
     "Albert",
     "Allen",
+    "Bar",
     "Bingham",
+    "Box",
+    "Capsule",
+    "Cone",
+    "Cylinder",
     "Drft",
     "Elastoplastic",
     "Floor",
@@ -84,6 +99,8 @@ __all__ = [
     "Layer",
     "LeeMarghitu",
     "LinearDepth",
+    "Mesh",
+    "Plate",
     "Poncelet",
     "Results",
     "Rft",
@@ -91,6 +108,7 @@ __all__ = [
     "RftCoefficients",
     "Simulation",
     "Smooth",
+    "Sphere",
     "TsimringVolfson",
     "VerticalResistance",
     "add_law",

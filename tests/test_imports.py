@@ -28,10 +28,11 @@ MAY = {
     # Folders and figures by method calls of results: loaded when one is called.
     "results.methods": {"results", "report", "report.figures", "report.pages", "config", "scene", "errors"},
     "bed": {"bed", "kernels", "laws", "scene", "results", "geometry", "errors"},
+    "bed.space": {"bed.space", "bed", "kernels", "laws", "errors"},
     # Three ways through; the reduced one knows nothing of the others.
     # The coordinates of the engine's door and its observer, without the engine.
     "minimal": {"minimal", "bed", "multibody", "scene", "laws", "kernels", "results"},
-    "multibody": {"multibody", "bed", "results", "scene", "laws", "kernels", "geometry", "errors"},
+    "multibody": {"multibody", "bed", "bed.space", "results", "scene", "laws", "kernels", "geometry", "errors"},
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
     "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
@@ -136,6 +137,7 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         "matplotlib": ("report.figures",),
         "gymnasium": ("gym",),
         "pandas": (),
+        "trimesh": ("bed.space",),
     }
     for library in libraries & set(homes):
         assert part(dotted(path), IMPORTED) in homes[library]
@@ -206,8 +208,8 @@ assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
 
 
 def loaded(parts: dict[str, str]) -> dict[str, set[str]]:
-    """Top-level packages that a fresh interpreter holds after each of some parts of a program."""
-    tell = "\nimport sys\nprint('loaded', ' '.join(sorted({name.split('.')[0] for name in sys.modules})))\n"
+    """Modules that a fresh interpreter holds after each of some parts of a program, packages among them."""
+    tell = "\nimport sys\nprint('loaded', ' '.join(sorted(sys.modules)))\n"
     code = "".join(part + tell for part in parts.values())
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=600
@@ -225,6 +227,14 @@ def test_run_without_figures_loads_no_matplotlib(after: dict[str, set[str]]) -> 
     modules = after["a run without figures"]
     assert "matplotlib" not in modules
     assert {"numba", "exudyn"} <= modules  # the tests would see them
+
+
+def test_a_planar_run_loads_nothing_of_space(after: dict[str, set[str]]) -> None:
+    names = after["a run without figures"]
+    assert "granular_contact.kernels.lines" in names  # the test would see it
+    space = {"facets", "bars", "slices"} | {path.stem for path in MODULES if path.stem.startswith("space_")}
+    assert not names & {f"granular_contact.kernels.{name}" for name in space}
+    assert not [name for name in names if name.startswith("granular_contact.bed.space")]
 
 
 def test_scene_without_medium_and_bed_out_of_reach_load_no_numba(after: dict[str, set[str]]) -> None:

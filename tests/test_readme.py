@@ -128,6 +128,20 @@ def test_five_lines_of_python_print_what_they_say(capsys, tmp_path, monkeypatch)
     assert len(results.plot("tip_x_m", "tip_y_m").axes) == 1
 
 
+def test_the_script_in_space_comes_to_rest_under_its_weight(capsys, tmp_path, monkeypatch) -> None:
+    script = next(block for block in blocks("python") if "add_body" in block)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    exec(script, names)
+    bed = names["bed"]
+    weight = 2700 * 0.1 * 0.08 * 0.06 * 9.81
+    np.testing.assert_allclose(bed.force, [0.0, 0.0, weight], atol=1e-6)  # type: ignore[attr-defined]
+    assert f"carried by {weight:.3f} N" in README
+    depth = re.search(r"at rest, ([\d.]+) mm deep,\s+carried by 12", README)
+    assert depth is not None
+    assert f"depth {depth[1]} mm" in capsys.readouterr().out
+
+
 def test_the_first_run_leaves_what_the_table_names(tmp_path: Path) -> None:
     line = next(line for line in blocks("sh")[0].splitlines() if "granular-contact run" in line)
     arguments = shlex.split(line.split("granular-contact", 1)[1])

@@ -138,7 +138,7 @@ class HistoryTable:
             return self.history().at_end()
         first, before = self._summed
         rows = self._rows[first : self.length]
-        work = before + _integral(self._power(rows), rows[:, TIME])
+        work = before + integral(self._power(rows), rows[:, TIME])
         self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
         return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
 
@@ -155,9 +155,9 @@ class HistoryTable:
         used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
         return LoadHistory(
             time=time,
-            work=_integral(power, time) if self._work is None else self._work,
+            work=integral(power, time) if self._work is None else self._work,
             power=power,
-            floor_work=_integral(rows[:, sand : self._first_term].sum(axis=1), time),
+            floor_work=integral(rows[:, sand : self._first_term].sum(axis=1), time),
             depth=rows[:, DEPTH],
             coarser=rows[:, COARSER : COARSER + 3],
             speed=rows[:, SPEED],
@@ -171,7 +171,7 @@ class HistoryTable:
         )
 
 
-def _integral(power: Vector, time: Vector) -> Vector:
+def integral(power: Vector, time: Vector) -> Vector:
     """Work (n,) J done since the first row by a power (n,) W."""
     steps = 0.5 * np.diff(time) * (power[1:] + power[:-1])
     work: Vector = np.cumsum(np.concatenate([np.zeros(min(len(time), 1)), steps]))

@@ -26,7 +26,8 @@ from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.planar_friction import radial_return
 
 FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress")
-PARTS = {"constants", "by_component", *FORCES}  # of a law, that make it another one for the kernels
+IN_SPACE = ("facet_stress", "facet_force", "bar_force", "bar_cap", "space_ball_force")  # see `space_joining`
+PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
 FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
 _called: set[FunctionType] = set()
 
@@ -49,15 +50,15 @@ def record_type(owner: Any) -> np.dtype:
     if "drag_anchor" not in forces:
         forces["drag_anchor"] = component_return if owner.by_component else radial_return
     for function in forces.values():
-        _let_call_others(function)
+        let_call_others(function)
     if "stress" in forces:
         law.provide(plates.stress, "m", dtype)(forces.pop("stress"))
         forces.setdefault("strip_force", plates.static_force)
-    law.LAWS[dtype] = {name: _compiled(function) for name, function in forces.items()}
+    law.LAWS[dtype] = {name: compiled(function) for name, function in forces.items()}
     return dtype
 
 
-def _compiled(function: Any) -> Any:
+def compiled(function: Any) -> Any:
     """As numba compiles it when its address is asked for; kept on disk where the function has a file."""
     if not isinstance(function, FunctionType):
         return function
@@ -73,7 +74,7 @@ def _content(owner: Any) -> str:
     return uuid.uuid4().hex if file is None else hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
 
 
-def _let_call_others(function: Callable[..., Any]) -> None:
+def let_call_others(function: Callable[..., Any]) -> None:
     """Let compiled code call the plain functions that a plain function calls."""
     if not isinstance(function, FunctionType):  # compiled already
         return
@@ -82,4 +83,4 @@ def _let_call_others(function: Callable[..., Any]) -> None:
         if isinstance(other, FunctionType) and other not in _called:
             _called.add(other)
             register_jitable(other)
-            _let_call_others(other)
+            let_call_others(other)

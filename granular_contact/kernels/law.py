@@ -64,17 +64,17 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 }
 
 
-def _call(name: str) -> Any:
+def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> Any:
     """Function for kernels: (medium, arguments) -> result of what the medium's record has under this name.
 
-    The record of the medium, or the law's own in it, is put among the arguments where the function takes it.
+    kinds, result: types of the function's arguments and of what it gives; layout: of the medium's record. That record,
+    or the law's own in it, is put among the arguments where the function takes it.
     """
-    kinds, result = _SIGNATURES[name]
 
     @intrinsic
     def call(typing_context, medium, arguments):
-        if medium != from_dtype(LAW):  # a law's own record, say, which has no addresses
-            raise TypingError(f"got {medium} for a medium, allowed is a record of LAW")
+        if medium != from_dtype(layout):  # a law's own record, say, which has no addresses
+            raise TypingError(f"got {medium} for a medium, allowed is a record of {layout.names}")
 
         def generate(context, builder, signature, values):
             record, given = values
@@ -84,11 +84,11 @@ def _call(name: str) -> Any:
                 wanted = [kind for kind in kinds if kind not in (OWN, medium)][i]
                 passed[i] = context.cast(builder, passed[i], have, wanted)
             if OWN in kinds:
-                passed.insert(kinds.index(OWN), builder.bitcast(_offset(builder, at, "own"), record.type))
+                passed.insert(kinds.index(OWN), builder.bitcast(_offset(builder, at, layout, "own"), record.type))
             else:
                 passed.insert(kinds.index(medium), record)
             types_there = [medium if kind is OWN else kind for kind in kinds]  # any record is a pointer
-            address = builder.load(builder.bitcast(_offset(builder, at, name), cgutils.intp_t.as_pointer()))
+            address = builder.load(builder.bitcast(_offset(builder, at, layout, name), cgutils.intp_t.as_pointer()))
             pointer = context.call_conv.get_function_type(result, types_there).as_pointer()
             callee = builder.inttoptr(address, pointer)
             status, value = context.call_conv.call_function(builder, callee, result, types_there, passed)
@@ -101,11 +101,11 @@ def _call(name: str) -> Any:
     return call
 
 
-def _offset(builder: Any, at: Any, field: str) -> Any:
-    return builder.gep(at, [cgutils.intp_t(LAW.fields[field][1])])  # type: ignore[index]
+def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
+    return builder.gep(at, [cgutils.intp_t(layout.fields[field][1])])  # type: ignore[index]
 
 
-_forces, _strip, _cap, _ball, _anchor = (_call(name) for name in _SIGNATURES)
+_forces, _strip, _cap, _ball, _anchor = (caller(name, *_SIGNATURES[name], LAW) for name in _SIGNATURES)
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -164,18 +164,23 @@ def record_of(own: np.ndarray, forces: Any) -> np.ndarray:
     TypeError
         The law has too many numbers.
     """
+    return filled(own, LAWS[own.dtype] | {"forces": forces}, LAW, _SIGNATURES)
+
+
+def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatures: dict[str, Any]) -> np.ndarray:
+    """Record (1,) of a layout with a law's own record (1,) and the addresses of functions; errors as of `record_of`."""
     if own.nbytes > 8 * SIZE:
         raise TypeError(f"got a law with the numbers {own.dtype.names}, allowed are {SIZE} of 8 bytes")
-    medium = np.zeros(1, LAW)
+    medium = np.zeros(1, layout)
     medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
-    for name, function in (LAWS[own.dtype] | {"forces": forces}).items():
-        medium[name] = _address(function, name, from_dtype(own.dtype))
+    for name, function in functions.items():
+        medium[name] = _address(function, signatures[name][0], from_dtype(own.dtype))
     return medium
 
 
 @cache
-def _address(function: Any, name: str, own: Any) -> int:
-    arguments = tuple(own if kind is OWN else kind for kind in _SIGNATURES[name][0])
+def _address(function: Any, kinds: tuple[Any, ...], own: Any) -> int:
+    arguments = tuple(own if kind is OWN else kind for kind in kinds)
     function.compile(arguments)
     compiled = function.overloads[arguments]
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))

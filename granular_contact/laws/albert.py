@@ -40,3 +40,11 @@ class Albert(Law):
         """Add the horizontal term; arguments as in `kernels.law.strip_force`."""
         k = m.eta_h_g_rho * run.width
         kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[0])
+
+    @staticmethod
+    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+        """Add the horizontal term in space; arguments as in `kernels.space_law.bar_force`."""
+        k = m.eta_h_g_rho * cluster.width
+        kernels.bars.horizontal_force(
+            a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, k, m, f[0]
+        )  # fmt: skip

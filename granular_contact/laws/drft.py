@@ -3,8 +3,9 @@
     traction = z S(t, u) - lam rho v_n |v_n| n
 
 with the true velocity v and its part v_n normal to the element; on a one-sided outline only where n . v > 0. The free
-surface may be lowered by delta_h. With w = t x v = v_n and n = (-t_y, t_x), the inertial term of a straight strip is a
-cubic in xi on either side of the zero of w, which two Gauss points integrate exactly.
+surface may be lowered by delta_h. In space n is the normal of a facet. With w = t x v = v_n and n = (-t_y, t_x), the
+inertial term of a straight strip is a cubic in xi on either side of the zero of w, which two Gauss points integrate
+exactly.
 """
 
 from __future__ import annotations
@@ -60,6 +61,19 @@ class Drft(Law):
         kernels.plates.static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f)
         inertial_force(a, b, cx / length, cy / length, v0x, v0y, v1x, v1y, m.lam_rho * run.width * length, run, f)
 
+    @staticmethod
+    def facet_force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
+        """Static and inertial traction; as `kernels.space_law.facet`, z below the lowered surface."""
+        sx, sy, sz, _, _, _ = kernels.facets.static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m)
+        w = nx * vx + ny * vy + nz * vz
+        inertial = 0.0 if side * w < 0.0 else pressure(w, m.lam_rho)
+        return sx, sy, sz, -inertial * nx, -inertial * ny, -inertial * nz
+
+
+def pressure(w, lam_rho):
+    """Inertia lam rho w |w| (Pa) of the grains before an element with the velocity w (m/s) along its normal."""
+    return lam_rho * w * abs(w)
+
 
 def inertial_force(a, b, tx, ty, v0x, v0y, v1x, v1y, k, run, f):
     """Add the inertial term to f[INERTIAL]; t unit tangent of the chord, k = lam rho b |c| (kg/m)."""
@@ -75,7 +89,7 @@ def inertial_force(a, b, tx, ty, v0x, v0y, v1x, v1y, k, run, f):
             w = sx * ((1.0 - xi) * v0y + xi * v1y) - sy * ((1.0 - xi) * v0x + xi * v1x)
             if run.side * w < 0.0:
                 continue
-            density = 0.5 * (end - start) * k * w * abs(w)
+            density = 0.5 * (end - start) * pressure(w, k)
             f[INERTIAL, 0, 0] += (1.0 - xi) * density * sy
             f[INERTIAL, 0, 1] -= (1.0 - xi) * density * sx
             f[INERTIAL, 1, 0] += xi * density * sy

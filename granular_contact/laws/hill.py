@@ -52,8 +52,21 @@ class Hill(Law):
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
         """Add the vertical term; arguments as in `kernels.law.strip_force`."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
-        k = m.g_rho * 0.25 * math.pi * run.width * run.width
-        scale = m.l if m.l > 0.0 else run.width
+        k, scale = factor(run.width, m)
         kernels.bar_statics.vertical_force(
             a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f[0]
         )  # fmt: skip
+
+    @staticmethod
+    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+        """Add the vertical term in space; arguments as in `kernels.space_law.bar_force`."""
+        eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
+        k, scale = factor(cluster.width, m)
+        kernels.bars.vertical_force(
+            a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, f[0]
+        )  # fmt: skip
+
+
+def factor(d, m):
+    """Factor g rho A (N/m) of a bar of diameter d, and the length l (m) of its depths."""
+    return m.g_rho * 0.25 * math.pi * d * d, m.l if m.l > 0.0 else d

@@ -8,7 +8,8 @@ With local depth z, velocity v, unit tangent t, diameter d and section area A = 
 
 Over a straight link that pierces the surface these integrate to the resultants of the source paper [rebuilt there, see
 README]. (eta_v, lam) have one value for plunging (v_y < 0) and one for withdrawing. The sign is regularised in
-`kernels.friction`.
+`kernels.friction`. In space sgn(v_x) e_x becomes the horizontal direction r of the motion and |t_y| becomes
+|t x r| [ours], see `kernels.bars`.
 
 A strip has end positions p_0, p_1 with c = p_1 - p_0, so that ds = |c| dxi, |t x v| ds = |c x v| dxi and
 |t_y| ds = |c_y| dxi.
@@ -88,26 +89,62 @@ class LeeMarghitu(Law):
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
         """Add the three force terms; arguments as in `kernels.law.strip_force`, run.width is the diameter d."""
         d = run.width
-        if m.eta_d != 0.0:
-            drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, m.eta_d * m.rho * d, f[DRAG])
-        if m.eta_h != 0.0:
-            k = m.eta_h * m.g * m.rho * d
-            kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[HORIZONTAL])
+        drag, horizontal, vertical = factors(d, m)
+        if drag != 0.0:
+            drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, drag, f[DRAG])
+        if horizontal != 0.0:
+            kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, horizontal, m, f[HORIZONTAL])
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
-        k = m.g * m.rho * 0.25 * math.pi * d * d
         kernels.bar_statics.vertical_force(
-            a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, d, m, f[VERTICAL]
+            a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, vertical, eta, lam, d, m, f[VERTICAL]
+        )  # fmt: skip
+
+    @staticmethod
+    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+        """Add the three force terms in space; arguments as in `kernels.space_law.bar_force`."""
+        d = cluster.width
+        drag, horizontal, vertical = factors(d, m)
+        if drag != 0.0:
+            kernels.bars.drag_force(a, b, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, drag, f[DRAG])
+        if horizontal != 0.0:
+            kernels.bars.horizontal_force(
+                a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, horizontal, m, f[HORIZONTAL]
+            )  # fmt: skip
+        eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
+        kernels.bars.vertical_force(
+            a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, vertical, eta, lam, d, m, f[VERTICAL]
         )  # fmt: skip
 
     @staticmethod
     def cap_force(cx, cy, vx, vy, run, m, f):
         """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
-        d, length = run.width, math.hypot(cx, cy)
+        length = math.hypot(cx, cy)
         if length == 0.0:  # looks nowhere
             return
-        k = m.eta_d * m.rho * 0.25 * math.pi * d * d * abs(cx / length * vx + cy / length * vy)
+        k = face(run.width, m) * abs(cx / length * vx + cy / length * vy)
         f[DRAG, 1, 0] -= k * vx
         f[DRAG, 1, 1] -= k * vy
+
+    @staticmethod
+    def bar_cap(cx, cy, cz, vx, vy, vz, cluster, m, f):
+        """As `cap_force`, in space; arguments as in `kernels.space_law.cap_force`."""
+        length = math.sqrt(cx * cx + cy * cy + cz * cz)
+        if length == 0.0:
+            return
+        k = face(cluster.width, m) / length * abs(cx * vx + cy * vy + cz * vz)
+        f[DRAG, 1, 0] -= k * vx
+        f[DRAG, 1, 1] -= k * vy
+        f[DRAG, 1, 2] -= k * vz
+
+
+def factors(d, m):
+    """Factors of the terms: eta_d rho d (kg/m^2), eta_h g rho d (N/m^2) and g rho A (N/m) of a bar of diameter d."""
+    return m.eta_d * m.rho * d, m.eta_h * m.g * m.rho * d, m.g * m.rho * 0.25 * math.pi * d * d
+
+
+def face(d, m):
+    """Factor eta_d rho A (kg/m) of the drag on an end face."""
+    return m.eta_d * m.rho * 0.25 * math.pi * d * d
 
 
 def drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, k, f):

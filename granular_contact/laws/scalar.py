@@ -39,18 +39,37 @@ class ScalarLaw(Law):
     @staticmethod
     def ball_force(z, vx, vy, ex, ey, run, m, f):
         """Add the force of a ball to f[term, xy]; arguments as in `kernels.law.ball_force`."""
-        there = min(1.0, z / (SHALLOW * run.width))  # of the terms without depth
+        static, viscous, quadratic = resistance(z, math.hypot(vx, vy), run, m)
         qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
         ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
-        static = share * (there * m.F0 + (m.k * z if m.p == 1.0 else m.k * z**m.p))
+        static *= share
         f[STATIC, 0] -= static * ux
         f[STATIC, 1] -= static * uy
-        viscous, quadratic = there * m.b, there * coefficient(run, m) * math.hypot(vx, vy)
         f[VISCOUS, 0] -= viscous * vx
         f[VISCOUS, 1] -= viscous * vy
         last = int(m.quadratic)
         f[last, 0] -= quadratic * vx
         f[last, 1] -= quadratic * vy
+
+    @staticmethod
+    def space_ball_force(z, vx, vy, vz, ex, ey, ez, cluster, m, f):
+        """Add the force of a ball in space to f[term, xyz]; arguments as in `kernels.space_law.ball_force`."""
+        static, viscous, quadratic = resistance(z, math.sqrt(vx * vx + vy * vy + vz * vz), cluster, m)
+        qx, qy, qz, _ = kernels.space_friction.drive(ex, ey, ez, vx, vy, vz, m)
+        ux, uy, uz, share, _ = kernels.space_friction.mobilised(qx, qy, qz, m)
+        static *= share
+        last = int(m.quadratic)
+        for k, u, v in ((0, ux, vx), (1, uy, vy), (2, uz, vz)):
+            f[STATIC, k] -= static * u
+            f[VISCOUS, k] -= viscous * v
+            f[last, k] -= quadratic * v
+
+
+def resistance(z, speed, run, m):
+    """Resistance at a depth z (m): bound of the static part (N), and factors of the velocity (N s/m) in the others."""
+    there = min(1.0, z / (SHALLOW * run.width))  # of the terms without depth
+    static = there * m.F0 + (m.k * z if m.p == 1.0 else m.k * z**m.p)
+    return static, there * m.b, there * coefficient(run, m) * speed
 
 
 def coefficient(run, m):

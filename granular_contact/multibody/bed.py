@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,9 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.coupling import Coupling
+
+if TYPE_CHECKING:
+    from granular_contact.bed.space.shapes import Shape
 
 Vector = NDArray[np.float64]
 
@@ -45,8 +48,13 @@ class GranularBed:
         For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
     surface : float or (k, 2) array
         Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
-    slope : float
-        Rise per length of a surface given by its height, which is then that at x = 0; it has no end.
+        In space its height along `up`, where it is sloped that at the world origin.
+    slope : float or, in space, (3,) array
+        Rise per length of a surface given by its height, which is then that at x = 0; it has no end. In space the rise
+        along each axis of the world.
+    up : (3,) array, optional
+        Makes the bed one in space, on rigid bodies that move as they like (`add_body`): the direction, in the world
+        frame, against which depth is counted and gravity acts on the medium.
     gravity : float
         Magnitude of gravity (m/s2) in the static resistance of the medium.
     static : Elastoplastic or Smooth
@@ -65,7 +73,8 @@ class GranularBed:
 
     Notes
     -----
-    Bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an error.
+    Without `up` bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an
+    error. With it, media fill the whole bed and there is no floor.
 
     `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
 
@@ -79,15 +88,24 @@ class GranularBed:
         medium: Law | Layer | Sequence[Law | Layer],
         surface: ArrayLike,
         *,
-        slope: float = 0.0,
+        slope: ArrayLike = 0.0,
+        up: ArrayLike | None = None,
         gravity: float = 9.81,
         static: Elastoplastic | Smooth | None = None,
         form: str = "distributed",
         end_cap: bool = False,
         floor: Floor | None = None,
     ) -> None:
-        options: dict[str, Any] = {"slope": slope, "gravity": gravity, "static": static, "form": form}
-        self.load = GranularLoad(medium, surface, **options, end_cap=end_cap, floor=floor)
+        options: dict[str, Any] = {"slope": slope, "gravity": gravity, "static": static, "end_cap": end_cap}
+        self.in_space = up is not None
+        if up is None:
+            self.load = GranularLoad(medium, surface, **options, form=form, floor=floor)
+        else:
+            if form != "distributed" or floor is not None:
+                raise ValueError("form, floor: allowed in space (with up) are 'distributed' and no floor")
+            from granular_contact.bed.space.load import SpatialLoad
+
+            self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up)
         self.mbs, self.coupling = mbs, Coupling(mbs, self.load)
 
     # ---- what the medium acts on ----
@@ -197,6 +215,33 @@ class GranularBed:
             given = {"diameter": diameter, "width": width, "strips_per_element": strips_per_element}
             self.load.add(self.coupling.cables(list(elements), name, **given, free_end=free_end))
 
+    def add_body(
+        self,
+        body: Any,
+        shape: Shape,
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | None = None,
+        facet_size: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on a shape fixed to a rigid body in space, of a bed with `up`.
+
+        shape: Box, Cylinder, Sphere, Capsule, Cone, Plate, Bar or Mesh; position (3,) m and rotation (3, 3): of its
+        frame in the body's; facet_size: greatest edge of its facets (m), an eighth of its diagonal unless given; name:
+        under which the forces on the body are kept, that of the body unless given. A law of balls takes a Sphere as a
+        whole, one of bars a Bar, any other the surface of the rest.
+
+        Raises
+        ------
+        SceneError
+            The body is of another kind, no medium here takes such shapes, or the bed is one in the plane.
+        """
+        with self._call("add_body", in_space=True):
+            on = self.coupling.body(body, name, in_space=True)
+            mass = float(self.mbs.GetObject(body)["mass"])
+            self.load.add_shape(on, shape, position, rotation, facet_size=facet_size, mass=mass)  # type: ignore[attr-defined]
+
     def attach(self, constant: Mapping[int, ArrayLike] | None = None) -> None:
         """Put the load into the system; once, after all bodies are named and before `mbs.Assemble()`.
 
@@ -213,10 +258,13 @@ class GranularBed:
         self.coupling.attach(constant or {})
 
     @contextmanager
-    def _call(self, name: str) -> Iterator[None]:
-        """A call that names a body: its errors say which one it was."""
+    def _call(self, name: str, *, in_space: bool = False) -> Iterator[None]:
+        """A call that names a body: its errors say which one it was; in_space: whether the bed must be one in space."""
         try:
             self.load.check_open()
+            if in_space != self.in_space:
+                what = "in space (with up): use add_body" if self.in_space else "in the plane: give it up=(x, y, z)"
+                raise scene_error("bed", f"the bed is one {what}")
             yield
         except SceneError as error:
             raise SceneError([replace(fault, key=f"bed.{name}") for fault in error.faults]) from None
@@ -266,7 +314,7 @@ class GranularBed:
 
     @property
     def terms(self) -> dict[str, Vector]:
-        """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each.
+        """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each; in space (6,).
 
         Right-handed about z, as the engine has moments: counter-clockwise is positive. So is all else that a bed tells.
         """
@@ -275,16 +323,17 @@ class GranularBed:
 
     @property
     def bodies(self) -> dict[str, Vector]:
-        """Resultant x, y (N) and moment about the origin (N m) on each named body at the end, (3,) each."""
+        """Resultant x, y (N) and moment about the origin (N m) on each named body at the end, (3,), in space (6,)."""
         now = self._now
         return _last(now.bodies, now.body_names)
 
     @property
     def force(self) -> Vector:
-        """Resultant (2,) N of the medium on all named bodies at the end."""
-        total: Vector = sum(self.terms.values(), np.zeros(3))[:2]
+        """Resultant (2,) N, in space (3,), of the medium on all named bodies at the end."""
+        size = 3 if self.in_space else 2
+        total: Vector = sum(self.terms.values(), np.zeros(2 * size - (not self.in_space)))[:size]
         return total
 
 
 def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:
-    return dict(zip(names, rows[-1] if len(rows) else np.zeros((len(names), 3)), strict=True))
+    return dict(zip(names, rows[-1] if len(rows) else np.zeros(rows.shape[1:]), strict=True))

@@ -10,6 +10,7 @@ import numpy as np
 from granular_contact.errors import scene_error
 from granular_contact.kernels.spatial import SIZE
 
+NODES_IN_SPACE = {"RigidBodyEP": SIZE, "RigidBodyRxyz": 6}
 OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off of what a script computes
 
 
@@ -32,6 +33,24 @@ def rigid_node(mbs: Any, body: Any) -> tuple[int, int]:
         raise scene_error("bed", f"the node of {item['name']} is a {node['nodeType']}, allowed is RigidBodyEP")
     _stays_in_plane(item["name"], node)
     return int(item["nodeNumber"]), SIZE
+
+
+def spatial_node(mbs: Any, body: Any) -> tuple[int, int]:
+    """Node of a rigid body in space and its number of coordinates, with Euler parameters or Tait-Bryan angles.
+
+    Raises
+    ------
+    SceneError
+        The body is of another kind.
+    """
+    item = mbs.GetObject(body)
+    if item["objectType"] != "RigidBody":
+        raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, allowed in space is RigidBody")
+    kind = mbs.GetNode(item["nodeNumber"])["nodeType"]
+    if kind not in NODES_IN_SPACE:
+        allowed = " and ".join(NODES_IN_SPACE)
+        raise scene_error("bed", f"the node of {item['name']} is a {kind}, allowed are {allowed}")
+    return int(item["nodeNumber"]), NODES_IN_SPACE[kind]
 
 
 def _stays_in_plane(name: str, node: Any) -> None:

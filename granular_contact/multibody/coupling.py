@@ -21,7 +21,7 @@ from granular_contact.bed import state
 from granular_contact.bed.contact_lines import Body, ContactLine, beam
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import scene_error
-from granular_contact.multibody.bodies import cable_nodes, rigid_node
+from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
 from granular_contact.multibody.overlay import Overlay
 
 Vector = NDArray[np.float64]
@@ -58,9 +58,12 @@ class Coupling:
 
     # ---- before the system is assembled ----
 
-    def body(self, number: Any, name: str | None = None) -> Body:
-        """A rigid body of the system, by its own name unless given; errors as of `bodies.rigid_node`."""
-        node, size = rigid_node(self.mbs, number)
+    def body(self, number: Any, name: str | None = None, *, in_space: bool = False) -> Body:
+        """A rigid body of the system, by its own name unless given; errors as of `bodies.rigid_node`.
+
+        in_space: whether it may move as it likes, with errors as of `bodies.spatial_node`.
+        """
+        node, size = (spatial_node if in_space else rigid_node)(self.mbs, number)
         own = self.mbs.GetObject(number)["name"]
         return Body(own if name is None else name, self._overlay.coordinates([node], size)[0])
 

@@ -1,0 +1,149 @@
+"""Elements of one kind in one medium, on all bodies that have some, with the arrays that kernels read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.bed.space.elements import Elements
+from granular_contact.bed.space.triangles import around
+from granular_contact.kernels import space_bodies as kernels
+from granular_contact.kernels.entry import entry
+from granular_contact.kernels.space_joining import space_record
+from granular_contact.laws.kinds import Kind
+
+Vector = NDArray[np.float64]
+
+
+class SpatialBatch:
+    """Elements of one kind in one medium, computed in one call.
+
+    law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
+    (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
+    (rows, 3) m: the friction state; active (clusters,): what may touch the surface in this step; poses, proximity: see
+    `kernels.space_bodies`.
+    """
+
+    def __init__(
+        self,
+        sets: Sequence[Elements],
+        law: type,
+        own: NDArray[np.void],
+        ground: Vector,
+        turn: Vector,
+        columns: Sequence[NDArray[np.int64]],
+    ) -> None:
+        self.ground, self.turn = ground, turn
+        self._law, self._own, self._meets = law, own, sets[0].meets
+        grouped: dict[str, list[Elements]] = {}
+        of_bodies = []
+        for one, places in zip(sets, columns, strict=True):
+            if one.body.name not in grouped:
+                of_bodies.append(places)
+            grouped.setdefault(one.body.name, []).append(one)
+        self.columns = np.array(of_bodies)
+        self._groups = list(grouped.values())
+        ordered = [one for group in self._groups for one in group]
+        self.elements = np.concatenate([one.rows for one in ordered])
+        self.clusters = _counted(ordered)
+        self.bodies = _bodies(self._groups)
+        coordinates = np.concatenate([np.asarray(group[0].body.coordinates, np.int64) for group in self._groups])
+        self.places = np.column_stack([coordinates, coordinates])
+        self.anchors = np.zeros((len(self.elements), 3))
+        self.active = np.ones(len(self.clusters), dtype=bool)
+        self.poses = np.zeros((len(self.bodies), 6, 3))
+        self.proximity = np.zeros((len(self.bodies), 3))
+        self.entries = int(np.sum(self.bodies["size"] ** 2))  # most that a tangent has
+        self._compiled = False
+
+    @cached_property
+    def medium(self) -> NDArray[np.void]:
+        """The medium as kernels read it; its law is compiled, the first time on a machine."""
+        return space_record(self._law, self._own, self._meets)
+
+    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
+        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
+        if where is not None:
+            self.places[:, 0] = where[self.places[:, 1]]
+        self.active[:] = True
+        self.proximity[:] = 0.0
+        self.proximity[:, kernels.EVER] = -np.inf
+        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)
+        kernels.start(q, reference, *on, self.poses)
+        self._sand = (reference, *on, self.active, self.ground, self.medium)
+        if self._compiled:
+            return
+        # Compiling, the first time on a machine, belongs to the start and not to the first step.
+        self._force = entry(kernels.force, q, q, *self._sand, q)
+        self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
+        self._accept = entry(kernels.accept, q, q, *self._sand, self.poses, self.proximity, q, self.columns)
+        self._update = entry(kernels.update_active, *self._near, 0.0)
+        self._compiled = True
+
+    @property
+    def _near(self) -> tuple[NDArray[np.generic], ...]:
+        on = (self.bodies, self.clusters, self.elements, self.anchors, self.active)
+        return (*on, self.ground, self.poses, self.proximity)
+
+    def force(self, q: Vector, v: Vector, out: Vector) -> None:
+        """Add the generalised forces of the active elements to out, the coordinates of the bed."""
+        self._force(q, v, *self._sand, out)
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
+        """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
+        return int(self._tangent(q, v, *self._sand, factor_q, factor_v, triplets, number))
+
+    def accept(self, q: Vector, v: Vector, row: Vector) -> None:
+        """End of a step at this state, added to a history row."""
+        self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns)
+
+    def update_active(self, step: float) -> bool:
+        """Choose what may touch the surface in the next step (s); whether there is anything."""
+        return bool(self._update(*self._near, step))
+
+    def leaning(self, q: Vector) -> float:  # noqa: ARG002
+        """As of `batch.Batch`: in space a body may lean."""
+        return 0.0
+
+    def immersed(self) -> set[tuple[str, Kind, float]]:
+        """Body, kind and size (m) of the bodies that were ever immersed."""
+        ever = [
+            group for group, depth in zip(self._groups, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0
+        ]
+        return {(one.body.name, one.kind, one.size) for group in ever for one in group}
+
+    def approach(self) -> list[tuple[float, float]]:
+        """Of each body after `accept`: bounds of its greatest depth (m) and of the greatest speed of a point (m/s)."""
+        return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]
+
+    def state(self) -> tuple[Vector, ...]:
+        """What an accepted step changes."""
+        return self.anchors, self.poses, self.proximity
+
+
+def _counted(sets: Sequence[Elements]) -> NDArray[np.void]:
+    """Clusters of all sets, with their places among all rows."""
+    made, row = [], 0
+    for one in sets:
+        clusters = one.clusters.copy()
+        clusters["first"] += row
+        clusters["last"] += row
+        row += len(one.rows)
+        made.append(clusters)
+    return np.concatenate(made)
+
+
+def _bodies(groups: Sequence[Sequence[Elements]]) -> NDArray[np.void]:
+    """Records of bodies, each with the clusters of its sets."""
+    bodies = np.zeros(len(groups), kernels.BODY)
+    coordinate = cluster = 0
+    for body, group in zip(bodies, groups, strict=True):
+        clusters = np.concatenate([one.clusters for one in group])
+        body["size"], body["start"] = len(group[0].body.coordinates), coordinate
+        body["first"], body["last"] = cluster, cluster + len(clusters)
+        around(body, np.column_stack([clusters[name] for name in "xyz"]), clusters["radius"])
+        coordinate, cluster = coordinate + body["size"], cluster + len(clusters)
+    return bodies

@@ -1,0 +1,197 @@
+"""The granular load on bodies in space: forces at a state, its tangent, accepted steps, history."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.bed.contact_lines import Body
+from granular_contact.bed.given import layers_of, records_of
+from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.space import elements
+from granular_contact.bed.space.batch import SpatialBatch
+from granular_contact.bed.space.history import SpatialHistory, SpatialTable
+from granular_contact.bed.space.shapes import Bar, Shape, Sphere
+from granular_contact.errors import scene_error
+from granular_contact.kernels.space_joining import kinds_of, owner_of
+from granular_contact.laws.law import Law, term_names
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+
+Vector = NDArray[np.float64]
+WORDS = {"surface": "surfaces", "bar": "a Bar", "ball": "a Sphere"}
+
+
+class SpatialLoad(GranularLoad):
+    """One medium, or several whose forces add, that act on surfaces, bars and balls in space.
+
+    It sees bodies as one vector of coordinates q (m,) with rates v (m,), and gives generalised forces (m,): of a body
+    its position x, y, z (m) and four Euler parameters, or three Tait-Bryan angles (rad) with R = R_x R_y R_z. In all
+    else as `GranularLoad`.
+
+    Parameters
+    ----------
+    medium, gravity, static, end_cap
+        As of `GranularBed`, with its errors. Media fill the whole bed.
+    surface : float
+        Height of the surface along `up` (m), where it is level; else at the world origin.
+    up : (3,) array
+        Direction against which depth is counted and gravity acts on the medium, in the world frame.
+    slope : (3,) array or 0
+        Rise of the surface per length along each axis of the world; what lies along `up` does not count.
+    """
+
+    def __init__(
+        self,
+        medium: Law | Layer | Sequence[Law | Layer],
+        surface: ArrayLike,
+        *,
+        up: ArrayLike = (0.0, 0.0, 1.0),
+        slope: ArrayLike = 0.0,
+        gravity: float = 9.81,
+        static: Elastoplastic | Smooth | None = None,
+        end_cap: bool = False,
+    ) -> None:
+        self.layers = layers_of(medium, "distributed")
+        if not all(layer.whole for layer in self.layers):
+            raise ValueError("medium: got a layer, allowed in space are media that fill the bed")
+        self.media = tuple(layer.medium for layer in self.layers)
+        self.records = records_of(self.layers, static, gravity)
+        self.turn = turn_to(up)
+        self.ground = _ground(surface, slope, self.turn)
+        self.floor, self.resultant, self.end_cap = None, False, end_cap
+        self.lines: list[Any] = []  # of `Elements`; under this name the door asks whether there is anything
+        self.batches: list[Any] = []
+        self.time: float | None = None
+        self.active = False
+        self.table: Any = self._new_table()
+
+    def add_shape(
+        self,
+        body: Body,
+        shape: Shape,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | None = None,
+        *,
+        facet_size: float | None = None,
+        mass: float | None = None,
+    ) -> None:
+        """Let the media act on a shape of a body; arguments as of `GranularBed.add_body`, mass (kg): of the body.
+
+        Raises
+        ------
+        SceneError
+            No medium takes such a shape, it is not where a shape can be, or the list is closed.
+        """
+        self.check_open()
+        place, turn = elements.place_of(position), elements.turn_of(rotation)
+        if facet_size is not None and not (np.isfinite(facet_size) and facet_size > 0.0):
+            raise scene_error("bed", f"facet_size: got {facet_size}, allowed is a number above 0 (m)")
+        made = []
+        for meets in self._met_as(shape):
+            if meets == "surface":
+                made.append(elements.surface(body, shape, place, turn, facet_size))
+            elif isinstance(shape, Bar):
+                made.append(elements.bar(body, shape, place, turn))
+                made[-1].clusters["cap"] &= self.end_cap
+            elif isinstance(shape, Sphere):
+                made.append(elements.ball(body, shape, place, mass))
+        self.lines += made
+        self.table = self._new_table()
+
+    def _met_as(self, shape: Shape) -> list[str]:
+        """As what the media meet a shape: surface, bar or ball."""
+        can = {"bar"} if isinstance(shape, Bar) else {"surface", "ball"} if isinstance(shape, Sphere) else {"surface"}
+        found: list[str] = [
+            kind for kind in ("surface", "bar", "ball") if kind in can and any(kind in _kinds(m) for m in self.media)
+        ]
+        if not found:
+            known = "; ".join(
+                f"{m.name} takes {' and '.join(WORDS[k] for k in _kinds(m)) or 'nothing'}" for m in self.media
+            )
+            raise scene_error("bed", f"in space nothing acts on a {type(shape).__name__}: {known}")
+        return found
+
+    def close(self) -> None:
+        """Form the batches, of the elements that one medium meets as one kind; `start` does it too."""
+        for index, (medium, record) in enumerate(zip(self.media, self.records, strict=True)):
+            for kind in _kinds(medium):
+                sets = [one for one in self.lines if one.meets == kind]
+                if sets:
+                    columns = [self.table.columns(index, one.body.name) for one in sets]
+                    ground = self.ground - np.array([float(getattr(medium, "surface_drop", 0.0)), 0.0, 0.0, 0.0])
+                    batch = SpatialBatch(sets, owner_of(type(medium)), record, ground, self.turn, columns)
+                    self.batches.append(batch)
+        self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
+
+    def _new_table(self) -> Any:
+        terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
+        return SpatialTable(terms, names, tuple(dict.fromkeys(one.body.name for one in self.lines)))
+
+    @contextmanager
+    def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:
+        """A state that counts as accepted for as long as the block lasts, and is taken back after it."""
+        length, time = self.table.length, self.time
+        kept = [[array.copy() for array in batch.state()] for batch in self.batches]
+        self.accept(t, q, v)
+        try:
+            yield
+        finally:
+            self.table.length, self.time = length, time
+            for batch, state in zip(self.batches, kept, strict=True):
+                for array, old in zip(batch.state(), state, strict=True):
+                    array[:] = old
+
+    @property
+    def history(self) -> SpatialHistory:  # type: ignore[override]  # with vectors in space
+        """The steps accepted so far."""
+        immersed = frozenset(one for batch in self.batches for one in batch.immersed())
+        found: SpatialHistory = replace(self.table.history(), immersed=immersed)
+        return found
+
+    @property
+    def last(self) -> SpatialHistory:  # type: ignore[override]
+        """The last entry of the history."""
+        found: SpatialHistory = self.table.last()
+        return found
+
+
+def _kinds(medium: Law) -> list[str]:
+    return sorted(kinds_of(type(medium)))
+
+
+def turn_to(up: ArrayLike) -> Vector:
+    """Rotation (3, 3) by the least angle that takes the direction `up` (3,) to z.
+
+    Raises
+    ------
+    ValueError
+        It is no direction.
+    """
+    given = np.asarray(up, float)
+    if given.shape != (3,) or not np.isfinite(given).all() or np.linalg.norm(given) == 0.0:
+        raise ValueError(f"up: got {np.asarray(up).tolist()}, allowed is a direction of three finite numbers")
+    x, y, z = given / np.linalg.norm(given)
+    if z < -1.0 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    k = 1.0 / (1.0 + z)
+    return np.array([[1.0 - k * x * x, -k * x * y, -x], [-k * x * y, 1.0 - k * y * y, -y], [x, y, z]])
+
+
+def _ground(surface: ArrayLike, slope: ArrayLike, turn: Vector) -> Vector:
+    """The surface as kernels read it, see `kernels.space_law`."""
+    if np.ndim(surface) != 0 or not np.isfinite(float(np.asarray(surface))):
+        raise ValueError(
+            f"surface: got {np.asarray(surface)}, allowed in space is a finite number, its height along up (m)"
+        )
+    rise = np.zeros(3) if np.ndim(slope) == 0 and float(np.asarray(slope)) == 0.0 else np.asarray(slope, float)
+    if rise.shape != (3,) or not np.isfinite(rise).all():
+        allowed = "allowed in space are three finite numbers, the rise per length along x, y, z"
+        raise ValueError(f"slope: got {np.asarray(slope)}, {allowed}")
+    x, y, _ = turn @ rise
+    return np.array([float(np.asarray(surface)), x, y, np.sqrt(1.0 + x * x + y * y)])

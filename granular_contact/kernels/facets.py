@@ -1,0 +1,215 @@
+"""Facets of a surface: triangles, each with one state of motion, one bristle and the part of it that is immersed.
+
+A row of `elements`: centroid (m), greatest way from it to a corner (m), normal, area (m^2), two of the corners from the
+centroid (m), side (see `space_law.facet`). A traction of a law is a stress per depth times the depth, and a stress that
+has no depth in it; over the immersed part of a facet both are integrated exactly, with the state of motion at its
+centroid. With the corners d_i and their depths z_i, over a triangle of area A
+
+    int z dA = A mean(z_i),      int z d dA = A (sum z_i sum d_i + sum z_i d_i) / 12.
+
+Only what leads is loaded. With the direction of motion u at the centroid and s, by how much n . u differs from there to
+a corner, a facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1): the share of it that leads where a body turns,
+and the fading in of `plates` where it does not. Of a body that rests, with bristles below their yield, the faces beside
+it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches PRESSED of
+the yield displacement before the face is loaded as a whole [ours].
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from granular_contact.kernels import space_law as law
+from granular_contact.kernels.friction import SMOOTH
+from granular_contact.kernels.plates import EDGE
+from granular_contact.kernels.space_friction import drive, mobilised
+
+COLUMNS = 15
+SIDE = 14
+PRESSED = 0.3
+
+
+def stress(nx, ny, nz, ux, uy, uz, m):
+    """Stress per depth (3,) N/m^3 on an element with the normal n that moves in the direction u, z up; even in n."""
+    raise NotImplementedError
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
+    """Static traction of a law with a `stress`; arguments and result as of `space_law.facet`."""
+    qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, m)
+    ux, uy, uz, share, one = mobilised(qx, qy, qz, m)
+    if side != 0.0:
+        s = tau * spread * one
+        edge = max(EDGE, PRESSED * (m.v_eps if m.friction == SMOOTH else m.u_y) * one)
+        share *= min(1.0, max(0.0, (nx * ux + ny * uy + nz * uz + s) / (edge + 2.0 * s)))
+    if share == 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    sx, sy, sz = stress(nx, ny, nz, ux, uy, uz, m)
+    return share * sx, share * sy, share * sz, 0.0, 0.0, 0.0
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def corner_part(zk, zi, zj, k, i, j):
+    """Part of a triangle on the one side of the surface where its corner k alone lies.
+
+    zk of another sign than the depths zi and zj (m) of the others; corners from the centroid (3,) m. Returns its share
+    of the area, its mean depth, its centroid (3,) and the centre of its pressure (3,).
+    """
+    s, t = zk / (zk - zi), zk / (zk - zj)
+    x = k[0] + (s * (i[0] - k[0]) + t * (j[0] - k[0])) / 3.0
+    y = k[1] + (s * (i[1] - k[1]) + t * (j[1] - k[1])) / 3.0
+    z = k[2] + (s * (i[2] - k[2]) + t * (j[2] - k[2])) / 3.0
+    centre = 0.25 * (3.0 * x + k[0]), 0.25 * (3.0 * y + k[1]), 0.25 * (3.0 * z + k[2])
+    return s * t, zk / 3.0, (x, y, z), centre
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def immersed_part(z, za, zb, zc, a, b, c):
+    """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
+
+    z: depth of the centroid; za, zb, zc those of the corners (m), not all of one sign; a, b, c: corners from the
+    centroid (3,) m, as are the results.
+    """
+    if (zb > 0.0) == (zc > 0.0):
+        share, mean, o, p = corner_part(za, zb, zc, a, b, c)
+        lone = za
+    elif (za > 0.0) == (zc > 0.0):
+        share, mean, o, p = corner_part(zb, zc, za, b, c, a)
+        lone = zb
+    else:
+        share, mean, o, p = corner_part(zc, za, zb, c, a, b)
+        lone = zc
+    if lone > 0.0:
+        return share, mean, o, p
+    # The whole without the corner above the surface.
+    left, total, off = 1.0 - share, z - share * mean, share * mean
+    wx = (za * a[0] + zb * b[0] + zc * c[0]) / 12.0 - off * p[0]
+    wy = (za * a[1] + zb * b[1] + zc * c[1]) / 12.0 - off * p[1]
+    wz = (za * a[2] + zb * b[2] + zc * c[2]) / 12.0 - off * p[2]
+    k = -share / left
+    return left, total / left, (k * o[0], k * o[1], k * o[2]), (wx / total, wy / total, wz / total)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
+    """`space_law.forces` of facets."""
+    r00, r01, r02 = pose[0, 0], pose[0, 1], pose[0, 2]
+    r10, r11, r12 = pose[1, 0], pose[1, 1], pose[1, 2]
+    r20, r21, r22 = pose[2, 0], pose[2, 1], pose[2, 2]
+    x0, y0, z0 = pose[3, 0], pose[3, 1], pose[3, 2]
+    v0, v1, v2 = pose[4, 0], pose[4, 1], pose[4, 2]
+    w0, w1, w2 = pose[5, 0], pose[5, 1], pose[5, 2]
+    height, risex, risey, steep = ground[0], ground[1], ground[2], ground[3]
+    dx, dy, dz = risex * r00 + risey * r10 - r20, risex * r01 + risey * r11 - r21, risex * r02 + risey * r12 - r22
+    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    u0, u1, u2, u3, u4, u5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    q0, q1, q2 = r00 * w0 + r10 * w1 + r20 * w2, r01 * w0 + r11 * w1 + r21 * w2, r02 * w0 + r12 * w1 + r22 * w2
+    depth = height + risex * x0 + risey * y0 - z0  # of the reference point
+    for i in range(elements.shape[0]):
+        bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
+        z = depth + dx * bx + dy * by + dz * bz
+        if z + elements[i, 3] * steep <= 0.0:
+            continue
+        rx, ry, rz = (
+            r00 * bx + r01 * by + r02 * bz,
+            r10 * bx + r11 * by + r12 * bz,
+            r20 * bx + r21 * by + r22 * bz,
+        )
+        px, py, pz = x0 + rx, y0 + ry, z0 + rz
+        bx, by, bz = elements[i, 4], elements[i, 5], elements[i, 6]
+        nx, ny, nz = (
+            r00 * bx + r01 * by + r02 * bz,
+            r10 * bx + r11 * by + r12 * bz,
+            r20 * bx + r21 * by + r22 * bz,
+        )
+        vx, vy, vz = v0 + w1 * rz - w2 * ry, v1 + w2 * rx - w0 * rz, v2 + w0 * ry - w1 * rx
+        ex, ey, ez = px - anchors[i, 0], py - anchors[i, 1], pz - anchors[i, 2]
+        # Along the facet n . v differs by (n x w) . d, seen from the body.
+        tx, ty, tz = by * q2 - bz * q1, bz * q0 - bx * q2, bx * q1 - by * q0
+        ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
+        bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
+        za, zb = tx * ax + ty * ay + tz * az, tx * bx + ty * by + tz * bz
+        spread = max(abs(za), abs(zb), abs(za + zb))
+        side = elements[i, 14]
+        if side != 0.0 and nx * vx + ny * vy + nz * vz <= -spread and nx * ex + ny * ey + nz * ez <= 0.0:
+            continue  # nothing that it is led by, neither motion nor bristle
+        cx, cy, cz = -ax - bx, -ay - by, -az - bz
+        za, zb = dx * ax + dy * ay + dz * az, dx * bx + dy * by + dz * bz
+        zc = -za - zb
+        share, mean = 1.0, z
+        lowest = min(za, zb, zc)
+        if z + lowest >= 0.0:
+            k = 1.0 / (12.0 * z)
+            ox, oy, oz = 0.0, 0.0, 0.0
+            hx, hy, hz = (
+                k * (za * ax + zb * bx + zc * cx),
+                k * (za * ay + zb * by + zc * cy),
+                k * (za * az + zb * bz + zc * cz),
+            )
+        else:
+            if z + max(za, zb, zc) <= 0.0:
+                continue
+            share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
+                z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
+            )
+            if share <= 0.0 or mean <= 0.0:
+                continue
+        gx, gy, gz, qx, qy, qz = law.facet(mean, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, medium)
+        area = elements[i, 7] * share
+        k = area * mean
+        gx, gy, gz = k * gx, k * gy, k * gz
+        ax, ay, az = (
+            rx + r00 * hx + r01 * hy + r02 * hz,
+            ry + r10 * hx + r11 * hy + r12 * hz,
+            rz + r20 * hx + r21 * hy + r22 * hz,
+        )
+        s0, s1, s2 = s0 + gx, s1 + gy, s2 + gz
+        s3, s4, s5 = s3 + ay * gz - az * gy, s4 + az * gx - ax * gz, s5 + ax * gy - ay * gx
+        if qx != 0.0 or qy != 0.0 or qz != 0.0:
+            qx, qy, qz = area * qx, area * qy, area * qz
+            ax, ay, az = (
+                rx + r00 * ox + r01 * oy + r02 * oz,
+                ry + r10 * ox + r11 * oy + r12 * oz,
+                rz + r20 * ox + r21 * oy + r22 * oz,
+            )
+            u0, u1, u2 = u0 + qx, u1 + qy, u2 + qz
+            u3, u4, u5 = u3 + ay * qz - az * qy, u4 + az * qx - ax * qz, u5 + ax * qy - ay * qx
+    W[0, 0] += s0
+    W[0, 1] += s1
+    W[0, 2] += s2
+    W[0, 3] += s3
+    W[0, 4] += s4
+    W[0, 5] += s5
+    W[1, 0] += u0
+    W[1, 1] += u1
+    W[1, 2] += u2
+    W[1, 3] += u3
+    W[1, 4] += u4
+    W[1, 5] += u5
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
+    """`space_law.follow` of facets."""
+    R, x, v, w = pose[:3], pose[3], pose[4], pose[5]
+    dx = ground[1] * R[0, 0] + ground[2] * R[1, 0] - R[2, 0]
+    dy = ground[1] * R[0, 1] + ground[2] * R[1, 1] - R[2, 1]
+    dz = ground[1] * R[0, 2] + ground[2] * R[1, 2] - R[2, 2]
+    for i in range(elements.shape[0]):
+        E = elements[i]
+        rx = R[0, 0] * E[0] + R[0, 1] * E[1] + R[0, 2] * E[2]
+        ry = R[1, 0] * E[0] + R[1, 1] * E[1] + R[1, 2] * E[2]
+        rz = R[2, 0] * E[0] + R[2, 1] * E[1] + R[2, 2] * E[2]
+        px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
+        za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
+        z = ground[0] + ground[1] * px + ground[2] * py - pz
+        deepest = z + max(za, zb, -za - zb)
+        row[law.DEPTH] = max(row[law.DEPTH], deepest)
+        if deepest > 0.0:
+            vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
+            row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
+            row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
+            px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
+        anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz

@@ -1,0 +1,334 @@
+"""Rigid bodies in space and all elements on them, in one call: force, tangent, end of a step, what may be touched.
+
+Arguments that they share:
+
+    system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
+                        memory
+    reference           reference values of the system's coordinates
+    places              (coordinates, 2) place of each coordinate of a body in the system and among those of the bed
+    bodies              (bodies,) records BODY
+    turn                (3, 3) from the world to the frame of the bed, whose z is up
+    clusters            (clusters,) records of `space_law`, those of a body one after another
+    elements, anchors   rows of all clusters, one after another, see `facets`, `bars`, `space_balls`
+    active              (clusters,) whether one may touch the surface in this step; the others are passed over
+    ground, medium      see `space_law`; medium (1,)
+
+A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
+R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels import space_law as law
+from granular_contact.kernels.law import TERMS
+
+# size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
+BODY = np.dtype(
+    [
+        ("size", "i8"),
+        ("start", "i8"),
+        ("first", "i8"),
+        ("last", "i8"),
+        ("x", "f8"),
+        ("y", "f8"),
+        ("z", "f8"),
+        ("radius", "f8"),
+    ]
+)
+# Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
+# surface (m/s), greatest depth so far (m).
+DEEPEST, APPROACH, EVER = 0, 1, 2
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def turning(q, size, R, G):
+    """Fill R (3, 3) and G (3, 4) from the coordinates (7 or 6,) of a body."""
+    if size == 7:
+        a, b, c, d = q[3], q[4], q[5], q[6]
+        R[0, 0], R[0, 1], R[0, 2] = a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)
+        R[1, 0], R[1, 1], R[1, 2] = 2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)
+        R[2, 0], R[2, 1], R[2, 2] = 2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d
+        G[0, 0], G[0, 1], G[0, 2], G[0, 3] = -2.0 * b, 2.0 * a, -2.0 * d, 2.0 * c
+        G[1, 0], G[1, 1], G[1, 2], G[1, 3] = -2.0 * c, 2.0 * d, 2.0 * a, -2.0 * b
+        G[2, 0], G[2, 1], G[2, 2], G[2, 3] = -2.0 * d, -2.0 * c, 2.0 * b, 2.0 * a
+        return
+    sa, ca, sb, cb, sc, cc = (
+        math.sin(q[3]),
+        math.cos(q[3]),
+        math.sin(q[4]),
+        math.cos(q[4]),
+        math.sin(q[5]),
+        math.cos(q[5]),
+    )
+    R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
+    R[1, 0], R[1, 1], R[1, 2] = ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb
+    R[2, 0], R[2, 1], R[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
+    G[:] = 0.0
+    G[0, 0], G[0, 2] = 1.0, sb
+    G[1, 1], G[1, 2] = ca, -sa * cb
+    G[2, 1], G[2, 2] = sa, ca * cb
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def place(q, v, size, turn, pose, G):
+    """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
+    R = np.empty((3, 3))
+    turning(q, size, R, G)
+    for i in range(3):
+        for j in range(3):
+            pose[i, j] = turn[i, 0] * R[0, j] + turn[i, 1] * R[1, j] + turn[i, 2] * R[2, j]
+    for i in range(3):
+        pose[3, i], pose[4, i], pose[5, i] = 0.0, 0.0, 0.0
+        for j in range(3):
+            pose[3, i] += turn[i, j] * q[j]
+            pose[4, i] += turn[i, j] * v[j]
+            w = 0.0
+            for k in range(size - 3):
+                w += G[j, k] * v[3 + k]
+            pose[5, i] += turn[i, j] * w
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def gather(system_q, system_v, reference, places, q, v):
+    """Fill q and v with the coordinates at these places of the system."""
+    for i in range(places.shape[0]):
+        at = places[i, 0]
+        q[i], v[i] = reference[at] + system_q[at], system_v[at]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
+    """Set out (7,) to the generalised forces on a body, and fill W (TERMS, 6) with its wrench in the bed's frame."""
+    G = np.empty((3, 4))
+    place(q, v, body.size, turn, pose, G)
+    W[:] = 0.0
+    for c in range(body.first, body.last):
+        if active[c]:
+            s, e = clusters[c].first, clusters[c].last
+            law.forces(elements[s:e], anchors[s:e], clusters[c], pose, ground, medium, W)
+    out[:] = 0.0
+    for i in range(3):
+        force, moment = 0.0, 0.0
+        for j in range(3):
+            for term in range(TERMS):
+                force += turn[j, i] * W[term, j]
+                moment += turn[j, i] * W[term, 3 + j]
+        out[i] = force
+        for k in range(body.size - 3):
+            out[3 + k] += G[i, k] * moment
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def force(
+    system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, out
+):
+    """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
+    q, v, f, pose, W = np.empty(7), np.empty(7), np.empty(7), np.empty((6, 3)), np.empty((TERMS, 6))
+    for b in range(bodies.shape[0]):
+        body = bodies[b]
+        if not acts(body, active):
+            continue
+        at = places[body.start : body.start + body.size]
+        gather(system_q, system_v, reference, at, q, v)
+        body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
+        for i in range(body.size):
+            out[at[i, 1]] += f[i]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def acts(body, active):
+    """Whether any cluster of a body is active."""
+    for c in range(body.first, body.last):  # noqa: SIM110  # for the compiler
+        if active[c]:
+            return True
+    return False
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def tangent(
+    system_q,
+    system_v,
+    reference,
+    places,
+    bodies,
+    turn,
+    clusters,
+    elements,
+    anchors,
+    active,
+    ground,
+    medium,
+    fq,
+    fv,
+    triplets,
+    count,
+):
+    """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
+
+    By differences, as `lines.tangent`: coordinates are moved by at most 10 nm and rates by 1 um/s.
+    """
+    q, v, there, moved = np.empty(7), np.empty(7), np.empty(7), np.empty(7)
+    pose, W = np.empty((6, 3)), np.empty((TERMS, 6))
+    for b in range(bodies.shape[0]):
+        body = bodies[b]
+        if not acts(body, active):
+            continue
+        at = places[body.start : body.start + body.size]
+        gather(system_q, system_v, reference, at, q, v)
+        body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, there)
+        if not W.any():
+            continue
+        greatest = 1.0
+        for j in range(body.size):
+            greatest = max(greatest, abs(q[j]))
+        largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
+        d = min(1e-8 / largest_q, 1e-6 / largest_v)
+        d = max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
+        for j in range(body.size):
+            at_q, at_v = q[j], v[j]
+            q[j] += d * fq
+            v[j] += d * fv
+            body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, moved)
+            q[j], v[j] = at_q, at_v
+            for i in range(body.size):
+                if moved[i] != there[i]:
+                    triplets[count, 0], triplets[count, 1] = at[i, 1], at[j, 1]
+                    triplets[count, 2] = (moved[i] - there[i]) / d
+                    count += 1
+    return count
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def accept(
+    system_q,
+    system_v,
+    reference,
+    places,
+    bodies,
+    turn,
+    clusters,
+    elements,
+    anchors,
+    active,
+    ground,
+    medium,
+    poses,
+    proximity,
+    row,
+    columns,
+):
+    """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
+
+    poses (bodies, 6, 3) and proximity (bodies, 3) are filled. columns (bodies, 3): where the power of the medium, its
+    terms and the wrench of a body stand in the row, six numbers each: force (N) and moment about the world origin
+    (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time.
+    """
+    q, v, f, W = np.empty(7), np.empty(7), np.empty(7), np.empty((TERMS, 6))
+    seen = np.empty(3)
+    for b in range(bodies.shape[0]):
+        body, pose = bodies[b], poses[b]
+        at = places[body.start : body.start + body.size]
+        gather(system_q, system_v, reference, at, q, v)
+        body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
+        bound(body, pose, ground, proximity[b])
+        seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
+        for c in range(body.first, body.last):
+            if active[c]:
+                s, e = clusters[c].first, clusters[c].last
+                law.follow(elements[s:e], anchors[s:e], clusters[c], pose, ground, medium[0], seen)
+        if not acts(body, active):
+            seen[law.DEPTH] = proximity[b, DEEPEST]
+        proximity[b, EVER] = max(proximity[b, EVER], seen[law.DEPTH])
+        row[1] = max(row[1], seen[law.DEPTH])
+        row[2] = max(row[2], seen[law.SPEED])
+        row[3] = min(row[3], seen[law.LOWEST])
+        power, terms, of_body = columns[b]
+        for term in range(TERMS):
+            for i in range(3):
+                row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
+            write(W[term], turn, q, row[terms + 6 * term : terms + 6 * term + 6])
+            write(W[term], turn, q, row[of_body : of_body + 6])
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def write(W, turn, q, row):
+    """Add a wrench (6,) about a body's reference point in the bed's frame to one about the world origin, (6,)."""
+    F, M = np.empty(3), np.empty(3)
+    for i in range(3):
+        F[i] = turn[0, i] * W[0] + turn[1, i] * W[1] + turn[2, i] * W[2]
+        M[i] = turn[0, i] * W[3] + turn[1, i] * W[4] + turn[2, i] * W[5]
+    row[0] += F[0]
+    row[1] += F[1]
+    row[2] += F[2]
+    row[3] += M[0] + q[1] * F[2] - q[2] * F[1]
+    row[4] += M[1] + q[2] * F[0] - q[0] * F[2]
+    row[5] += M[2] + q[0] * F[1] - q[1] * F[0]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def bound(sphere, pose, ground, near):
+    """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (a record) of a body."""
+    x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
+    y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
+    z = pose[2, 0] * sphere.x + pose[2, 1] * sphere.y + pose[2, 2] * sphere.z
+    depth = ground[0] + ground[1] * (pose[3, 0] + x) + ground[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
+    vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
+    vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
+    spin = math.sqrt(pose[5, 0] ** 2 + pose[5, 1] ** 2 + pose[5, 2] ** 2)
+    near[DEEPEST] = depth + sphere.radius * ground[3]
+    near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * sphere.radius) * ground[3]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def may_touch(near, step):
+    """Whether what is bounded so may touch the surface within a step (s), at four times its speed."""
+    return near[DEEPEST] + 4.0 * step * (near[APPROACH] + 10.0 * step) > -1e-3
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def update_active(bodies, clusters, elements, anchors, active, ground, poses, proximity, step):
+    """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
+
+    What comes into reach has its anchors put where it is.
+    """
+    some, near = False, np.empty(2)
+    for b in range(bodies.shape[0]):
+        body, within = bodies[b], may_touch(proximity[b], step)
+        for c in range(body.first, body.last):
+            now = within
+            if now:
+                bound(clusters[c], poses[b], ground, near)
+                now = may_touch(near, step)
+            if now and not active[c]:
+                release(elements, anchors, clusters[c], poses[b])
+            active[c] = now
+            some = some or now
+    return some
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def release(elements, anchors, cluster, pose):
+    """Put the anchors of a cluster where its elements are."""
+    for i in range(cluster.first, cluster.last):
+        E = elements[i]
+        for k in range(3):
+            anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def start(system_q, reference, places, bodies, turn, clusters, elements, anchors, poses):
+    """Begin at these coordinates: no bristle is stretched; poses (bodies, 6, 3) are filled."""
+    q, v, G = np.empty(7), np.zeros(7), np.empty((3, 4))
+    still = np.zeros_like(system_q)
+    for b in range(bodies.shape[0]):
+        body = bodies[b]
+        gather(system_q, still, reference, places[body.start : body.start + body.size], q, v)
+        place(q, v, body.size, turn, poses[b], G)
+        for c in range(body.first, body.last):
+            release(elements, anchors, clusters[c], poses[b])

@@ -1,0 +1,64 @@
+"""A law in plain Python -> what kernels call in space; beside `joining`, and loaded by what lies in space alone.
+
+Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` gives its own for any direction, and
+`facet_force` more than that. Laws of bars have `bar_force` and, if they know one, `bar_cap`; those of balls
+`space_ball_force`.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.kernels import bars, facets, law, slices, space_balls, space_law
+from granular_contact.kernels.joining import PARTS, compiled, let_call_others, record_type
+from granular_contact.kernels.space_friction import parted_return, whole_return
+
+# What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
+KINDS: dict[str, tuple[Any, Any]] = {
+    "surface": (facets.facet_forces, facets.follow_facets),
+    "bar": (bars.bar_forces, bars.follow_stations),
+    "ball": (space_balls.space_ball_forces, space_balls.follow_ball),
+}
+METHODS = {"bar_force": "bar", "bar_cap": "cap", "space_ball_force": "ball", "facet_force": "facet"}
+
+
+NEEDED = {"surface": ("stress", "facet_stress", "facet_force"), "bar": ("bar_force",), "ball": ("space_ball_force",)}
+
+
+def kinds_of(law: type) -> set[str]:
+    """What a law meets in space: surfaces, bars or balls."""
+    return {kind for kind, names in NEEDED.items() if any(hasattr(law, name) for name in names)}
+
+
+def owner_of(law: type) -> type:
+    """Class that makes a law another one for the kernels, see `joining.record_type`: itself, or one that it is of."""
+    return next(one for one in law.__mro__ if PARTS & vars(one).keys())
+
+
+def space_record(owner: Any, own: NDArray[np.void], kind: str) -> NDArray[np.void]:
+    """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind; own: the law's record (1,)."""
+    forces, follow = KINDS[kind]
+    return space_law.record_of(own, {"forces": forces, "follow": follow, **_functions(owner, kind)})
+
+
+@cache
+def _functions(owner: Any, kind: str) -> dict[str, Any]:
+    """Compiled functions of a law for elements of a kind, by their names in the record."""
+    dtype = record_type(owner)
+    found: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
+    if kind == "surface":
+        if hasattr(owner, "facet_stress") or hasattr(owner, "stress"):
+            stress = getattr(owner, "facet_stress", slices.slice_stress)
+            let_call_others(stress)
+            law.provide(facets.stress, "m", dtype)(stress)
+        found["facet"] = facets.static_facet
+    for method, name in METHODS.items():
+        if hasattr(owner, method) and name in {"surface": {"facet"}, "bar": {"bar", "cap"}, "ball": {"ball"}}[kind]:
+            function = getattr(owner, method)
+            let_call_others(function)
+            found[name] = compiled(function)
+    return found

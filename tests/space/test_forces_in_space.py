@@ -1,0 +1,327 @@
+"""Forces in space: those of the plane on extruded bodies, published stresses, turned and mirrored scenes, tangents."""
+
+from __future__ import annotations
+
+import doctest
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from support_space import PAIRS, SAND, Array, Motion, driven, load_on, prism, state
+
+import granular_contact.bed.space
+from granular_contact import Bar, Box, Drft, Mesh, Plate, Rft, Rft3d, Sphere
+from granular_contact.bed.contact_lines import Body, outline, polyline
+from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.space.load import SpatialLoad
+from granular_contact.laws.rft3d import C
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+
+FLAT = Body("flat", [0, 1, 2])
+DISC = 0.05 * np.column_stack([np.cos(a := np.linspace(0, 2 * np.pi, 48, endpoint=False)), np.sin(a)])
+
+
+def planar_state(t: float, spin: float) -> tuple[Array, Array]:
+    """x, y, angle of a body that dives and turns, and its rates."""
+    q = np.array([0.1 * t, -0.01 - 0.03 * t, 0.4 + spin * t])
+    return q, np.array([0.1, -0.03, spin])
+
+
+def extruded(q: Array, v: Array) -> tuple[Array, Array]:
+    """The same in space, with z up: a turn from x to z is one about -y."""
+    turn = Rotation.from_rotvec([0.0, -q[2], 0.0])
+    return state(np.array([q[0], 0.0, q[1]]), turn, np.array([v[0], 0.0, v[1]]), np.array([0.0, -v[2], 0.0]))
+
+
+def both(flat: GranularLoad, space: SpatialLoad, spin: float) -> tuple[Array, Array]:
+    """Resultant and moment of a planar load and of the same in space, over 30 steps."""
+    flat.start(planar_state(0.0, spin)[0])
+    space.start(extruded(*planar_state(0.0, spin))[0])
+    for i in range(31):
+        at = planar_state(i / 30, spin)
+        flat.accept(i / 30, *at)
+        space.accept(i / 30, *extruded(*at))
+        space.update_active(1 / 30)
+    # Right-handed about y in space is from z to x, clockwise where x is to the right and z up.
+    return flat.history.bodies[:, 0], space.history.bodies[:, 0][:, [0, 2, 4]] * [1.0, 1.0, -1.0]
+
+
+MEDIA = {"rft": Rft(zeta=0.3), "drft": Drft(density=1600.0, lam=1.1, surface_drop=3e-3), "rft3d": SAND}
+
+
+@pytest.mark.parametrize("static", [Elastoplastic(1e-3, 1e-3), Smooth(0.05)], ids=["bristles", "smooth"])
+@pytest.mark.parametrize("law", MEDIA)
+def test_a_dragged_plate_is_that_of_the_plane(law: str, static: Any) -> None:
+    flat = GranularLoad(MEDIA[law], 0.0, static=static)
+    flat.add(polyline(FLAT, [[-0.05, 0.0], [0.05, 0.0]], width=0.06))
+    space = load_on(MEDIA[law], Plate((0.1, 0.06)), static=static)
+    one, other = both(flat, space, spin=0.0)
+    assert np.abs(one).max() > 0.5
+    np.testing.assert_allclose(other, one, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("law", MEDIA)
+def test_a_disc_is_that_of_the_plane(law: str) -> None:
+    # What only moves on is the same to round-off; where it turns both are cut finely, and come together.
+    static = Elastoplastic(1e-6, 1e-3)
+    for spin, strips, size, off in ((0.0, 48, 1.0, 1e-12), (3.0, 1536, 5e-3, 2e-3)):
+        flat, space = (
+            GranularLoad(MEDIA[law], 0.0, static=static),
+            load_on(MEDIA[law], prism(DISC, 0.06), size, static=static),
+        )
+        flat.add(outline(FLAT, DISC, 0.06, strips=strips))
+        one, other = both(flat, space, spin)
+        assert np.abs(one).max() > 1.0
+        np.testing.assert_allclose(other, one, rtol=0.0, atol=off * np.abs(one).max())
+
+
+@pytest.mark.parametrize("static", [Elastoplastic(1e-3, 1e-3), Smooth(0.05)], ids=["bristles", "smooth"])
+@pytest.mark.parametrize("law", ["lee_marghitu", "albert", "hill"])
+def test_a_bar_is_that_of_the_plane(law: str, static: Any) -> None:
+    medium = PAIRS[law][0]
+    ends = np.array([[-0.08, 0.0], [0.08, 0.0]])
+    flat = GranularLoad(medium, 0.0, static=static, end_cap=True)
+    flat.add(polyline(FLAT, ends, diameter=0.008))
+    space = load_on(
+        medium, Bar(np.column_stack([ends[:, 0], 0 * ends[:, 0], ends[:, 1]]), 0.008), static=static, end_cap=True
+    )
+    one, other = both(flat, space, spin=4.0)
+    assert np.abs(one).max() > 0.05
+    np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max())
+
+
+def published(beta: float, gamma: float, psi: float) -> Array:
+    """Generic response alpha_r, alpha_theta, alpha_z of the source, from the angles (rad) as it is printed there."""
+    x = np.array(
+        [1.0, np.sin(gamma), np.cos(beta), np.cos(psi) * np.cos(gamma) * np.sin(beta) + np.sin(gamma) * np.cos(beta)]
+    )
+    one, a, b, c = x
+    terms = [one, a, b, c, a * a, b * b, c * c, a * b, b * c, c * a, a**3, b**3, c**3]
+    terms += [a * b * b, b * a * a, b * c * c, c * b * b, c * a * a, a * c * c, a * b * c]
+    f1, f2, f3 = np.array(terms) @ np.array(C)
+    r = f1 * np.sin(beta) * np.cos(psi) + f2 * np.cos(gamma)
+    return np.array([r, f1 * np.sin(beta) * np.sin(psi), -f1 * np.cos(beta) - f2 * np.sin(gamma) - f3])
+
+
+def stress(medium: Any, normal: Array, direction: Array) -> Array:
+    """Stress per depth (N/m3) of a law in space, one face leading or the other."""
+    load = load_on(medium, Mesh(*_square(normal), thin=True), static=Elastoplastic(1e-12, 1.0))
+    q, v = state(np.array([0.0, 0.0, -1.0]), Rotation.identity(), np.asarray(direction), np.zeros(3))
+    load.start(q)
+    load.accept(0.0, q, v)
+    return load.force(q, v, np.zeros(7))[:3] / 1e-4
+
+
+def _square(normal: Array) -> tuple[Array, Array]:
+    """Vertices and faces of a square of 0.01 m with this normal."""
+    helper = np.eye(3)[np.abs(normal).argmin()]
+    a = np.cross(normal, helper)
+    a /= np.linalg.norm(a)
+    b = np.cross(normal, a)
+    return 0.005 * np.array([-a - b, a - b, a + b, b - a]), np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def test_3d_rft_has_the_published_values() -> None:
+    rough = Rft3d(1600.0, 0.5, 1e6)  # without the limit on the tangential part
+    for beta, gamma, shown in ((0, 45, (-0.199, 0.761)), (90, 0, (-0.192, 0.075)), (45, 45, (-0.342, 0.583))):
+        np.testing.assert_allclose(published(*np.radians([beta, gamma, 0]))[[0, 2]], shown, atol=6e-4)
+    tried = 0
+    for beta in np.radians([5.0, 30.0, 60.0, 85.0]):
+        for gamma in np.radians([-60.0, -10.0, 20.0, 70.0]):
+            for psi in np.radians([-150.0, -90.0, -30.0, 0.0, 45.0, 90.0, 135.0]):
+                n = np.array([np.sin(beta) * np.cos(psi), np.sin(beta) * np.sin(psi), -np.cos(beta)])
+                u = np.array([np.cos(gamma), 0.0, -np.sin(gamma)])
+                alpha = published(beta, gamma, psi)
+                if alpha @ u > 0.0:  # which the medium here drops
+                    continue
+                np.testing.assert_allclose(stress(rough, n, u) / SAND.stiffness(9.81), alpha, atol=1e-9)
+                tried += 1
+    assert tried > 80
+
+
+def test_friction_of_the_surface_limits_the_tangential_part() -> None:
+    n, u = np.array([0.6, 0.0, -0.8]), np.array([0.6, 0.64, -0.48])
+    whole, less = stress(Rft3d(1600.0, 0.5, 1e6), n, u), stress(SAND, n, u)
+    along, limited = whole - whole @ n * n, less - less @ n * n
+    np.testing.assert_allclose(less @ n, whole @ n, rtol=1e-12)
+    assert np.linalg.norm(limited) == pytest.approx(0.3 * abs(less @ n))
+    np.testing.assert_allclose(limited / np.linalg.norm(limited), along / np.linalg.norm(along), atol=1e-9)
+
+
+def test_rft_is_taken_in_the_vertical_plane_of_the_motion() -> None:
+    # A facet beside its motion: as wide for its slices as it is seen along them, at the angle that they have.
+    medium, turn = Rft(zeta=0.3), np.radians(40.0)
+    n, u = np.array([0.6 * np.cos(turn), 0.6 * np.sin(turn), -0.8]), np.array([0.8, 0.0, -0.6])
+    w = np.hypot(n[0], n[2])
+    section = stress(medium, np.array([n[0] / w, 0.0, n[2] / w]), u)
+    np.testing.assert_allclose(stress(medium, n, u), w * section, rtol=1e-9)
+    side = stress(medium, np.array([0.0, 1.0, 0.0]), u)
+    assert np.abs(side).max() < 1e-9 * np.abs(section).max()
+    # Straight down it is that of the plane of the normal, and turns to it steadily.
+    down = [stress(medium, n, np.array([s, 0.0, -1.0]) / np.hypot(s, 1.0)) for s in (0.0, 1e-6, -1e-6)]
+    np.testing.assert_allclose(down[1:], [down[0]] * 2, rtol=1e-4, atol=1e-4 * np.abs(down[0]).max())
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_a_turned_scene_gives_turned_forces(name: str) -> None:
+    motion = Motion(3)
+    plain = driven(load_on(*PAIRS[name]), motion).history
+    about, any_way = Rotation.from_rotvec([0.0, 0.0, 1.1]), Rotation.from_rotvec([0.7, -1.9, 0.4])
+    for turn, up in ((about, (0, 0, 1)), (any_way, any_way.apply([0, 0, 1]))):
+        turned = driven(load_on(*PAIRS[name], up=up), motion, around=turn).history
+        for k in (slice(0, 3), slice(3, 6)):
+            expected = turn.apply(plain.bodies[:, 0, k])
+            np.testing.assert_allclose(turned.bodies[:, 0, k], expected, atol=1e-10 * max(1.0, np.abs(expected).max()))
+        np.testing.assert_allclose(turned.work, plain.work, atol=1e-10)
+    assert np.abs(plain.bodies[:, 0, :3]).max() > 0.1
+
+
+def test_a_slope_is_the_tilted_height_of_the_plane() -> None:
+    rise = 0.3
+    flat = GranularLoad(SAND, 0.0, slope=rise)
+    flat.add(outline(FLAT, DISC, 0.06, strips=48))
+    space = load_on(SAND, prism(DISC, 0.06), 1.0, slope=(rise, 0.0, 0.0))
+    one, other = both(flat, space, 0.0)
+    np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-10 * np.abs(one).max())
+
+
+@pytest.mark.parametrize("name", ["rft3d", "rft", "lee_marghitu"])
+def test_mirror_images(name: str) -> None:
+    medium, shape = PAIRS[name]
+    if isinstance(shape, Bar):
+        other: Any = Bar(np.asarray(shape.points) * [1, -1, 1], shape.diameter)
+        first: Any = shape
+    else:
+        corners = shape.corners().reshape(-1, 3)
+        faces = np.arange(len(corners)).reshape(-1, 3)
+        first, other = Mesh(corners, faces), Mesh(corners * [1, -1, 1], faces[:, ::-1])
+    mirror, axial = np.array([1, -1, 1]), np.array([-1, 1, -1])
+    place, turn = np.array([0.0, 0.01, -0.02]), np.array([0.3, -0.5, 0.8])
+    v, w = np.array([0.1, -0.07, -0.05]), np.array([1.0, -2.0, 0.5])
+    found = []
+    for body, a, b in ((first, 1, 1), (other, mirror, axial)):
+        load = load_on(medium, body)
+        q, rates = state(place * a, Rotation.from_rotvec(turn * b), v * a, w * b)
+        load.start(q)
+        load.accept(0.0, q, rates)
+        found.append(load.history.bodies[0, 0] * np.concatenate([np.ones(3) * a, np.ones(3) * b]))
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9, atol=1e-10)
+    assert np.abs(found[0]).max() > 0.1
+
+
+def test_a_box_of_twelve_triangles_is_cut_fine_enough() -> None:
+    sides = (0.1, 0.08, 0.06)
+    corners = Box(sides).corners(10.0)
+    assert len(corners) == 12
+    mesh = Mesh(corners.reshape(-1, 3), np.arange(36).reshape(-1, 3))
+    forces = {}
+    for key, shape, size in (("mesh", mesh, None), ("box", Box(sides), None), ("fine", Box(sides), 0.003)):
+        load = load_on(SAND, shape, size, static=Smooth(0.01))
+        q, v = Motion(5, way=0.1).state(0.3)
+        load.start(q)
+        load.accept(0.0, q, v)
+        forces[key] = load.history.bodies[0, 0]
+    np.testing.assert_allclose(forces["mesh"], forces["box"], rtol=1e-12, atol=1e-12)
+    assert np.linalg.norm((forces["mesh"] - forces["fine"])[:3]) < 5e-3 * np.linalg.norm(forces["fine"][:3])
+
+
+@pytest.mark.parametrize(
+    ("shape", "coarse"), [(Sphere(0.1), 0.02), (Box((0.1, 0.08, 0.06)), 0.04)], ids=["sphere", "box"]
+)
+def test_finer_facets_converge_with_their_square(shape: Any, coarse: float) -> None:
+    sizes, forces = coarse * np.array([1.0, 0.5, 0.25]), []
+    # Over several motions, in which single facets that come into the lead do not count.
+    for size in (*sizes, coarse / 16):
+        found = []
+        for seed in range(6):
+            load = load_on(SAND, shape, size, static=Smooth(0.01))
+            q, v = Motion(seed, way=0.1).state(0.2)
+            load.start(q)
+            load.accept(0.0, q, v)
+            found.append(load.history.bodies[0, 0, :3])
+        forces.append(np.array(found))
+    errors = [float(np.linalg.norm(one - forces[-1])) for one in forces[:-1]]
+    slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert 1.8 < slope < 2.4, (errors, slope)
+
+
+@pytest.mark.parametrize("size", [7, 6], ids=["euler", "angles"])
+@pytest.mark.parametrize("name", PAIRS)
+def test_tangent_is_that_of_differences(name: str, size: int) -> None:
+    medium, shape = PAIRS[name]
+    load = SpatialLoad(medium, 0.0, static=Elastoplastic(1e-3, 1e-2))
+    load.add_shape(Body("body", list(range(size))), shape, mass=1.0)
+    random = np.random.default_rng(7)
+    turn = np.array([0.9, 0.3, -0.2, 0.25]) / np.linalg.norm([0.9, 0.3, -0.2, 0.25]) if size == 7 else [0.3, -0.2, 0.4]
+    q, v = np.array([0.0, 0.0, -0.03, *turn]), 0.1 * random.normal(size=size)
+    load.start(q)
+    load.accept(0.0, q, v)
+    load.update_active(1e-2)
+    q = q + 3e-3 * v  # bristles half stretched
+    before = load.force(q, v, np.zeros(size))
+    fq, fv = 0.7, 0.02
+    entries = load.tangent(q, v, fq, fv).copy()
+    found = np.zeros((size, size))
+    np.add.at(found, (entries[:, 0].astype(int), entries[:, 1].astype(int)), entries[:, 2])
+    expected, d = np.zeros((size, size)), 1e-8
+    for j in range(size):
+        e = d * np.eye(size)[j]
+        ahead = load.force(q + fq * e, v + fv * e, np.zeros(size))
+        behind = load.force(q - fq * e, v - fv * e, np.zeros(size))
+        expected[:, j] = (ahead - behind) / (2 * d)
+    np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
+    # Forces at other states have left nothing behind.
+    np.testing.assert_array_equal(load.force(q, v, np.zeros(size)), before)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_sand_never_drives_what_moves_through_it(name: str) -> None:
+    # Bodies that come back to where they were, bristles and all: on the second round sand has only taken energy. A law
+    # whose force is not along the motion may give some back on a round within the yield of its bristles, where they are
+    # no springs with a potential: less than they hold, and nothing that is as fast as their damping.
+    medium, shape = PAIRS[name]
+    yields = 1e-5
+    for seed in range(3):
+        for way, rate, most in ((0.03, 1.0, -1e-3), (1e-6, 1.0, 1.0), (1e-7, 1000.0, 0.0)):
+            motion = Motion(seed, depth=0.06, closed=True, way=way)
+            load = load_on(medium, shape, 0.03, static=Elastoplastic(yields, 1e-3))
+            load.start(motion.state(0.0)[0])
+            for i in range(161):
+                q, v = motion.state(i / 80)
+                load.accept(i / 80 / rate, q, rate * v)
+            history = load.history
+            gained = history.work[160] - history.work[80]
+            if most == 1.0:
+                assert gained < 0.5 * yields * np.linalg.norm(history.bodies[:, 0, :3], axis=1).max()
+            else:
+                assert gained < most
+            if way == 0.03:
+                assert (history.power[5:] < 0.02 * np.abs(history.power).max()).all()
+
+
+def test_what_is_out_of_reach_costs_nothing_and_changes_nothing() -> None:
+    loads = [load_on(SAND, Box((0.1, 0.07, 0.05)), 0.012) for _ in range(2)]
+    seen = []
+    for i in range(61):
+        t = i / 60
+        q, v = state(
+            np.array([0.1 * t, 0.0, 0.3 - 0.32 * t]),
+            Rotation.from_rotvec([t, 2 * t, 0]),
+            np.array([0.1, 0, -0.32]),
+            np.array([1.0, 2.0, 0.0]),
+        )
+        for load in loads:
+            if i == 0:
+                load.start(q)
+            load.accept(t, q, v)
+        loads[0].update_active(1 / 240)
+        seen.append(int(loads[0].batches[0].active.sum()))
+    assert seen[0] == 0
+    assert max(seen[:55]) > 0
+    np.testing.assert_array_equal(loads[0].history.bodies, loads[1].history.bodies)
+    assert np.abs(loads[0].history.bodies).max() > 0.1
+
+
+def test_the_example_in_the_package() -> None:
+    assert doctest.testmod(granular_contact.bed.space).failed == 0

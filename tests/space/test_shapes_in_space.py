@@ -1,0 +1,116 @@
+"""Shapes and meshes: what they enclose, how finely they are cut, what is refused and with which sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support_space import BODY, PLAY, SAND, load_on
+
+from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Layer, Mesh, Plate, Poncelet, Rft, Sphere
+from granular_contact.bed.space.load import SpatialLoad
+from granular_contact.bed.space.triangles import areas, facet_rows
+from granular_contact.errors import SceneError
+
+D, H = 0.1, 0.15
+SOLIDS = {
+    "box": (Box((0.1, 0.2, 0.05)), 0.1 * 0.2 * 0.05, 2 * (0.02 + 0.005 + 0.01)),
+    "cylinder": (Cylinder(D, H), np.pi * D**2 / 4 * H, np.pi * D * (D / 2 + H)),
+    "sphere": (Sphere(D), np.pi * D**3 / 6, np.pi * D**2),
+    "capsule": (Capsule(D, H), np.pi * D**3 / 6 + np.pi * D**2 / 4 * H, np.pi * D**2 + np.pi * D * H),
+    "cone": (Cone(D, H), np.pi * D**2 / 12 * H, np.pi * D / 2 * (D / 2 + np.hypot(D / 2, H))),
+}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_solids_are_closed_and_as_large_as_they_should_be(name: str) -> None:
+    shape, volume, area = SOLIDS[name]
+    for size, off in ((None, 0.03), (0.01, 0.005)):
+        corners = shape.corners(size)
+        cross = areas(corners)
+        assert np.einsum("ij,ij->", corners[:, 0], cross) / 3 == pytest.approx(volume, rel=off)
+        assert np.linalg.norm(cross, axis=1).sum() == pytest.approx(area, rel=off)
+        assert np.abs(cross.sum(axis=0)).max() < 1e-12
+    assert np.linalg.norm(np.roll(corners, 1, axis=1) - corners, axis=2).max() <= 0.01 * (1 + 1e-12)
+    whole = shape.corners(10.0)
+    Mesh(whole.reshape(-1, 3), np.arange(3 * len(whole)).reshape(-1, 3))  # is not refused: closed, outside out
+
+
+def test_facets_keep_the_surface_and_neighbours_together() -> None:
+    corners = Sphere(D).corners(0.004)
+    rows = facet_rows(corners, False)
+    assert rows[:, 7].sum() == pytest.approx(np.linalg.norm(areas(corners), axis=1).sum())
+    clusters = load_on(SAND, Sphere(D), 0.004).lines[0].clusters
+    assert len(clusters) > 20
+    assert np.median(clusters["radius"]) < 0.35 * D
+
+
+CUBE = Box((0.1, 0.1, 0.1)).corners(10.0)
+
+
+def arrays(corners: Any) -> tuple[Any, Any]:
+    flat = np.asarray(corners).reshape(-1, 3)
+    return flat, np.arange(len(flat)).reshape(-1, 3)
+
+
+def message(call: Any, *arguments: Any, **named: Any) -> str:
+    with pytest.raises((SceneError, ValueError)) as caught:
+        call(*arguments, **named)
+    return str(caught.value)
+
+
+def test_a_mesh_that_can_not_be_is_told() -> None:
+    points, faces = arrays(CUBE)
+    assert "it is open: 4 edges belong to one triangle only" in message(Mesh, points, faces[:10])
+    flipped = faces.copy()
+    flipped[3] = flipped[3][::-1]
+    assert "at 3 edges two triangles are turned opposite ways" in message(Mesh, points, flipped)
+    assert "it is inside out" in message(Mesh, points, faces[:, ::-1])
+    flat = np.vstack([faces, [[0, 0, 1]]])
+    assert "1 of its 13 triangles have no area, the first is number 13" in message(Mesh, points, flat)
+    both = message(Mesh, 1000 * points, np.vstack([faces[1:], [[0, 0, 1]]]))
+    assert "it is 100 x 100 x 100 m: if it is in millimetres, give scale=0.001" in both
+    assert "it is open: 3 edges" in both
+    assert len(both.splitlines()) == 3
+    np.testing.assert_allclose(Mesh(1000 * points, faces, scale=0.001).vertices, points)
+    assert "faces: got numbers from 0 to 35, allowed are 0 to 9" in message(Mesh, points[:10], faces)
+    assert "vertices: got an array of shape (36, 2)" in message(Mesh, points[:, :2], faces)
+    Mesh(points, faces[:10], thin=True)
+
+
+def test_meshes_are_read_from_files(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    points, faces = arrays(CUBE)
+    for kind in ("stl", "obj", "ply"):
+        path = tmp_path / f"cube.{kind}"
+        trimesh.Trimesh(points, faces, process=False).export(path)
+        corners = Mesh.read(path).corners(10.0)
+        np.testing.assert_allclose(np.sort(corners.reshape(-1, 3), axis=0), np.sort(points, axis=0), atol=1e-7)
+    assert "there is no such file" in message(Mesh.read, tmp_path / "none.stl")
+    assert "got a .step file, allowed are stl, obj, ply" in message(Mesh.read, tmp_path / "cube.step")
+    (tmp_path / "broken.stl").write_text("solid nothing", encoding="utf-8")
+    assert "broken.stl" in message(Mesh.read, tmp_path / "broken.stl")
+
+
+def test_shapes_that_no_law_takes_are_told() -> None:
+    line = Bar([[0, 0, 0], [0, 0, 0.1]], 0.01)
+    assert "in space nothing acts on a Bar: rft takes surfaces" in message(load_on, Rft(), line)
+    assert "nothing acts on a Box: lee_marghitu takes a Bar" in message(load_on, PLAY, Box((0.1, 0.1, 0.1)))
+    assert "nothing acts on a Cone: poncelet takes a Sphere" in message(load_on, Poncelet(1.0, 1.0), Cone(0.1, 0.1))
+
+
+def test_what_can_not_be_is_told() -> None:
+    assert "size: got (0.1, -1, 0.1), allowed are numbers above 0" in message(Box, (0.1, -1, 0.1))
+    assert "diameter: got nan" in message(Sphere, float("nan"))
+    assert "points: got an array of shape (2, 2), allowed are (k, 3)" in message(Bar, [[0, 0], [1, 1]], 0.01)
+    assert "the same point twice" in message(Bar, [[0, 0, 0], [0, 0, 0]], 0.01)
+    assert "up: got [0, 0, 0], allowed is a direction" in message(SpatialLoad, SAND, 0.0, up=[0, 0, 0])
+    assert "surface: got [0. 1.], allowed in space is a finite number" in message(SpatialLoad, SAND, [0.0, 1.0])
+    assert "slope: got 0.3, allowed in space are three" in message(SpatialLoad, SAND, 0.0, slope=0.3)
+    assert "got a layer, allowed in space" in message(SpatialLoad, Layer(SAND, 0.0, 0.1), 0.0)
+    load = SpatialLoad(SAND, 0.0)
+    assert "rotation: got" in message(load.add_shape, BODY, Plate((0.1, 0.1)), rotation=np.diag([1, 1, -1]))
+    assert "position: got [0, 0]" in message(load.add_shape, BODY, Plate((0.1, 0.1)), [0, 0])
+    assert "facet_size: got 0" in message(load.add_shape, BODY, Plate((0.1, 0.1)), facet_size=0)

@@ -1,0 +1,150 @@
+"""What the load in space costs: by facet, by body out of reach, and to load and build a large mesh.
+
+    python validation/space_cost.py
+
+CPU time of one call of the kernels that the engine calls, by facet; the least of many rounds, as noise only adds. A
+sphere of some 5 000 facets moves down and turns, wholly immersed with all bristles at their yield; of its facets
+either those that lead or those that trail are kept. For comparison a strip of the plane, with the same law, is timed
+in the same run: ratios do not depend on what else the machine does. Loading is reading an STL file of 100 000
+triangles, checking it, and building its facets and clusters.
+
+The bounds: 120 ns a leading facet with 3D-RFT and its bristle, 10 ns one above the surface, 3 s for the large mesh.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import numpy as np
+
+from granular_contact import Drft, Mesh, Rft, Rft3d, Sphere
+from granular_contact.bed.contact_lines import Body, polyline
+from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.space.load import SpatialLoad
+from granular_contact.bed.space.triangles import clusters_of
+from granular_contact.laws.law import Law
+from validation.tables import machine, markdown
+
+ROUNDS, CALLS = 40, 10
+LEADING, ABOVE, LOADING = 120.0, 10.0, 3.0  # ns, ns, s
+ABOVE_IT, STRIP = "above the surface", "(a strip of the plane)"
+BODY = Body("body", [0, 1, 2, 3, 4, 5, 6])
+STILL = [1.0, 0.0, 0.0, 0.0]
+SPEED = np.array([0.1, 0.05, -0.3, 0.0, 0.05, 0.1, 0.05])
+MEDIA: dict[str, Law] = {"rft3d": Rft3d(1600.0, 0.5, 0.3), "drft": Drft(density=1600.0, lam=1.1), "rft": Rft()}
+
+
+def least(call: Callable[..., object], *arguments: Any, calls: int = CALLS) -> float:
+    """CPU time (s) of one call: the least of the rounds, after a warm-up."""
+    call(*arguments)
+    times = []
+    for _ in range(ROUNDS):
+        start = time.process_time()
+        for _ in range(calls):
+            call(*arguments)
+        times.append((time.process_time() - start) / calls)
+    return min(times)
+
+
+def sphere(medium: Law, leading: bool | None, height: float = -0.5) -> tuple[SpatialLoad, np.ndarray, int]:
+    """Load on the facets of a sphere that lead, that trail, or all of them; its place, and the number of facets."""
+    load = SpatialLoad(medium, 0.0)
+    load.add_shape(BODY, Sphere(0.2), facet_size=0.012)
+    one = load.lines[0]
+    rows = one.rows
+    if leading is not None:
+        ahead = rows[:, 4:7] @ SPEED[:3] > 0.05 * np.linalg.norm(SPEED[:3])
+        rows = np.ascontiguousarray(rows[ahead if leading else ~ahead])
+    load.lines[0] = replace(one, rows=rows, clusters=clusters_of(rows[:, :3], rows[:, 3]))
+    q = np.array([0.0, 0.0, height, *STILL])
+    load.start(q)
+    for i in range(3):
+        load.accept(1e-3 * i, q, SPEED)
+        q = q + 1e-3 * SPEED
+    return load, q, len(rows)
+
+
+def strip_ns(medium: Law) -> float:
+    """CPU time (ns) of a strip of the plane."""
+    load, strips = GranularLoad(medium, 0.0), 2000
+    load.add(polyline(Body("body", [0, 1, 2]), [[-0.1, 0.0], [0.1, 0.0]], width=0.1, strips=strips))
+    q, v, out = np.array([0.0, -0.5, 0.3]), np.array([0.1, -0.3, 0.0]), np.zeros(3)
+    load.start(q)
+    for i in range(3):
+        load.accept(1e-3 * i, q, v)
+        q = q + 1e-3 * v
+    return 1e9 * least(load.force, q, v, out) / strips
+
+
+def facet_rows() -> list[tuple[str, str, float]]:
+    """Law, what is measured, and ns a facet."""
+    found, out = [("rft3d", STRIP, strip_ns(MEDIA["rft3d"]))], np.zeros(7)
+    for name, medium in MEDIA.items():
+        load, q, number = sphere(medium, True)
+        found.append((name, "leads", 1e9 * least(load.force, q, SPEED, out) / number))
+    medium = MEDIA["rft3d"]
+    load, q, number = sphere(medium, True)
+    found.append(("rft3d", "leads, tangent", 1e9 * least(load.tangent, q, SPEED, 1.0, 1.0, calls=2) / number))
+    row = load.table.new_row(1.0)
+    found.append(("rft3d", "leads, end of a step", 1e9 * least(load.batches[0].accept, q, SPEED, row) / number))
+    load, q, number = sphere(medium, False)
+    found.append(("rft3d", "trails", 1e9 * least(load.force, q, SPEED, out) / number))
+    load, q, number = sphere(medium, None, 0.15)
+    found.append(("rft3d", ABOVE_IT, 1e9 * least(load.force, q, SPEED, out) / number))
+    load, q, number = sphere(medium, None, 1.0)
+    load.update_active(1e-3)
+    far = 1e9 * least(load.force, q, SPEED, out, calls=1000)
+    return [*found, ("rft3d", f"out of reach, all {number} together", far)]
+
+
+def loading() -> dict[str, float]:
+    """CPU seconds to read a mesh of 100 000 triangles, to build its load, and to start."""
+    corners = Sphere(0.3).corners(0.0042)
+    load = SpatialLoad(MEDIA["rft3d"], 0.0)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "large.stl"
+        _write_stl(path, corners)
+        start = time.process_time()
+        mesh = Mesh.read(path)
+        read = time.process_time()
+    load.add_shape(BODY, mesh, facet_size=1.0)
+    built = time.process_time()
+    load.start(np.array([0.0, 0.0, 1.0, *STILL]))
+    return {
+        "triangles": float(len(mesh.faces)),
+        "reading and checking": read - start,
+        "facets and clusters": built - read,
+        "starting": time.process_time() - built,
+    }
+
+
+def _write_stl(path: Path, corners: np.ndarray) -> None:
+    record = np.zeros(len(corners), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+    record["corners"] = corners
+    path.write_bytes(bytes(80) + np.uint32(len(corners)).tobytes() + record.tobytes())
+
+
+def main() -> int:
+    """Print the tables; 0 when the bounds are kept, else 1."""
+    rows, costs = facet_rows(), loading()
+    number = costs.pop("triangles")
+    costs["together"] = sum(costs.values())
+    print(f"{machine('numba')}; least of {ROUNDS} rounds after a warm-up\n")
+    table = [[law, what, f"{ns:.3g}", f"{ns / rows[0][2]:.2f}"] for law, what, ns in rows]
+    print(markdown(["law", "facet", "CPU ns", "to a strip"], table))
+    print(f"\n{number:.0f} triangles from an STL file:\n")
+    print(markdown(["", "CPU s"], [[what, f"{seconds:.2f}"] for what, seconds in costs.items()]))
+    ns = {what: value for law, what, value in rows if law == "rft3d"}
+    return 0 if ns["leads"] <= LEADING and ns[ABOVE_IT] <= ABOVE and costs["together"] <= LOADING else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
