@@ -79,7 +79,7 @@ def test_every_number_is_that_of_a_single_run(paper):
         single = dict(_flat(simulate(cases.scenario(cases.cases[i])).summary))
         assert len(single) > 20
         for name in single.keys() - {TIME}:
-            assert rows[i][name] == table._cell(single[name])
+            assert rows[i][name] == table.cell(single[name])
         assert float(rows[i][TIME]) > 0.0
 
 
@@ -237,7 +237,7 @@ def test_an_absurd_case_is_refused_before_any_runs(tmp_path, capsys, monkeypatch
 def test_cells():
     cells = [0.1, 1e-300, None, float("nan"), True, 3, ["a", "b, c"], [], {"law": "x"}, [{"a": 1}], "a; b"]
     expected = ["0.1", "1e-300", "", "", "true", "3", "a; b, c", "", '{"law": "x"}', '[{"a": 1}]', "a; b"]
-    assert list(map(table._cell, cells)) == expected
+    assert list(map(table.cell, cells)) == expected
 
 
 def test_the_saved_sweep_stands_alone(tmp_path):
