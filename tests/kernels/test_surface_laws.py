@@ -92,11 +92,11 @@ def test_rft3d_limits_the_tangential_part() -> None:
 @EVERY
 def test_no_state_drives_the_element(medium: object) -> None:
     least = np.inf
-    for beta in np.arange(-90.0, 91.0, 3.0):
-        for gamma in np.arange(-180.0, 180.0, 3.0):
+    for beta in np.arange(-90.0, 91.0, 5.0):
+        for gamma in np.arange(-180.0, 180.0, 5.0):
             s = element(beta, gamma)
-            power = float(response(medium, s) @ s.V[0])
-            scale = float(np.linalg.norm(response(medium, s)))
+            force = response(medium, s)
+            power, scale = float(force @ s.V[0]), float(np.linalg.norm(force))
             # Zero where a driving part was dropped, with round-off of the force.
             assert power <= 1e-12 * scale
             least = min(least, -power / max(scale, 1e-300))
