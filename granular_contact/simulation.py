@@ -87,7 +87,7 @@ class Simulation:
         self._compiling = compiling
         self._begun: Begun | None = None
         self.random = np.random.default_rng(0)
-        self._take(build(scenario.scenario if isinstance(scenario, Loaded) else scenario))
+        self._take(build(scenario))
         self._base = self.scenario
 
     def _take(self, scene: Scene) -> None:
@@ -343,7 +343,7 @@ def simulate(
         The rate is no number above 0.
     """
     if isinstance(scene, Loaded | Scenario):
-        scene = build(scene.scenario if isinstance(scene, Loaded) else scene)
+        scene = build(scene)
     if control is None:
         return run(scene, scenario, progress, most_frames=most_frames, inspect=inspect, compiling=compiling)
     rate = _finite(control_rate_Hz)

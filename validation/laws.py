@@ -90,7 +90,7 @@ def printed_values() -> tuple[str, list[Claim]]:
         worst = max(worst, abs(got - want))
     for beta, gamma, r, z in ((0, 45, -0.199, 0.761), (45, 45, -0.342, 0.583), (90, 0, -0.192, 0.075)):
         b, g = np.radians([beta, gamma])
-        got = rft3d_law.alpha(math.sin(b), -math.cos(b), math.cos(g), -math.sin(g))
+        got = _generic(b, np.array([math.cos(g), -math.sin(g)]))
         for part, printed, mine in (("r", r, got[0]), ("z", z, got[1])):
             rows.append(["rft3d", f"alpha_{part}({beta}, {gamma} deg)", f"{printed:.3f}", f"{mine:.6f}"])
             worst = max(worst, abs(mine - printed))
@@ -196,8 +196,13 @@ def signs(step: float) -> tuple[str, list[Claim]]:
 
 
 def _raw_power(beta: float, u: Vector) -> float:
-    b = math.radians(beta)
-    return float(np.array(rft3d_law.alpha(math.sin(b), -math.cos(b), *u)) @ u)
+    return float(_generic(math.radians(beta), u) @ u)
+
+
+def _generic(beta: float, u: Vector) -> Vector:
+    """Response (2,) of the published polynomials in the plane, at an angle (rad) of the element."""
+    ax, _, az = rft3d_law.alpha(math.sin(beta), 0.0, -math.cos(beta), u[0], 0.0, u[1])
+    return np.array([ax, az])
 
 
 # ---- balls in the engine ----
