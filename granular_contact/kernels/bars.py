@@ -52,14 +52,21 @@ def add(f, x, y, z, W, term):
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
-def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
-    """`space_law.forces` of a bar."""
-    R, x, v, w = pose[:3], pose[3], pose[4], pose[5]
+def placed(elements, pose, ground):
+    """Positions (n, 3) m and velocities (n, 3) m/s of the stations, and their depths (n,) m."""
     n = elements.shape[0]
     P, V, Z = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
     for i in range(n):
-        station(elements[i], x, v, w, R, P[i], V[i])
+        station(elements[i], pose[3], pose[4], pose[5], pose[:3], P[i], V[i])
         Z[i] = ground[0] + ground[1] * P[i, 0] + ground[2] * P[i, 1] - P[i, 2]
+    return P, V, Z
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
+    """`space_law.forces` of a bar."""
+    x, n = pose[3], elements.shape[0]
+    P, V, Z = placed(elements, pose, ground)
     f = np.zeros((TERMS, 2, 3))
     for i in range(n - 1):
         a, b = immersed_interval(Z[i], Z[i + 1])
@@ -87,12 +94,9 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
 @njit(cache=True, no_cfunc_wrapper=True)
 def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of the stations of bars, whose anchors are free unless a strip at them is immersed."""
-    R, x, v, w = pose[:3], pose[3], pose[4], pose[5]
     n = elements.shape[0]
-    P, V, Z = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
+    P, V, Z = placed(elements, pose, ground)
     for i in range(n):
-        station(elements[i], x, v, w, R, P[i], V[i])
-        Z[i] = ground[0] + ground[1] * P[i, 0] + ground[2] * P[i, 1] - P[i, 2]
         row[law.DEPTH] = max(row[law.DEPTH], Z[i])
         if Z[i] > 0.0:
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(V[i, 0] ** 2 + V[i, 1] ** 2 + V[i, 2] ** 2))

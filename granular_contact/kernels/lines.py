@@ -153,23 +153,34 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
+def difference(q, fq, fv):
+    """Length d of a difference that moves a coordinate by d fq and its rate by d fv.
+
+    By at most 10 nm and 1 um/s, little of what a bristle yields at, yet far above the round-off of q.
+    """
+    greatest = 1.0
+    for j in range(q.shape[0]):
+        greatest = max(greatest, abs(q[j]))
+    largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
+    d = min(1e-8 / largest_q, 1e-6 / largest_v)
+    return max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
 def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by differences.
 
-    q and v are moved together, by d fq and d fv along each coordinate: by at most 10 nm and 1 um/s, little of what a
-    bristle yields at, yet far above the round-off of q. Coordinates whose forces do not meet are moved at once.
+    q and v are moved together, by d fq and d fv along each coordinate, see `difference`.
+    Coordinates whose forces do not meet are moved at once.
     """
     size = q.shape[0]
     at_state, moved, totals = np.zeros(size), np.empty(size), np.zeros((TERMS, 3))
     force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
     if not immersed(P, line, profile):
         return
-    q_there, v_there, greatest = np.empty(size), np.empty(size), 1.0
+    q_there, v_there, d = np.empty(size), np.empty(size), difference(q, fq, fv)
     for j in range(size):
-        q_there[j], v_there[j], greatest = q[j], v[j], max(greatest, abs(q[j]))
-    largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
-    d = min(1e-8 / largest_q, 1e-6 / largest_v)
-    d = max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
+        q_there[j], v_there[j] = q[j], v[j]
     apart = 0 if line.resultant else spacing(geometry)
     together = size if apart == 0 else apart
     for first in range(min(together, size)):

@@ -25,7 +25,9 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import space_law as law
+from granular_contact.kernels.batches import gather
 from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.lines import difference
 
 # size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
 BODY = np.dtype(
@@ -91,14 +93,6 @@ def place(q, v, size, turn, pose, G):
             for k in range(size - 3):
                 w += G[j, k] * v[3 + k]
             pose[5, i] += turn[i, j] * w
-
-
-@njit(cache=True, no_cfunc_wrapper=True)
-def gather(system_q, system_v, reference, places, q, v):
-    """Fill q and v with the coordinates at these places of the system."""
-    for i in range(places.shape[0]):
-        at = places[i, 0]
-        q[i], v[i] = reference[at] + system_q[at], system_v[at]
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -170,7 +164,7 @@ def tangent(
 ):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
-    By differences, as `lines.tangent`: coordinates are moved by at most 10 nm and rates by 1 um/s.
+    By differences, as `lines.tangent`.
     """
     q, v, there, moved = np.empty(7), np.empty(7), np.empty(7), np.empty(7)
     pose, W = np.empty((6, 3)), np.empty((TERMS, 6))
@@ -183,12 +177,7 @@ def tangent(
         body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, there)
         if not W.any():
             continue
-        greatest = 1.0
-        for j in range(body.size):
-            greatest = max(greatest, abs(q[j]))
-        largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
-        d = min(1e-8 / largest_q, 1e-6 / largest_v)
-        d = max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
+        d = difference(q[: body.size], fq, fv)
         for j in range(body.size):
             at_q, at_v = q[j], v[j]
             q[j] += d * fq

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from granular_contact.config.schema.sweep import DottedKeys, ParameterRange
+from granular_contact.config.schema.sweep import DottedKeys, ParameterRange, PathOrConfig
 from granular_contact.values.strict import LocalFault, Names, Strict, allow, form, refusal
 
 MOST_RUNS = 100_000
@@ -83,11 +83,7 @@ class Objective(Strict):
 class OptimiseFile(Strict):
     """A search: a config, what may change in it, and what is best."""
 
-    config: Annotated[
-        Annotated[str, Tag("text")] | Annotated[dict[str, Any], Tag("mapping")],
-        Discriminator(form),
-        allow("the path of a config, or a config"),
-    ]
+    config: PathOrConfig
     set_: DottedKeys = Field(default_factory=dict, alias="set")
     """Dotted keys and their values in all runs."""
     parameters: Annotated[

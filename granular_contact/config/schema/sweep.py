@@ -19,6 +19,11 @@ _READABLE = 10  # digits of a number that is told in full
 # A finite number that stays a whole one if it was written so.
 Number = Annotated[float, WrapValidator(lambda value, check: (check(value), value)[1])]
 DottedKeys = Annotated[dict[str, Any], allow("a mapping from dotted keys to values")]
+PathOrConfig = Annotated[
+    Annotated[str, Tag("text")] | Annotated[dict[str, Any], Tag("mapping")],
+    Discriminator(form),
+    allow("the path of a config, or a config"),
+]
 
 
 class ParameterRange(Strict):
@@ -137,11 +142,7 @@ class ListedCase(Strict, extra="allow"):
 class SweepFile(Strict):
     """A sweep: a config, and one of cases, vary and sample, which say what is replaced in it."""
 
-    config: Annotated[
-        Annotated[str, Tag("text")] | Annotated[dict[str, Any], Tag("mapping")],
-        Discriminator(form),
-        allow("the path of a config, or a config"),
-    ]
+    config: PathOrConfig
     set_: DottedKeys = Field(default_factory=dict, alias="set")
     """Dotted keys and their values in all cases."""
     cases: Annotated[
