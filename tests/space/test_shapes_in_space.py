@@ -11,8 +11,9 @@ from support_space import BODY, PLAY, SAND, load_on
 
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Layer, Mesh, Plate, Poncelet, Rft, Sphere
 from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.triangles import areas, facet_rows
+from granular_contact.bed.space.triangles import facet_rows
 from granular_contact.errors import SceneError
+from granular_contact.geometry.mesh import areas
 
 D, H = 0.1, 0.15
 SOLIDS = {

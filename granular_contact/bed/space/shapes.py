@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed.space import triangles
 from granular_contact.errors import Fault, SceneError, scene_error
+from granular_contact.geometry import mesh
 
 Vector = NDArray[np.float64]
 METRES = 3.0  # above it a mesh without a stated scale is taken for one in another unit
@@ -207,7 +208,7 @@ class Mesh(Shape):
             raise _refused(name, found)
         self.vertices, self.faces = points * (1.0 if scale is None else scale), numbers.astype(np.int64)
         self.thin = thin
-        found = list(triangles.faults(self.vertices, self.faces, thin))
+        found = list(mesh.faults(self.vertices, self.faces, thin))
         sides = np.ptp(self.vertices[self.faces].reshape(-1, 3), axis=0)
         if scale is None and sides.max() > METRES:
             got = " x ".join(f"{side:.4g}" for side in sides)
@@ -224,7 +225,7 @@ class Mesh(Shape):
         SceneError
             The file can't be read, or as of `Mesh`.
         """
-        from granular_contact.bed.space.mesh_file import read
+        from granular_contact.geometry.mesh_file import read
 
         return cls(*read(Path(path)), scale=scale, thin=thin, name=str(path))
 
@@ -246,7 +247,7 @@ def _size(extent: float, size: float | None) -> float:
 
 
 def _cut(corners: Vector, size: float | None) -> Vector:
-    return triangles.cut(corners, _size(triangles.extent(corners), size))
+    return triangles.cut(corners, _size(mesh.extent(corners), size))
 
 
 def _arc(radius: float, start: float, end: float, size: float) -> list[tuple[float, float]]:

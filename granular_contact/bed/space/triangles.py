@@ -1,69 +1,16 @@
-"""Triangles: what is wrong with a mesh, cutting to a size, rows of facets and the clusters that they are kept in."""
+"""Triangles: cutting to a size, rows of facets and the clusters that they are kept in."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.geometry.mesh import areas
 from granular_contact.kernels.facets import COLUMNS, SIDE
 from granular_contact.kernels.space_law import CLUSTER
 
 Vector = NDArray[np.float64]
 CLUSTER_SIZE = 64  # facets
-NO_AREA = 1e-12  # of the square of the extent
-
-
-def extent(points: Vector) -> float:
-    """Diagonal (m) of the box around points (..., 3)."""
-    flat = points.reshape(-1, 3)
-    return float(np.linalg.norm(flat.max(axis=0) - flat.min(axis=0))) if len(flat) else 0.0
-
-
-def areas(corners: Vector) -> Vector:
-    """Areas (n,) m^2 of triangles (n, 3, 3) m, times their unit normals: vectors (n, 3)."""
-    cross: Vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return cross
-
-
-def joined(vertices: Vector, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Faces (n, 3) by numbers that are the same for vertices at the same place, as files keep them apart."""
-    low = vertices.min(axis=0)
-    cell = max(1e-30, float((vertices.max(axis=0) - low).max())) / 2**20
-    x, y, z = np.rint((vertices - low) / cell).astype(np.int64).T
-    _, numbers = np.unique((x << 42) + (y << 21) + z, return_inverse=True)
-    return np.asarray(numbers.reshape(-1)[faces], dtype=np.int64)
-
-
-def faults(vertices: Vector, faces: NDArray[np.int64], thin: bool) -> Iterator[str]:
-    """What is wrong with a mesh, one sentence each; thin: it is a sheet, and need not enclose anything."""
-    corners = vertices[faces]
-    cross = areas(corners)
-    empty = np.flatnonzero(np.linalg.norm(cross, axis=1) <= NO_AREA * extent(vertices) ** 2)
-    if len(empty):
-        yield f"{len(empty)} of its {len(faces)} triangles have no area, the first is number {empty[0] + 1}"
-    if thin:
-        return
-    loose, turned = _edges(joined(vertices, faces))
-    if loose:
-        yield f"it is open: {loose} edges belong to one triangle only; allowed is a closed surface, or thin=True"
-    if turned:
-        yield f"at {turned} edges two triangles are turned opposite ways; allowed is one sense, seen from outside"
-    if not (loose or turned) and np.sum(corners[:, 0] * cross) < 0.0:
-        yield "it is inside out: seen from outside its triangles turn clockwise, allowed is counter-clockwise"
-
-
-def _edges(faces: NDArray[np.int64]) -> tuple[int, int]:
-    """Number of edges that belong to one triangle only, and of those that two run along in the same sense."""
-    kept = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
-    start, end = kept.ravel(), np.roll(kept, -1, axis=1).ravel()
-    key = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    first = np.flatnonzero(np.diff(key[order], prepend=-1))
-    balance = np.add.reduceat(np.where(start < end, 1, -1)[order], first)
-    number = np.diff(first, append=len(order))
-    return int(np.sum(number == 1)), int(np.sum((balance != 0) & (number > 1)))
 
 
 def cut(corners: Vector, size: float) -> Vector:
