@@ -19,6 +19,7 @@ from granular_contact.config.differences import differing_keys
 from granular_contact.errors import ControlError
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.ending import ended, paused
+from granular_contact.results.frames import MOST
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
 from granular_contact.run import Begun, Solving, begin, run, scenario_of
@@ -304,7 +305,7 @@ def simulate(
     *,
     control: Controller | None = None,
     control_rate_Hz: float = 1000.0,
-    most_frames: int = 0,
+    most_frames: int = MOST,
     inspect: Callable[[System, Trajectory], None] | None = None,
     compiling: Compiling | None = None,
 ) -> Results:
@@ -328,7 +329,8 @@ def simulate(
     control_rate_Hz : float
         Calls in a second.
     most_frames, inspect, compiling
-        As of `granular_contact.run.run`; inspect is not called for a run with a controller.
+        As of `granular_contact.run.run`; inspect is not called for a run with a controller. Pictures are for the player
+        of a report and for animations, and take 0.1 to 0.6 ms each; 0 for none.
 
     Returns
     -------

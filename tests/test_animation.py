@@ -351,6 +351,7 @@ def test_run_animates_and_a_later_run_takes_the_folder_over(tmp_path: Path) -> N
     assert cli.main(["run", config, "--animate", "--no-plots", "--quiet", "--out", str(tmp_path / "r")]) == 0
     assert sorted(p.name for p in (tmp_path / "r").iterdir()) == [
         "animation.gif",
+        "motion.json",
         "scenario.yaml",
         "summary.json",
         "timeseries.csv",

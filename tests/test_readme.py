@@ -150,6 +150,7 @@ def test_the_first_run_leaves_what_the_table_names(tmp_path: Path) -> None:
         "summary.json",
         "timeseries.csv",
         "scenario.yaml",
+        "motion.json",
         "figures",
     }
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))

@@ -57,6 +57,12 @@ def test_what_was_saved_is_opened_again(tmp_path: Path) -> None:
     assert again.scenario == results.scenario
     assert (again.surface, again.layers, again.floor) == (results.surface, results.layers, results.floor)
     assert again.terms == results.terms != ()
+    for one, other in zip(again.frames, results.frames, strict=True):  # to 7 digits of the largest
+        for a, b in zip(one.outlines, other.outlines, strict=True):
+            np.testing.assert_allclose(a.points, b.points, atol=1e-7)
+        now, then = (sum((force.force for force in shot.forces), np.zeros(2)) for shot in (one, other))
+        np.testing.assert_allclose(now, then, rtol=1e-6, atol=1e-5)
+    assert len(again.frames) > 20
     again.save(tmp_path / "again", figures=False)
     for name in ("summary.json", "timeseries.csv", "scenario.yaml"):
         assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from granular_contact.scene import Scene
 
 HELP = "simulate a config and save the results"
-MOST_FRAMES = 151  # six seconds
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,6 +69,7 @@ def act(chosen: argparse.Namespace) -> int:
     folder = output_folder(chosen.out, Path(chosen.config).stem)
 
     from granular_contact import report
+    from granular_contact.results.frames import MOST
     from granular_contact.run import run
 
     kept: list[tuple[System, Trajectory]] = []
@@ -86,7 +86,7 @@ def act(chosen: argparse.Namespace) -> int:
             scene,
             scenario,
             progress=progress,
-            most_frames=MOST_FRAMES if chosen.film else 0,
+            most_frames=MOST,
             inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
             compiling=None if chosen.quiet else compiling,
         )

@@ -159,12 +159,15 @@ class Kinematics:
 
     def outlines(self, instant: int) -> tuple[Outline, ...]:
         """The mechanism as drawn at an instant (index)."""
-        outlines = []
+        outlines: list[Outline] = []
+        q = self.trajectory.q[instant]
         for name, handle in self.system.rigid.items():
-            for shape in handle.body.shapes:
-                points = np.array([self.position(name, p)[0][instant] for p in shape.points])
-                outlines.append(Outline(shape.part, points, shape.thickness))
+            x, y, angle = q[self._rigid[name]]
+            c, s = np.cos(angle), np.sin(angle)
+            turn = np.array([[c, s], [-s, c]])
+            shapes = handle.body.shapes
+            outlines += [Outline(one.part, np.asarray(one.points) @ turn + (x, y), one.thickness) for one in shapes]
         for name, nodes in self._links.items():
-            line = self.trajectory.q[instant][np.array(nodes)[:, :2]]
+            line = q[np.array(nodes)[:, :2]]
             outlines.append(Outline(name, line, self.system.links[name].link.thickness))
         return tuple(outlines)

@@ -24,6 +24,7 @@ import numpy as np
 import yaml
 
 from granular_contact.results import Results
+from granular_contact.results.motion import motion_of, plain
 
 try:
     import fcntl
@@ -32,6 +33,7 @@ except ImportError:  # on Windows, where nothing is locked
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
+MOTION = "motion.json"
 ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `report.pages`
 COMPARISON = "compare.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
@@ -40,7 +42,7 @@ OPTIMISE, HISTORY, OPTIMUM = "optimise.yaml", "history.csv", "optimise.json"
 BEST_CONFIG, BEST = "best.yaml", "best"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
-    "run": (SUMMARY, SERIES, SCENARIO, FIGURES),
+    "run": (SUMMARY, SERIES, SCENARIO, MOTION, FIGURES),
     "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES),
     "optimise": (OPTIMISE, HISTORY, OPTIMUM, BEST_CONFIG, BEST, JOURNAL, FIGURES),
     "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
@@ -101,6 +103,8 @@ def write(results: Results, directory: Path, figures: bool = True, film: str | N
         (making / SUMMARY).write_text(_summary(results), encoding="utf-8")
         (making / SCENARIO).write_text(scenario_text(results), encoding="utf-8")
         _write_series(results, making / SERIES)
+        if (motion := motion_of(results)) is not None:
+            (making / MOTION).write_text(json.dumps(_plain(plain(motion))) + "\n", encoding="utf-8")
         if figures:
             from granular_contact.report.figures import draw
 

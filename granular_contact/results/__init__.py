@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+    from granular_contact.results.motion import Motion
+
 StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
 # What a stopping time is of: of a pendulum, and of all else that is not driven.
 STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
@@ -110,6 +112,7 @@ class Results:
     terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
     frames: snapshots evenly spaced in time, for an animation; none unless the run was asked for them.
     sizes: diameters and widths (m) of what was immersed.
+    motion: how it moved, as it is played; of runs in space, where there are no frames.
     """
 
     name: str
@@ -126,6 +129,7 @@ class Results:
     layers: tuple[float, ...] = ()
     floor: float | None = None
     sizes: tuple[float, ...] = ()
+    motion: Motion | None = None
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """Column `name` as an array (rows,); KeyError says which is meant, or lists the columns there are."""
@@ -212,8 +216,7 @@ class Results:
     def open(cls, directory: str | PathLike[str]) -> Results:
         """The results in a folder that a run or `save` wrote: the same table, summary, warnings and scenario.
 
-        NaN in a summary is None after it. Pictures of the mechanism (`snapshots`, `frames`) and `sizes` are not saved,
-        so there are none.
+        NaN in a summary is None after it. `snapshots` and `sizes` are not saved, so there are none.
 
         Raises
         ------

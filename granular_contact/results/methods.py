@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from granular_contact.errors import ConfigError, MissingPackageError, ResultsError, SceneError
 from granular_contact.results import Column, Results, Status, StatusCode
+from granular_contact.results.motion import frames_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -93,8 +94,17 @@ def opened(directory: Path) -> Results:
         snapshots=(),
         warnings=warnings,
         terms=terms,
+        **_pictures(folder),
         **bed,
     )
+
+
+def _pictures(folder: Folder) -> dict[str, Any]:
+    """Frames or motion, as far as the folder holds some."""
+    found = folder.motion()
+    if found is None:
+        return {}
+    return {"motion": found} if found.in_space else {"frames": frames_of(found)}
 
 
 def _columns(told: object, file: Path) -> Iterator[Column]:

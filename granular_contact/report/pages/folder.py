@@ -9,7 +9,8 @@ from typing import Any
 
 from granular_contact.config.csv_table import ragged, table_of
 from granular_contact.errors import Fault, ResultsError
-from granular_contact.report import ANIMATION, ENTRIES, FIGURES, kind_of
+from granular_contact.report import ANIMATION, ENTRIES, FIGURES, MOTION, kind_of
+from granular_contact.results.motion import Motion, of_plain
 
 
 class FolderError(ResultsError):
@@ -65,6 +66,16 @@ class Folder:
             return (self.path / name).read_text(encoding="utf-8") if self.has(name) else None
         except (OSError, UnicodeDecodeError):
             raise FolderError(f"{self.path / name}: can't be read as text") from None
+
+    def motion(self) -> Motion | None:
+        """How the mechanism moved; None if that was not saved."""
+        if not self.has(MOTION):
+            return None
+        told = self.read(MOTION)
+        try:
+            return of_plain(told)
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise FolderError(f"{self.path / MOTION}: is no motion, as this program writes it ({error!r})") from None
 
     def figures(self) -> list[Path]:
         """Figures, in the order of their names."""

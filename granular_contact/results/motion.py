@@ -1,0 +1,202 @@
+"""How a mechanism moved, as it is drawn: the shapes of its parts once, then a pose of each for every picture.
+
+The form in which a motion is saved (`motion.json`) and played. In the plane it is made from pictures; a run in space
+gives it directly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.results import Force, Outline, Results, Snapshot
+
+Array = NDArray[np.float64]
+
+RIGID = 1e-6  # of the size of the mechanism: what changes its shape by less is drawn as rigid
+DIGITS = 7  # of positions in files, of the largest
+
+
+@dataclass(frozen=True)
+class Part:
+    """A shape as it is drawn.
+
+    name: of the part or body. points: (n, 2) m in the frame of the part, of the kinds of an `Outline`; in space
+    (n, 3) m. faces: (m, 3) corners of triangles, in space alone. diameter: m, of a disc or across a bar.
+    """
+
+    name: str
+    points: Array
+    faces: NDArray[np.int64] | None = None
+    diameter: float = 0.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Pictures of a motion.
+
+    time: (k,) s. poses: (k, parts, 3) x, y (m) and angle (rad, counter-clockwise) of the frames of parts; in space
+    (k, parts, 7) x, y, z (m) and a quaternion w, x, y, z. bent: (k, n, 2) m, world frame, of parts that change their
+    shape, by their place. forces: of the medium by body, where they act (k, d) m and how large they are (k, d) N, zero
+    where there is none.
+    """
+
+    time: Array
+    parts: tuple[Part, ...]
+    poses: Array
+    bent: Mapping[int, Array] = field(default_factory=dict)
+    forces: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+
+    @property
+    def in_space(self) -> bool:
+        """Whether this is a motion in three dimensions."""
+        return bool(self.poses.shape[2] == 7)
+
+    def points(self, part: int) -> Array:
+        """Points (k, n, d) m of a part in the world frame, at all instants."""
+        if part in self.bent:
+            return self.bent[part]
+        own, poses = self.parts[part].points, self.poses[:, part]
+        if self.in_space:
+            placed: Array = np.einsum("kij,nj->kni", rotations(poses[:, 3:]), own) + poses[:, None, :3]
+            return placed
+        c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+        turned = np.stack([c * own[:, 0] - s * own[:, 1], s * own[:, 0] + c * own[:, 1]], axis=-1)
+        return np.asarray(turned + poses[:, None, :2])
+
+
+def rotations(quaternions: Array) -> Array:
+    """Rotation matrices (k, 3, 3) of unit quaternions (k, 4) w, x, y, z."""
+    w, x, y, z = quaternions.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+# ---- pictures of the plane ----
+
+
+def of_frames(frames: Sequence[Snapshot]) -> Motion | None:
+    """The motion that pictures of the plane show, all of the same parts; None if there are none."""
+    if not frames:
+        return None
+    first = frames[0].outlines
+    shapes = [np.array([frame.outlines[i].points for frame in frames]) for i in range(len(first))]
+    size = max((float(np.ptp(shape[0], axis=0).max()) for shape in shapes), default=0.0)
+    size = max(size, *(outline.diameter for outline in first))
+    parts, poses, bent = [], np.zeros((len(frames), len(first), 3)), {}
+    for i, (outline, shape) in enumerate(zip(first, shapes, strict=True)):
+        center, angle, miss = _rigid(shape)
+        poses[:, i] = np.column_stack([center, angle])
+        if miss > RIGID * size:
+            bent[i] = shape
+        parts.append(Part(outline.part, shape[0] - center[0], None, outline.diameter))
+    return Motion(np.array([frame.time for frame in frames]), tuple(parts), poses, bent, _forces(frames))
+
+
+def _rigid(shape: Array) -> tuple[Array, Array, float]:
+    """Centre (k, 2) m and angle (k,) rad of a shape (k, n, 2) m, and how far (m) it is from turning as one."""
+    center = shape.mean(axis=1)
+    own = (shape - center[:, None]) @ np.array([1.0, 1.0j])
+    turned = np.sum(own * own[0].conj(), axis=1)
+    angle = np.unwrap(np.angle(turned))
+    return center, angle, float(np.max(np.abs(own - own[0] * np.exp(1j * angle[:, None])), initial=0.0))
+
+
+def _forces(frames: Sequence[Snapshot]) -> dict[str, tuple[Array, Array]]:
+    bodies = dict.fromkeys(force.body for frame in frames for force in frame.forces)
+    found = {body: (np.zeros((len(frames), 2)), np.zeros((len(frames), 2))) for body in bodies}
+    for k, frame in enumerate(frames):
+        for force in frame.forces:
+            point, vector = found[force.body]
+            point[k], vector[k] = force.point, force.force
+    return found
+
+
+def motion_of(results: Results) -> Motion | None:
+    """How a run moved, as far as it was asked for pictures."""
+    return results.motion or of_frames(results.frames)
+
+
+def frames_of(motion: Motion) -> tuple[Snapshot, ...]:
+    """Pictures of a motion in the plane; none of one in space."""
+    if motion.in_space:
+        return ()
+    drawn = [(part, motion.points(i)) for i, part in enumerate(motion.parts)]
+    return tuple(
+        Snapshot(
+            "frame",
+            float(time),
+            tuple(Outline(part.name, points[k], part.diameter) for part, points in drawn),
+            tuple(Force(body, at[k], force[k]) for body, (at, force) in motion.forces.items() if force[k].any()),
+        )
+        for k, time in enumerate(motion.time)
+    )
+
+
+# ---- as plain data ----
+
+
+def plain(motion: Motion) -> dict[str, Any]:
+    """A motion in JSON types, positions to `DIGITS` of the largest."""
+    bodies = {body: {"point_m": _listed(at), "force_N": _listed(force)} for body, (at, force) in motion.forces.items()}
+    return {
+        "time_s": _listed(motion.time),
+        "parts": [_part(part) for part in motion.parts],
+        "poses": _poses(motion.poses),
+        "bent": {str(i): _listed(points) for i, points in motion.bent.items()},
+        "forces": bodies,
+    }
+
+
+def _part(part: Part) -> dict[str, Any]:
+    faces = {} if part.faces is None else {"faces": part.faces.tolist()}
+    return {"name": part.name, "points_m": _listed(part.points), **faces, "diameter_m": part.diameter}
+
+
+def _poses(poses: Array) -> Any:
+    """Positions as they are large, angles and quaternions to as many decimals: turns add up to large angles."""
+    places = 3 if poses.shape[2] == 7 else 2
+    at, turned = _rounded(poses[..., :places]), np.round(poses[..., places:], DIGITS)
+    return np.concatenate([at, turned], axis=2).tolist()
+
+
+def _listed(values: Array) -> Any:
+    return _rounded(values).tolist()
+
+
+def _rounded(values: Array) -> Array:
+    largest = float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))
+    if not largest > 0.0:
+        return np.zeros_like(values)
+    return np.asarray(np.round(values, DIGITS - 1 - int(np.floor(np.log10(largest)))))
+
+
+def of_plain(told: Mapping[str, Any]) -> Motion:
+    """The motion of `plain`; KeyError, TypeError or ValueError of anything else."""
+    parts = tuple(
+        Part(
+            str(one["name"]),
+            _array(one["points_m"], 2),
+            np.array(one["faces"], np.int64) if "faces" in one else None,
+            float(one["diameter_m"]),
+        )
+        for one in told["parts"]
+    )
+    bent = {int(i): _array(points, 3) for i, points in told["bent"].items()}
+    forces = {str(body): (_array(one["point_m"], 2), _array(one["force_N"], 2)) for body, one in told["forces"].items()}
+    return Motion(_array(told["time_s"], 1), parts, _array(told["poses"], 3), bent, forces)
+
+
+def _array(values: ArrayLike, dimensions: int) -> Array:
+    found = np.array(values, dtype=np.float64)
+    if found.ndim != dimensions:
+        raise ValueError(f"got an array of {found.ndim} dimensions; {dimensions} are needed")
+    return found
