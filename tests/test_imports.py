@@ -19,6 +19,7 @@ MAY = {
     "errors": set(),
     "examples": set(),
     "geometry": {"geometry", "errors"},
+    "robot": {"robot", "geometry", "errors"},
     "kernels": {"kernels"},
     "values": {"values"},
     "laws": {"laws", "kernels", "values"},
@@ -137,7 +138,8 @@ def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
         "matplotlib": ("report.figures",),
         "gymnasium": ("gym",),
         "pandas": (),
-        "trimesh": ("geometry",),
+        "trimesh": ("geometry", "robot"),
+        "lxml": ("robot",),
     }
     for library in libraries & set(homes):
         assert part(dotted(path), IMPORTED) in homes[library]

@@ -1,43 +1,69 @@
-"""The command `check`: faults of configs, sweeps, searches and fit files, without fitting or saving anything."""
+"""The command `check`: faults of configs, sweeps, searches, fit files and robots, without running anything."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from granular_contact import config
-from granular_contact.cli.common import FAULTY_INPUT, FINE, complain, read
+from granular_contact.cli import robot_check
+from granular_contact.cli.common import FAULTY_INPUT, FINE, Refusal, complain, read
 from granular_contact.errors import ConfigError, SceneError
 
-HELP = "read configs, sweeps, searches and fit files, with their geometry and data"
+HELP = "read configs, sweeps, searches, fit files and robots (URDF), with their geometry and data"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("configs", metavar="FILE", nargs="+")
+    robot = parser.add_argument_group("of a robot file (URDF)")
+    robot.add_argument("--shapes", choices=("collision", "visual"), help="shapes to look at (collision, if any)")
+    words = "folder of a package that package:// names; repeatable. Else it is looked up above the file"
+    robot.add_argument("--package", metavar="NAME=PATH", action="append", default=[], help=words)
+    robot.add_argument("--mend", metavar="OUT", help="write a copy with closed meshes into the folder OUT")
 
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    fine = [_is_fine(path) for path in chosen.configs]
+    robots = [path for path in chosen.configs if robot_check.is_robot_file(path)]
+    if chosen.mend is not None and not (robots and len(chosen.configs) == 1):
+        raise Refusal(f"--mend {chosen.mend}: allowed with one robot file (URDF)")
+    if (chosen.shapes or chosen.package) and not robots:
+        raise Refusal("--shapes and --package: allowed with robot files (URDF)")
+    fine = [_is_fine(path, chosen) for path in chosen.configs]
     return FINE if all(fine) else FAULTY_INPUT
 
 
-def _is_fine(path: str) -> bool:
-    from granular_contact import scene
-
+def _is_fine(path: str, chosen: argparse.Namespace) -> bool:
     try:
-        if config.is_sweep(path):
-            config.load_sweep(path, probe=scene.build)
-        elif config.is_optimise(path):
-            config.load_optimise(path, probe=scene.build)
-        elif config.is_fit(path):
-            from granular_contact.studies.fit import load_specification, prepare
-
-            prepare(load_specification(path))
-        else:
-            read(path)
+        if robot_check.is_robot_file(path):
+            return robot_check.check(path, chosen.shapes, _packages(chosen.package), chosen.mend)
+        _read(path)
     except (ConfigError, SceneError) as error:
         complain(str(error))
         return False
     print(f"{path}: ok")
     return True
+
+
+def _packages(given: list[str]) -> dict[str, Path]:
+    pairs = [one.partition("=") for one in given]
+    for name, equals, path in pairs:
+        if not (name and equals and path):
+            raise Refusal(f"--package {name}{equals}{path}: allowed is NAME=PATH")
+    return {name: Path(path) for name, _, path in pairs}
+
+
+def _read(path: str) -> None:
+    from granular_contact import scene
+
+    if config.is_sweep(path):
+        config.load_sweep(path, probe=scene.build)
+    elif config.is_optimise(path):
+        config.load_optimise(path, probe=scene.build)
+    elif config.is_fit(path):
+        from granular_contact.studies.fit import load_specification, prepare
+
+        prepare(load_specification(path))
+    else:
+        read(path)

@@ -45,7 +45,7 @@ def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def _unread(path: Path, error: Exception) -> str:
-    """Why a file can't be read, in one line; a Git LFS pointer stands where a repository was cloned without its files."""
+    """Why a file can't be read, in one line; a repository may hold pointers of Git LFS in place of its files."""
     with path.open("rb") as file:
         if file.read(40).startswith(b"version https://git-lfs"):
             return "is a pointer of Git LFS in place of a mesh; fetch the file with `git lfs pull`"

@@ -1,0 +1,105 @@
+"""What `check` says of a robot file: a table of its shapes and bodies, its faults and notes, and a mended copy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granular_contact.cli.common import complain
+
+if TYPE_CHECKING:
+    from granular_contact.robot.inspection import Inspected, Inspection
+
+SUFFIXES = (".urdf", ".xacro", ".xml", ".sdf")
+_HEADS = ("link", "shape", "triangles", "size mm", "closed", "outward", "parts", "inside %", "volume cm3")
+
+
+def is_robot_file(path: str) -> bool:
+    """Whether a file is one of robots, by its name."""
+    return Path(path).suffix.lower() in SUFFIXES
+
+
+def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | None) -> bool:
+    """Print what is wrong with a robot file, and write a mended copy if asked; returns whether a run would take it.
+
+    Raises
+    ------
+    ConfigError
+        The file can't be read as XML, or the copy can't be written.
+    """
+    from granular_contact.robot.inspection import inspect
+
+    found = inspect(path, shapes, packages)
+    _print_shapes(found)
+    _print_bodies(found)
+    for fault in found.faults:
+        complain(str(fault))
+    for note in found.notes:
+        complain(f"note: {note}")
+    if mend is not None:
+        _mend(found, Path(mend), packages)
+    if not found.faults:
+        print(f"{path}: ok{_count(found)}")
+    return not found.faults
+
+
+def _mend(found: Inspection, out: Path, packages: dict[str, Path]) -> None:
+    from granular_contact.robot.mending import mend
+
+    mended = mend(found, out, packages)
+    for words in mended.done:
+        print(f"mended: {words}")
+    print(f"mended copy: {mended.path}" + ("" if mended.done else f" (it has no {found.which} meshes)"))
+
+
+def _count(found: Inspection) -> str:
+    number = len(found.notes)
+    return f", with {number} note{'s' * (number != 1)}" if number else ""
+
+
+def _print_shapes(found: Inspection) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    if not found.shapes:
+        return
+    table = Table(title=f"{found.which} shapes", title_justify="left", box=None, pad_edge=False)
+    for head in _HEADS:
+        table.add_column(head, justify="left" if head in _HEADS[:2] else "right", overflow="fold")
+    for one in found.shapes:
+        table.add_row(*map(Text, _row(one)))
+    console = Console()
+    Console(width=max(120, console.width)).print(table)
+
+
+def _row(one: Inspected) -> Iterator[str]:
+    from granular_contact.geometry.mesh_quality import sides
+
+    yield one.shape.link
+    yield one.name
+    got = one.quality
+    if got is None:
+        size = one.shape.geometry.size
+        yield "-"
+        yield " x ".join(f"{1e3 * side:.4g}" for side in size) or "not read"
+        yield from "-----"
+        return
+    yield str(got.triangles)
+    yield sides(1e3 * got.size)
+    yield "yes" if got.closed else "no"
+    yield "yes" if got.outward else "no"
+    yield str(got.parts)
+    yield f"{100 * got.inner:.0f}"
+    yield f"{1e6 * got.volume:.4g}"
+
+
+def _print_bodies(found: Inspection) -> None:
+    robot = found.robot
+    masses = [link.inertial.mass for link in robot.links.values() if link.inertial is not None]
+    kinds = [joint.kind for joint in robot.joints.values()]
+    joints = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)) or "none"
+    triangles = sum(one.quality.triangles for one in found.shapes if one.quality is not None)
+    print(f"{robot.name}: {len(robot.links)} links, {len(masses)} with mass, {sum(masses):.4g} kg; joints: {joints}")
+    print(f"{len(found.shapes)} {found.which} shapes, {triangles} triangles of meshes")

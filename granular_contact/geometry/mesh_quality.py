@@ -1,0 +1,152 @@
+"""What a mesh is like as the surface of a body: closed, outward, in one piece, without faces inside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.geometry import mesh
+
+Vector = NDArray[np.float64]
+Faces = NDArray[np.int64]
+LARGEST = 3.0  # m: above it a mesh is taken for one in another unit
+SMALLEST = 1e-3  # m, of the largest side
+INNER = 0.01  # of the area: above it, faces inside are worth a word
+_WORK = 2_000_000  # triangles seen from sample points, in all
+_NEAR = 1e-4  # of the extent: how far before a face its sample point lies
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Of one mesh in m: faults are what makes it unusable for a law of surfaces, notes what makes forces doubtful.
+
+    size (3,) m; area m^2; volume m^3, negative inside out; parts: pieces that share no vertex; inner: share of the area
+    that lies inside the body, from sample points.
+    """
+
+    triangles: int
+    size: Vector
+    area: float
+    volume: float
+    parts: int
+    inner: float
+    faults: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge belongs to two triangles or more."""
+        return not any(fault.startswith("it is open") for fault in self.faults)
+
+    @property
+    def outward(self) -> bool:
+        """Whether its triangles turn counter-clockwise seen from outside."""
+        return self.volume > 0.0 and not any("turned opposite" in fault for fault in self.faults)
+
+
+def quality(vertices: Vector, faces: Faces) -> Quality:
+    """Quality of a mesh, vertices (n, 3) m and faces (m, 3)."""
+    corners = vertices[faces]
+    cross = mesh.areas(corners)
+    area = np.linalg.norm(cross, axis=1)
+    volumes = np.einsum("ij,ij->i", corners.mean(axis=1) - corners[0, 0], cross) / 3.0
+    joined = mesh.joined(vertices, faces)
+    piece, parts = _pieces(joined)
+    size = np.ptp(corners.reshape(-1, 3), axis=0)
+    faults = list(mesh.faults(vertices, faces, thin=False))
+    inner = _inner(corners, cross, area, _each(piece, volumes))
+    notes = list(_notes(size, parts, inner, joined))
+    if size.max() > LARGEST:
+        faults.append(f"it is {sides(size)} m large: if it is in millimetres, give it the scale 0.001")
+    return Quality(
+        len(faces), size, float(area.sum()), float(volumes.sum()), parts, inner, tuple(faults), tuple(notes)
+    )  # fmt: skip
+
+
+def _notes(size: Vector, parts: int, inner: float, faces: Faces) -> Iterator[str]:
+    if size.max() < SMALLEST:
+        yield f"it is {sides(1e3 * size)} mm small: is its scale right?"
+    if twice := len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0)):
+        yield f"{twice} triangles stand there twice, and the medium acts on each"
+    if inner > INNER:
+        yield f"about {100 * inner:.0f} % of its area lies inside it, where the medium acts, too"
+    if parts > 1:
+        yield f"it is made of {parts} loose parts"
+
+
+def sides(size: Vector) -> str:
+    """Sides of a box in words, without a unit."""
+    return " x ".join(f"{side:.4g}" for side in size)
+
+
+def _pieces(faces: Faces) -> tuple[Faces, int]:
+    """Piece that each face (m, 3) belongs to, and how many there are."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    ends = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
+    count = int(faces.max()) + 1
+    graph = coo_array((np.ones(ends.shape[1], np.int8), (ends[0], ends[1])), shape=(count, count))
+    label = connected_components(graph, directed=False)[1][faces[:, 0]]
+    found, piece = np.unique(label, return_inverse=True)
+    return piece.reshape(-1), len(found)
+
+
+def _each(piece: Faces, volumes: Vector) -> Vector:
+    """Volume of the piece that each face belongs to."""
+    found: Vector = np.bincount(piece, volumes).astype(float)[piece]
+    return found
+
+
+def _inner(corners: Vector, cross: Vector, area: Vector, part_volume: Vector) -> float:
+    """Share of the area inside the body: in hollows, or within another part of it.
+
+    part_volume (m,): signed volume of the part of each face.
+    """
+    sense = 1.0 if part_volume.sum() >= 0.0 else -1.0
+    hollow = part_volume * sense < 0.0
+    if hollow.all() or area.sum() == 0.0:
+        return 0.0
+    chosen = _sample(area, max(16, min(256, _WORK // len(corners))))
+    offset = _NEAR * mesh.extent(corners)
+    before = corners[chosen].mean(axis=1) + sense * offset * cross[chosen] / area[chosen, None]
+    within = np.abs(winding(before, corners)) > 0.5
+    return float(np.mean(within | hollow[chosen]))
+
+
+def _sample(area: Vector, count: int) -> Faces:
+    """Faces at equal steps of the area before them, so that each stands for as much of it."""
+    upto = np.cumsum(area)
+    return np.asarray(np.searchsorted(upto, (np.arange(count) + 0.5) / count * upto[-1]), np.int64)
+
+
+def winding(points: Vector, corners: Vector) -> Vector:
+    """How often triangles (m, 3, 3) wind around points (n, 3): 0 outside a closed surface, 1 inside.
+
+    Solid angles after van Oosterom and Strackee (1983), IEEE Trans. Biomed. Eng. 30, 125.
+    """
+    found = np.empty(len(points))
+    for i, point in enumerate(points):
+        a, b, c = (corners[:, k] - point for k in range(3))
+        la, lb, lc = (np.sqrt(np.einsum("ij,ij->i", v, v)) for v in (a, b, c))
+        dots = [np.einsum("ij,ij->i", v, w) for v, w in ((a, b), (b, c), (c, a))]
+        above = np.einsum("ij,ij->i", a, np.cross(b, c))
+        below = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+        found[i] = np.arctan2(above, below).sum() / (2.0 * np.pi)
+    return found
+
+
+def share_inside(corners: Vector, others: Vector) -> float:
+    """Share of the area of triangles (m, 3, 3) that lies inside the closed surface of others (k, 3, 3)."""
+    low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
+    middles = corners.mean(axis=1)
+    near = ((middles > low) & (middles < high)).all(axis=1)
+    area = np.linalg.norm(mesh.areas(corners), axis=1)
+    if not near.any() or area.sum() == 0.0:
+        return 0.0
+    chosen = _sample(area, max(16, min(256, _WORK // len(others))))
+    points = middles[chosen][near[chosen]]
+    return float(np.sum(np.abs(winding(points, others)) > 0.5) / len(chosen))

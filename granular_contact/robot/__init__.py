@@ -1,0 +1,15 @@
+"""Robot files (URDF): read with the lines of their elements, checked, mended.
+
+source      the file -> XML, without entities or network
+elements    numbers and texts of XML elements, with their faults
+types       what a robot is made of
+links, joints, urdf   XML -> a robot
+structure   whether links and joints form one tree
+inertia     whether a tensor is that of a body; turning and moving it
+massless    links without mass become part of what they are fixed to
+files       where a mesh file is, `package://` too
+inspection  what is wrong with the meshes and bodies of a robot, as a table and sentences
+mending     a copy of a robot file with closed meshes
+
+How a robot becomes a mechanism of a config: `config/urdf.py`.
+"""

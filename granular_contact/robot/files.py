@@ -1,0 +1,76 @@
+"""Where a mesh of a robot file is. Nothing is fetched; `package://NAME/` is looked up in the folders above the file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+_URL = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://(.*)")
+_PACKAGES = ("package", "model")
+
+
+def find(name: str, robot: Path, packages: Mapping[str, Path] | None = None) -> Path | str:
+    """The file that a robot file at `robot` calls `name`, or a sentence that says why there is none.
+
+    packages: folders of packages by name, which are taken before others.
+    """
+    given = name.replace("\\", "/")
+    url = _URL.fullmatch(given)
+    if url is None or url[1] == "file":
+        path = robot.parent / (given if url is None else url[2])
+        return path if _is_file(path) else f"got {_short(name)}, but there is no file {path.resolve()}"
+    if url[1] not in _PACKAGES:
+        return f"got {_short(name)}; allowed are paths and package://, nothing is fetched"
+    package, _, rest = url[2].partition("/")
+    looked = []
+    for folder in _folders(package, robot.resolve(), packages or {}):
+        if _is_file(folder / rest):
+            return folder / rest
+        looked.append(str(folder / rest))
+    if looked:
+        return f"got {_short(name)}, but there is no file {' or '.join(looked[:3])}"
+    above = robot.resolve().parent
+    return (
+        f"got {_short(name)}, but no folder {package}, nor a package.xml of this name, was found in {above} and the "
+        f"{len(above.parents)} folders above it; give its place, as packages: {{{package}: PATH}}"
+    )
+
+
+def _folders(package: str, robot: Path, packages: Mapping[str, Path]) -> list[Path]:
+    """Folders that may be the package, the likeliest first."""
+    found = [packages[package]] if package in packages else []
+    for above in robot.parents:
+        if above.name == package or _package_name(above / "package.xml") == package:
+            found.append(above)
+        if _is_dir(above / package):
+            found.append(above / package)
+    return list(dict.fromkeys(found))
+
+
+def _package_name(path: Path) -> str | None:
+    """Name in the `package.xml` of ROS; of a file that names itself nothing, None."""
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            found = re.search(r"<name>\s*([^<\s]+)\s*</name>", file.read(20_000))
+    except OSError:
+        return None
+    return found[1] if found else None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _is_dir(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _short(name: str) -> str:
+    return repr(name if len(name) <= 80 else name[:77] + "...")

@@ -1,0 +1,115 @@
+"""`<link>` -> a link: its mass, and its shapes for the medium and for pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granular_contact.robot.elements import Reader
+from granular_contact.robot.inertia import impossible, turned
+from granular_contact.robot.source import Element
+from granular_contact.robot.types import Geometry, Inertial, Link, Shape
+
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+# Attributes of the primitives. capsule is no part of the standard; several simulators read it.
+_PRIMITIVES = {"cylinder": ("radius", "length"), "capsule": ("radius", "length"), "sphere": ("radius",)}
+KINDS = ("box", *_PRIMITIVES, "mesh")
+
+
+def read_link(reader: Reader, element: Element, name: str) -> Link:
+    """A link of this name; what is faulty in it is left out."""
+    key = f"link.{name}"
+    shapes = {
+        which: tuple(
+            shape
+            for index, one in enumerate(found)
+            if (shape := _shape(reader, one, _numbered(f"{key}.{which}", index, len(found)), name)) is not None
+        )
+        for which, found in ((which, element.findall(which)) for which in ("visual", "collision"))
+    }
+    return Link(name, element.sourceline, _inertial(reader, element, key), shapes["visual"], shapes["collision"])
+
+
+def _numbered(key: str, index: int, count: int) -> str:
+    return f"{key}.{index}" if count > 1 else key
+
+
+def _inertial(reader: Reader, link: Element, key: str) -> Inertial | None:
+    """Mass properties in the frame of the link; None of one without mass, or with faults."""
+    element = reader.only(link, "inertial", key)
+    if element is None:
+        return None
+    key += ".inertial"
+    held = reader.only(element, "mass", key)
+    if held is None:
+        reader.fault(element, f"{key}.mass", 'is missing; allowed is <mass value="..."/> (kg)')
+        return None
+    mass = reader.needed(held, "value", f"{key}.mass", 0.0)
+    pose = reader.pose(element, key)
+    tensor = _tensor(reader, element, key, mass)
+    if mass is None or tensor is None or mass == 0.0:
+        return None
+    if (why := impossible(tensor)) is not None:
+        reader.fault(element.find("inertia"), f"{key}.inertia", why)
+        return None
+    return Inertial(mass, pose.xyz, turned(tensor, pose.rotation), element.sourceline)
+
+
+def _tensor(reader: Reader, element: Element, key: str, mass: float | None) -> np.ndarray | None:
+    held = reader.only(element, "inertia", key)
+    if held is None:
+        if mass != 0.0:
+            reader.fault(element, f"{key}.inertia", f"is missing; allowed is <inertia {' '.join(_MOMENTS)}/> (kg m^2)")
+        return None
+    diagonal = [reader.needed(held, name, f"{key}.inertia") for name in _MOMENTS[:3]]
+    beside = [reader.number(held, name, f"{key}.inertia") for name in _MOMENTS[3:]]
+    if None in diagonal or any(
+        v is None and held.get(n) is not None for v, n in zip(beside, _MOMENTS[3:], strict=True)
+    ):
+        return None
+    xy, xz, yz = (value or 0.0 for value in beside)
+    xx, yy, zz = diagonal
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], float)
+
+
+def _shape(reader: Reader, element: Element, key: str, link: str) -> Shape | None:
+    held = reader.only(element, "geometry", key)
+    if held is None:
+        reader.fault(element, f"{key}.geometry", f"is missing; allowed are {', '.join(KINDS)}")
+        return None
+    found = [child for child in held if isinstance(child.tag, str)]
+    if len(found) != 1 or found[0].tag not in KINDS:
+        got = " and ".join(f"<{child.tag}>" for child in found) or "nothing"
+        reader.fault(held, f"{key}.geometry", f"got {got}; allowed is one of {', '.join(KINDS)}")
+        return None
+    geometry = _geometry(reader, found[0], f"{key}.geometry.{found[0].tag}")
+    pose = reader.pose(element, key)
+    return None if geometry is None else Shape(geometry, pose, found[0].sourceline, key, link)
+
+
+def _geometry(reader: Reader, element: Element, key: str) -> Geometry | None:
+    if element.tag == "mesh":
+        return _mesh(reader, element, key)
+    if element.tag == "box":
+        size = reader.three(element, "size", key)
+        if element.get("size") is None:
+            reader.fault(element, f"{key}.size", "is missing; allowed are three numbers above 0 (m)")
+        if size is None:
+            return None
+        if not (size > 0.0).all():
+            reader.fault(element, f"{key}.size", f"got {element.get('size')!r}; allowed are three numbers above 0 (m)")
+            return None
+        return Geometry("box", tuple(size.tolist()))
+    found = reader.positive(element, _PRIMITIVES[element.tag], key)
+    return None if found is None else Geometry(element.tag, (2.0 * found[0], *found[1:]))
+
+
+def _mesh(reader: Reader, element: Element, key: str) -> Geometry | None:
+    file = reader.text(element, "filename", key)
+    scale = reader.three(element, "scale", key)
+    if scale is not None and (scale == 0.0).any():
+        reader.fault(element, f"{key}.scale", f"got {element.get('scale')!r}; allowed are three numbers that are not 0")
+        return None
+    if not file or (scale is None and element.get("scale") is not None):
+        return None
+    x, y, z = (1.0, 1.0, 1.0) if scale is None else scale.tolist()
+    return Geometry("mesh", file=file, scale=(x, y, z))

@@ -1,0 +1,93 @@
+"""Links without mass: what is fixed to a body becomes part of it; one that moves has no motion that could be computed.
+
+Robot files have them as roots, sensors, tool points. Their shapes and joints go to the body that they become part of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from granular_contact.robot.elements import Reader
+from granular_contact.robot.inertia import added, moved
+from granular_contact.robot.types import Joint, Link, Pose, Robot, Shape
+
+WORLDS = ("world", "ground")
+
+
+def has_world(robot: Robot) -> bool:
+    """Whether the root stands for the ground."""
+    root = robot.links[robot.root]
+    return robot.root in WORLDS and root.inertial is None
+
+
+def merged(robot: Robot, reader: Reader, fixed_base: bool = False) -> Robot:
+    """The robot without links that have no mass, but for a root that is the ground; faults where one moves.
+
+    fixed_base: whether the root is held, so that it needs no mass.
+    """
+    state = _State(robot)
+    held = has_world(robot) or fixed_base
+    for name in reversed(list(_from_root(robot))):
+        if state.links[name].inertial is not None or (name == robot.root and held):
+            continue
+        above = state.above(name)
+        heavy = [j for j in state.below(name) if j.kind == "fixed" and state.links[j.child].inertial is not None]
+        if heavy:
+            for joint in heavy:
+                state.absorb(joint)
+        elif above is not None and above.kind == "fixed":
+            state.absorb(above)
+        else:
+            reader.fault(state.links[name].line, f"link.{name}", _motion(above))
+    return replace(robot, links=state.links, joints=state.joints)
+
+
+def _motion(above: Joint | None) -> str:
+    allowed = "allowed is <inertial> with a mass above 0"
+    if above is None:
+        return f"the root has no mass, nor has a link that is fixed to it; {allowed}, or base: fixed in the model"
+    return f"moves by the joint {above.name} ({above.kind}) and has no mass; {allowed}, or a fixed joint to a body"
+
+
+def _from_root(robot: Robot) -> Iterator[str]:
+    """Names of the links, each behind its parent."""
+    left = [robot.root]
+    while left:
+        name = left.pop()
+        yield name
+        left += [joint.child for joint in robot.below(name)]
+
+
+class _State:
+    """Links and joints while they are merged."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.links: dict[str, Link] = dict(robot.links)
+        self.joints: dict[str, Joint] = dict(robot.joints)
+
+    def above(self, name: str) -> Joint | None:
+        return next((joint for joint in self.joints.values() if joint.child == name), None)
+
+    def below(self, name: str) -> list[Joint]:
+        return [joint for joint in self.joints.values() if joint.parent == name]
+
+    def absorb(self, joint: Joint) -> None:
+        """Make the child of a fixed joint part of its parent."""
+        parent, child = self.links[joint.parent], self.links.pop(joint.child)
+        parts = [] if parent.inertial is None else [parent.inertial]
+        if child.inertial is not None:
+            parts.append(moved(child.inertial, joint.origin))
+        self.links[parent.name] = replace(
+            parent,
+            inertial=added(parts) if parts else None,
+            visual=(*parent.visual, *_moved(child.visual, joint.origin)),
+            collision=(*parent.collision, *_moved(child.collision, joint.origin)),
+        )
+        del self.joints[joint.name]
+        for other in self.below(child.name):
+            self.joints[other.name] = replace(other, parent=parent.name, origin=joint.origin.then(other.origin))
+
+
+def _moved(shapes: tuple[Shape, ...], pose: Pose) -> Iterator[Shape]:
+    return (replace(shape, pose=pose.then(shape.pose)) for shape in shapes)

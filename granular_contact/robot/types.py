@@ -1,0 +1,144 @@
+"""What a robot file says, with the lines where it says it. SI units, angles in rad, as in URDF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Place and direction of a frame in another: xyz (3,) m, rpy (3,) rad, R = Rz(yaw) Ry(pitch) Rx(roll)."""
+
+    xyz: Vector = field(default_factory=lambda: np.zeros(3))
+    rpy: Vector = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def rotation(self) -> Vector:
+        """Matrix (3, 3) from this frame to the other."""
+        (sr, sp, sy), (cr, cp, cy) = np.sin(self.rpy), np.cos(self.rpy)
+        return np.array(
+            [
+                [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                [-sp, cp * sr, cp * cr],
+            ]
+        )
+
+    def then(self, inner: Pose) -> Pose:
+        """Pose in the outer frame of what has the pose `inner` in this one."""
+        turn = self.rotation
+        return Pose(self.xyz + turn @ inner.xyz, rpy_of(turn @ inner.rotation))
+
+    def inverse(self) -> Pose:
+        """Pose of the outer frame in this one."""
+        back = self.rotation.T
+        return Pose(-back @ self.xyz, rpy_of(back))
+
+
+def rpy_of(turn: Vector) -> Vector:
+    """Roll, pitch, yaw (3,) rad of a rotation matrix (3, 3)."""
+    across = float(np.hypot(turn[0, 0], turn[1, 0]))
+    pitch = np.arctan2(-turn[2, 0], across)
+    if across < 1e-9:  # roll and yaw turn about one axis: all of it is roll
+        return np.array([np.arctan2(-turn[1, 2], turn[1, 1]), pitch, 0.0])
+    return np.array([np.arctan2(turn[2, 1], turn[2, 2]), pitch, np.arctan2(turn[1, 0], turn[0, 0])])
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A shape in a frame of its own.
+
+    kind: box, cylinder, sphere, capsule or mesh; size (m): of a box its sides, of a cylinder or capsule diameter and
+    length (of a capsule between the centres of its ends), of a sphere its diameter. file: as written, of a mesh; scale
+    (3,): of a mesh.
+    """
+
+    kind: str
+    size: tuple[float, ...] = ()
+    file: str = ""
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A geometry in the frame of a link; link: whose it is in the file; line and key: where it stands there."""
+
+    geometry: Geometry
+    pose: Pose
+    line: int
+    key: str
+    link: str
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """Mass (kg), centre of mass (3,) m and inertia (3, 3) kg m^2 about it, in the frame of the link."""
+
+    mass: float
+    center: Vector
+    tensor: Vector
+    line: int
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid part; inertial: None of one without mass."""
+
+    name: str
+    line: int
+    inertial: Inertial | None = None
+    visual: tuple[Shape, ...] = ()
+    collision: tuple[Shape, ...] = ()
+
+    def shapes(self, which: str) -> tuple[Shape, ...]:
+        """Its shapes for "collision" or "visual"."""
+        return self.collision if which == "collision" else self.visual
+
+
+@dataclass(frozen=True)
+class Joint:
+    """How a child moves against its parent: origin is the pose of the child's frame in the parent's at coordinate 0.
+
+    kind: revolute, continuous, prismatic, fixed, floating or planar; axis (3,) in the frame of the child; lower, upper
+    (rad or m), effort (N m or N), damping, friction: None where the file is silent; mimic: the joint it follows.
+    """
+
+    name: str
+    line: int
+    kind: str
+    parent: str
+    child: str
+    origin: Pose
+    axis: Vector
+    lower: float | None = None
+    upper: float | None = None
+    effort: float | None = None
+    damping: float | None = None
+    friction: float | None = None
+    mimic: str | None = None
+    lines: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Robot:
+    """Links and joints by name, in the order of the file; root: the link that is the child of no joint."""
+
+    name: str
+    file: str
+    links: Mapping[str, Link]
+    joints: Mapping[str, Joint]
+    root: str
+
+    def below(self, name: str) -> Iterator[Joint]:
+        """Joints whose parent is a link."""
+        return (joint for joint in self.joints.values() if joint.parent == name)
+
+    def above(self, name: str) -> Joint | None:
+        """The joint whose child is a link; None of the root."""
+        return next((joint for joint in self.joints.values() if joint.child == name), None)

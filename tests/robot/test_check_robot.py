@@ -1,0 +1,91 @@
+"""The command `check` on robot files, and the mended copies that it writes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support_robot import block, robot_in, stl
+
+from granular_contact.cli import main
+from granular_contact.geometry import mesh_file
+from granular_contact.geometry.mesh_quality import quality
+from granular_contact.robot.inspection import inspect
+
+CUBE = block((0.1, 0.1, 0.1))
+
+
+def test_check_prints_a_table_and_a_line_a_fault(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = robot_in(tmp_path)
+    assert main(["check", str(path)]) == 0
+    said = capsys.readouterr()
+    row = next(line for line in said.out.splitlines() if line.startswith("foot"))
+    assert row.split() == ["foot", "foot.stl", "12", "60", "x", "40", "x", "20", "yes", "yes", "1", "0", "48"]
+    assert said.out.splitlines()[-1] == f"{path}: ok"
+    assert said.err == ""
+    stl(tmp_path / "meshes" / "foot.stl", 1000 * block((0.06, 0.04, 0.02))[2:])
+    assert main(["check", str(path)]) == 2
+    said = capsys.readouterr()
+    assert said.err.startswith(f"{path}:6: link.foot.collision.geometry.mesh: foot.stl: it is open: 4 edges")
+    assert len(said.err.splitlines()) == 1
+    assert main(["check", str(path), "--shapes", "visual"]) == 0
+    assert "notes" in capsys.readouterr().out
+
+
+def test_options_of_robots_are_for_robots(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(robot_in(tmp_path))
+    assert main(["check", "configs/pendulum.yaml", "--mend", str(tmp_path / "out")]) == 2
+    assert "--mend" in capsys.readouterr().err
+    assert main(["check", path, "--package", "toes"]) == 2
+    assert "allowed is NAME=PATH" in capsys.readouterr().err
+    assert main(["check", path, "--mend", str(tmp_path)]) == 2
+    assert "allowed is a new or empty folder" in capsys.readouterr().err
+
+
+MENDED = {
+    "fine": (CUBE, 1e-3, "kept", 12),
+    "open": (CUBE[2:], 1e-3, "repaired", 12),
+    "turned": (np.concatenate([CUBE[:3, ::-1], CUBE[3:]]), 1e-3, "repaired", 12),
+    "inside out": (CUBE[:, ::-1], 1e-3, "repaired", 12),
+    "two": (np.concatenate([CUBE, block((0.1, 0.05, 0.05), (0.05, 0, 0))]), 1.125e-3, "its parts made one", None),
+    "hollow": (np.concatenate([CUBE, block((0.08, 0.08, 0.08))[:, ::-1]]), 1e-3, "its parts made one", 12),
+    "millimetres": (1000 * CUBE, 1e-3, "read as millimetres", 12),
+}
+
+
+@pytest.mark.parametrize("name", MENDED)
+def test_a_mended_copy_has_no_faults(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    corners, volume, done, triangles = MENDED[name]
+    path = robot_in(tmp_path, (' scale="0.001 0.001 0.001"', ""))
+    stl(tmp_path / "meshes" / "foot.stl", corners)
+    main(["check", str(path), "--mend", str(tmp_path / "new" / "out")])
+    said = capsys.readouterr().out
+    assert "mended: foot.stl: " in said
+    assert done in said
+    after = inspect(tmp_path / "new" / "out" / "arm.urdf")
+    assert after.faults == ()
+    (foot,) = (one for one in after.shapes if one.path is not None)
+    assert foot.path == tmp_path / "new" / "out" / "meshes" / "foot.stl"
+    assert foot.quality is not None
+    assert foot.quality.volume == pytest.approx(volume, rel=1e-5)
+    assert foot.quality.inner == 0.0
+    assert triangles in (None, foot.quality.triangles)
+
+
+def test_mirrored_meshes_keep_their_outside(tmp_path: Path) -> None:
+    path = robot_in(tmp_path, ("0.001 0.001 0.001", "0.001 -0.001 0.002"))
+    (foot,) = (one.quality for one in inspect(path).shapes if one.path is not None)
+    assert foot is not None
+    assert foot.volume == pytest.approx(2 * 0.06 * 0.04 * 0.02)
+
+
+def test_units_of_collada_files_count(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box((10, 20, 30)).export(tmp_path / "box.dae")
+    text = (tmp_path / "box.dae").read_text(encoding="utf-8")
+    (tmp_path / "box.dae").write_text(
+        text.replace("<up_axis>", '<unit name="centimeter" meter="0.01"/>\n<up_axis>'), encoding="utf-8"
+    )
+    vertices, faces = mesh_file.read(tmp_path / "box.dae")
+    assert quality(vertices, faces).volume == pytest.approx(0.1 * 0.2 * 0.3)
