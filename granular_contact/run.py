@@ -84,8 +84,8 @@ def uninterrupted(results: Results) -> Results:
     return results
 
 
-def _compiled(scene: Scene) -> str:
-    """What there is to compile for a scene, in words."""
+def kernels_of(scene: Scene) -> str:
+    """What is compiled for a scene, in words: its laws and its kinds of bodies."""
     laws = ", ".join(dict.fromkeys(medium.law for medium in scene.media))
     kinds = {shape.kind for body in scene.rigid for shape in body.shapes if shape.in_sand}
     kinds |= {link.kind for link in scene.links}
@@ -147,7 +147,7 @@ def _by_engine(scene: Scene, progress: Progress | None, compiling: Compiling | N
     from granular_contact.multibody.solve import Solve
 
     system = build(scene)
-    with announced(compiling, _compiled(scene)):
+    with announced(compiling, kernels_of(scene)):
         return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
 
 
@@ -157,7 +157,7 @@ def _by_minimal(scene: Scene, progress: Progress | None, compiling: Compiling | 
     from granular_contact.multibody.observe import observe
 
     made = tree(scene)
-    with announced(compiling, _compiled(scene)):
+    with announced(compiling, kernels_of(scene)):
         return Begun(Solve(made, progress), partial(observe, made.system), None)
 
 
@@ -168,7 +168,7 @@ def _by_modes(scene: Scene, progress: Progress | None, compiling: Compiling | No
 
     assert isinstance(scene.method, Reduced)
     reduced = model(scene, scene.method)
-    with announced(compiling, _compiled(scene)):
+    with announced(compiling, kernels_of(scene)):
         return Begun(Solve(reduced, progress), partial(observe, reduced), None)
 
 

@@ -62,7 +62,7 @@ def reason(error: Exception) -> str:
 
 def add_set(parser: argparse.ArgumentParser, example: str = "medium.eta_h=9") -> None:
     """Add the argument --set, with an example in its help."""
-    words = f"replace a value, as {example}; repeatable. Paths of a model or medium start from the folder of the config"
+    words = f"replace a value, as {example}; repeatable. Paths start from the folder that you are in"
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
 
 

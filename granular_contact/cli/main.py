@@ -19,22 +19,34 @@ from granular_contact.cli import (
     examples,
     fit,
     media,
+    new,
     optimise,
     report,
     run,
     schema,
     sweep,
     validate,
+    warm,
 )
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
 from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
 
-COMMANDS = (run, sweep, optimise, compare, compare_media, fit, report, media, check, examples, validate, schema)
+COMMANDS = (
+    *(new, run, check, report, sweep, optimise, compare, compare_media, fit),
+    *(media, examples, schema, warm, validate),
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; `arguments` default to those of the process. Returns the exit code."""
-    chosen = _parser().parse_args(arguments)
+    parser = _parser()
+    chosen = parser.parse_args(arguments)
+    if chosen.version:
+        print(_versions())
+        return FINE
+    if chosen.command is None:
+        parser.print_help()
+        return FINE
     try:
         code: int = chosen.command(chosen)
     except (ConfigError, SceneError, Refusal) as error:
@@ -56,9 +68,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+def _versions() -> str:
+    """Versions of the program and of what computes."""
+    import platform
+    from importlib import metadata
+
+    known = ", ".join(f"{name} {metadata.version(name)}" for name in ("exudyn", "numba", "numpy"))
+    try:
+        own = metadata.version("granular-contact")
+    except metadata.PackageNotFoundError:  # run from a checkout that is not installed
+        own = "(a checkout, not installed)"
+    return f"granular-contact {own}, {known}, Python {platform.python_version()}"
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("granular-contact", description="Links that strike and move in sand.")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    parser = argparse.ArgumentParser(
+        "granular-contact",
+        description="Robots and other mechanisms that move in sand, simulated in Exudyn.",
+        epilog="`granular-contact COMMAND --help` tells what a command takes; begin with `new`, or with `examples`.",
+    )
+    parser.add_argument("--version", action="store_true", help="print the versions of the program and of the engine")
+    parser.set_defaults(command=None)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for module in COMMANDS:
         name = module.__name__.rpartition(".")[2].replace("_", "-")
         command = commands.add_parser(name, help=module.HELP)

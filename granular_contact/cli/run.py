@@ -26,7 +26,7 @@ from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
     from granular_contact.multibody.system import System, Trajectory
-    from granular_contact.results import Progress, Results
+    from granular_contact.results import Compiling, Progress, Results
     from granular_contact.scene import Scene
 
 HELP = "simulate a config and save the results"
@@ -69,28 +69,26 @@ def act(chosen: argparse.Namespace) -> int:
     folder = output_folder(chosen.out, Path(chosen.config).stem)
 
     from granular_contact import report
+    from granular_contact.kernels.compiling import seconds
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
 
     kept: list[tuple[System, Trajectory]] = []
-    explained, compiled = list[str](), list[str]()
+    explained = list[str]()
 
-    def compiling(what: str) -> None:
-        compiled.append(what)
-        complain(what)
-
-    begin = time.perf_counter()
+    begin, compiled = time.perf_counter(), seconds()
     shown = sys.stderr.isatty() and not chosen.quiet
-    with _progress(shown, scenario.solver.end_time_s) as progress:
+    with _progress(shown, scenario.solver.end_time_s) as (progress, announce):
         results = run(
             scene,
             scenario,
             progress=progress,
             most_frames=MOST,
             inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
-            compiling=None if chosen.quiet else compiling,
+            compiling=announce,
         )
-    elapsed = time.perf_counter() - begin
+    compiled = seconds() - compiled
+    elapsed = time.perf_counter() - begin - compiled
     if chosen.explain:
         explained += _left_out(kept)  # before what is drawn below is imported
     try:
@@ -100,7 +98,8 @@ def act(chosen: argparse.Namespace) -> int:
         complain(f"the results can't be saved in {folder}: {error}")
         return FAULTY_INPUT
     if not chosen.quiet:
-        print("\n".join(_summary(results, f"{elapsed:.2f} s{', compiling included' if compiled else ''}", folder)))
+        also = f", and {compiled:.1f} s of compiling, once in an installation" if compiled else ""
+        print("\n".join(_summary(results, f"{elapsed:.2f} s{also}", folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
     if explained:
@@ -144,25 +143,35 @@ def _view_problem(wanted: bool, scene: Scene) -> str | None:
 
 
 @contextmanager
-def _progress(shown: bool, end_time: float) -> Iterator[Progress | None]:
-    """Give a callable that shows the simulated time, of `end_time` (s), on stderr; None if nothing is to be shown."""
+def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, Compiling]]:
+    """Give a callable that shows the simulated time, of `end_time` (s), on stderr, and one that says what is compiled.
+
+    The first is None if nothing is to be shown. The second speaks above the bar and in it, or on stderr alone.
+    """
     if not shown:
-        yield None
+        yield None, complain
         return
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
 
+    from granular_contact.kernels.compiling import seconds
+
     text = TextColumn("{task.completed:.4f} of {task.total:g} s simulated, {task.fields[rate]}")
     with Bar(BarColumn(), text, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=end_time, rate="starting")
-        begin = time.perf_counter()
+        begin, compiled = time.perf_counter(), seconds()
 
         def update(simulated: float, end: float) -> None:
-            rate = simulated / max(time.perf_counter() - begin, 1e-9)
+            spent = time.perf_counter() - begin - (seconds() - compiled)
+            rate = simulated / max(spent, 1e-9)
             bar.update(task, completed=simulated, total=end, rate=f"{rate:.3g} s per s")
 
-        yield update
+        def announce(what: str) -> None:
+            bar.console.print(what, highlight=False)
+            bar.update(task, rate="compiling")
+
+        yield update, announce
 
 
 def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:

@@ -10,8 +10,9 @@ many      kinds, sweep, sweep_{cases,vary,sample,range}   a config and what to r
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
 from granular_contact.config.file_kind import is_fit, is_optimise, is_run, is_sweep
-from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario, medium_names
+from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario
 from granular_contact.config.optimise import Study, load_optimise
+from granular_contact.config.references import medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, load_sweep
 from granular_contact.config.sweep_cases import Case

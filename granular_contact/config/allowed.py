@@ -100,6 +100,18 @@ def keys(schema: Schema) -> list[str]:
     return list(schema.get("properties", {}))
 
 
+def places(key: str, above: Path, holder: Schema, model: type[BaseModel] = Scenario) -> list[str]:
+    """Where else a key may stand that is not known below the path `above`: at the top of the file, one key further
+    down from there, or one further down from where it is; dotted, and none if it is known nowhere.
+    """
+    top, here = definitions()[model.__name__], ".".join(map(str, above))
+    found = [key] if key in keys(top) and here else []
+    sections = {name: _below(top, name) for name in keys(top)}
+    found += [f"{name}.{key}" for name, part in sections.items() if key in keys(part) and name != here]
+    found += [f"{here}.{name}.{key}" for name in keys(holder) if here and key in keys(_below(holder, name))]
+    return found[:3]
+
+
 def describe(schema: Schema) -> str:
     """The allowed values in words, as `a number above 0, or null`."""
     return _kind(schema) + (", or null" if schema.get("nullable") else "")

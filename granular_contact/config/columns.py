@@ -17,7 +17,10 @@ _KEYS = {"type", "file", "column", "time_column", "interpolation"}
 
 
 def with_columns(root: Node, folder: Path, faults: list[Fault]) -> Node:
-    """The tree of a scenario with every signal of the type csv replaced by a table; paths are from `folder`."""
+    """The tree of a scenario with every signal of the type csv replaced by a table.
+
+    Paths start from `folder`; in what stands in no file, as in `--set`, from the working folder.
+    """
     if not isinstance(root, Mapping):
         return root
     for key in KEYS:
@@ -45,7 +48,8 @@ def _table(node: Mapping, path: tuple[str, ...], folder: Path, faults: list[Faul
     if file is None or column is None or time_column is None or not set(node.nodes) <= _KEYS:
         return node
     at = node.nodes["file"].position
-    table = _read(folder / file, (time_column, column), at, (*path, "file"), faults)
+    start = folder if at.line is not None else Path()
+    table = _read(start / file, (time_column, column), at, (*path, "file"), faults)
     if table is None:
         return Broken(node.position)
     source = f"{file}, column {column}"

@@ -12,7 +12,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from granular_contact.config.references import FROM
+from granular_contact import examples
+from granular_contact.config.references import FROM, medium_names
 from granular_contact.config.schema.fit import FitFile
 from granular_contact.config.schema.method import WORDS
 from granular_contact.config.schema.optimise import OptimiseFile
@@ -22,6 +23,7 @@ from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.values.strict import Strict
 
 KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile, "optimise": OptimiseFile}
+SCHEMAS = ("run", "model", "medium", "sweep", "fit", "optimise")
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -93,9 +95,11 @@ def _texts(owner: type) -> Iterator[tuple[str, str]]:
 
 
 def json_schema(kind: str = "run") -> dict[str, Any]:
-    """JSON Schema of a file of a kind, a key of `KINDS`."""
+    """JSON Schema of a file of a kind, one of `SCHEMAS`; names of what is shipped are among the values."""
     if kind == "run":
         return _run_schema()
+    if kind in ("model", "medium"):
+        return _part_schema(kind)
     schema = _described(KINDS[kind])
     if kind == "sweep":
         _complete(schema, schema["$defs"]["Sample"]["properties"]["ranges"])
@@ -115,12 +119,28 @@ def _complete(schema: dict[str, Any], ranges: dict[str, Any]) -> None:
     ranges["additionalProperties"] = {"anyOf": [ends, ranges["additionalProperties"]]}
 
 
+def _part_schema(key: str) -> dict[str, Any]:
+    """Of the file of a model or a medium, which may begin from another one."""
+    run = _run_schema()
+    _, patch, whole, *_ = run["properties"][key]["anyOf"]
+    if key == "medium":
+        whole = _single(whole)
+    return {"$defs": run["$defs"], "title": key.capitalize(), "anyOf": [whole, patch]}
+
+
+def _names(noun: str, known: Sequence[str], others: bool) -> dict[str, Any]:
+    """Of a name or a path: editors offer the known names; others: whether there may be more of them."""
+    path = {"type": "string"} if others else {"type": "string", "pattern": r"\.ya?ml$"}
+    return {"anyOf": [{"enum": [*known]}, path], "description": f"Name of a {noun}, or a path ending in .yaml."}
+
+
 def _run_schema() -> dict[str, Any]:
     """Of a config, in which model and medium may be names, paths, or mappings with `from`; the method may be a word."""
     schema = _described(Scenario)
-    for key, noun in (("model", "model"), ("medium", "medium preset")):
+    models = sorted(path.stem for path in (examples.home() / "models").glob("*.yaml"))
+    for key, noun, known in (("model", "model", models), ("medium", "medium preset", medium_names())):
         whole = schema["properties"][key]
-        name = {"type": "string", "description": f"Name of a {noun}, or a path ending in .yaml."}
+        name = _names(noun, known, others=key == "model")
         patch = {"type": "object", "required": [FROM], "properties": {FROM: name}}
         forms = [name, patch, whole]
         if key == "medium":

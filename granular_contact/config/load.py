@@ -92,7 +92,7 @@ def load(
         YAML file; or the name of a config that comes with the package, as `runner`; or what such a file would hold.
     overrides : sequence of str, or mapping
         `dotted.key=value` each, or values by dotted key; applied once model and medium are in place, those that name
-        the model or medium before.
+        the model or medium before. Paths in them start from the working folder.
     **changes
         The same by the keys of a config, as `solver={"accuracy": 1e-3}`. Of a mapping only the keys that it names are
         changed, unless it says its kind (`type`, `law` or `from`).
@@ -286,11 +286,6 @@ def load_medium(name: str, **values: Any) -> Medium:
         except ValidationError as error:
             faults += faults_of(error.errors(include_url=False, include_input=False), node)
     raise ConfigError(sorted(faults, key=by_place))
-
-
-def medium_names() -> list[str]:
-    """Names of all medium presets."""
-    return sorted(path.stem for folder in MEDIA.folders(Path()) for path in folder.glob("*.yaml"))
 
 
 def by_place(fault: Fault) -> tuple[str, int]:

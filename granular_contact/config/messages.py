@@ -90,8 +90,10 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
     if error["type"] == FAULTS:
         return [_at(tree, (*path, *below), message) for below, message in error["ctx"][FAULTS]]
     if error["type"] == "extra_forbidden":
-        _, holder = allowed.walk(error["loc"][:-1], model)
-        return [_at_key(tree, path, f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
+        above, holder = allowed.walk(error["loc"][:-1], model)
+        places = allowed.places(str(path[-1]), above, holder, model)
+        words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else None
+        return [_at_key(tree, path, words or f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
     if error["type"] == "missing":
         return [_missing(tree, path, schema, model)]
     node, _ = find(tree, path)

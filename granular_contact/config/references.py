@@ -39,6 +39,11 @@ MODELS = Library("model", "model", _model_folders)
 MEDIA = Library("medium", "medium preset", lambda _: [_PACKAGE / "laws" / "presets"])
 
 
+def medium_names() -> list[str]:
+    """Names of all medium presets."""
+    return sorted(path.stem for folder in MEDIA.folders(Path()) for path in folder.glob("*.yaml"))
+
+
 class Resolver:
     """Replaces references by the trees that they refer to; faults are appended to `faults`."""
 
@@ -82,7 +87,7 @@ class Resolver:
             return node
         if not isinstance(node, Scalar) or not isinstance(node.value, str):
             return self._refuse(node.position, path, f"got {got(node)}; allowed is {_forms(library)}")
-        found = _find(node.value, library, file)
+        found = _find(node.value, library, file, at=file.parent if node.position.line is not None else Path())
         if isinstance(found, str):
             return self._refuse(node.position, path, found)
         real = found.resolve()
@@ -117,12 +122,16 @@ def _forms(library: Library) -> str:
     return f"the name of a {library.noun}, a path ending in .yaml, or a mapping"
 
 
-def _find(name: str, library: Library, file: Path) -> Path | str:
-    """File of the model or medium called `name` in `file`, or a sentence that says why there is none."""
+def _find(name: str, library: Library, file: Path, at: Path) -> Path | str:
+    """File of the model or medium called `name` in `file`, or a sentence that says why there is none.
+
+    at: folder that paths start from, that of the file they stand in; of what stands in none, the working folder.
+    """
     quoted = repr(name if len(name) <= 60 else name[:57] + "...")
     if name.endswith((".yaml", ".yml")):
-        path = file.parent / name
-        lost = f"got {quoted}, but there is no file {shown(path)}; paths start from the folder of the config, or from /"
+        path = at / name
+        start = "the folder of the config" if at == file.parent else "the folder that you are in"
+        lost = f"got {quoted}, but there is no file {shown(path)}; paths start from {start}, or from /"
         return path if _is_file(path) else lost
     folders = library.folders(file.parent)
     if _NAME.fullmatch(name):

@@ -7,9 +7,17 @@ nothing needs to be guessed beforehand.
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
+
+_spent = 0.0  # in all blocks of `announced` so far (s)
+
+
+def seconds() -> float:
+    """Wall time (s) that this process has compiled in blocks of `announced`, so that it can be left out of a run's."""
+    return _spent
 
 
 @contextmanager
@@ -26,17 +34,23 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
     say = tell
 
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
-        """Tells of the first start."""
+        """Tells of the first start, and adds up the time from each start to its end; compilations may be nested."""
 
-        told = False
+        told, depth, begin = False, 0, 0.0
 
         def on_start(self, event: Any) -> None:  # noqa: ARG002
             if not self.told:
                 self.told = True
-                say(f"compiling {what}; this takes up to half a minute, the first time in an installation")
+                say(f"compiling {what}, once in an installation: 2 to 10 s, or half a minute if it is the first")
+            if self.depth == 0:
+                self.begin = time.perf_counter()
+            self.depth += 1
 
-        def on_end(self, event: Any) -> None:
-            pass
+        def on_end(self, event: Any) -> None:  # noqa: ARG002
+            global _spent
+            self.depth -= 1
+            if self.depth == 0:
+                _spent += time.perf_counter() - self.begin
 
     with event.install_listener("numba:compile", Listener()):
         yield

@@ -23,8 +23,11 @@ SCHEMA_FAULTS = [
     ("eta_h: 8", "eta_h: 8\n  eta_q: 1", 27, "medium.eta_q", ["unknown key", "eta_"]),
     ("lambda: 1.1", "lambda: 1.1, lambda_: 2", 27, "medium.plunging.lambda_", ["did you mean lambda?"]),
     ("child: hub}", "child: hub, angle_deg: 0}", 20, "model.joints.pivot.angle_deg", ["unknown key"]),
+    # known elsewhere
+    ("eta_h: 8", "eta_h: 8\n  step_s: 1", 27, "medium.step_s", ["wrong place", "belongs at solver.step_s"]),
+    ("  impact_angle_deg: 31\n", "  medium: null\n", 30, "initial.medium", ["belongs at medium"]),
+    ("diameter_m: 0.006\n", "diameter_m: 0.006\n      elements: 2\n", 15, "model.bodies.arm.elements", ["flexible"]),
     # missing keys, at the mapping that lacks them
-    ("  impact_angle_deg: 31\n", "", 29, "initial.impact_angle_deg", ["is missing", "from -90 to 90"]),
     ("      diameter_m: 0.006\n", "", 11, "model.bodies.arm.diameter_m", ["is missing", "above 0"]),
     (", thickness_m: 0.01", "", 9, "model.bodies.hub.shapes.0.thickness_m", ["is missing"]),
     (", end_m: [0.02, 0]", "", 10, "model.bodies.hub.shapes.1.end_m", ["is missing", "2 numbers"]),

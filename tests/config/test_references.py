@@ -273,7 +273,8 @@ CHANGED = {
 
 
 @pytest.mark.parametrize("overrides", CHANGED)
-def test_a_medium_with_changed_numbers_says_so(folder, overrides):
+def test_a_medium_with_changed_numbers_says_so(folder, overrides, monkeypatch):
+    monkeypatch.chdir(folder / "configs")
     mine = "{law: albert, name: mine, density_kg_m3: 2500, eta_h: 8, provenance: fitted}"
     (folder / "configs" / "mine.yaml").write_text(mine)
     medium = run(folder, START + "model: compound_pendulum\nmedium: play_sand\n", *overrides).scenario.medium

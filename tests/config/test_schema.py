@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from granular_contact import cli
-from granular_contact.config import is_run, is_sweep, json_schema, schema
+from granular_contact.config import is_run, is_sweep, json_schema, medium_names, schema
 from granular_contact.config.schema import fit
 from granular_contact.config.schema.drives import DRIVES
 from granular_contact.config.schema.joints import CLOSURES, JOINTS, SYNONYMS
@@ -24,8 +24,20 @@ from granular_contact.laws.catalogue import LAWS
 
 def test_json_schema_takes_names_and_mappings():
     model, medium = (json_schema()["properties"][key]["anyOf"] for key in ("model", "medium"))
-    assert [option.get("type") for option in model] == ["string", "object", None]
+    assert [option.get("type") for option in model] == [None, "object", None]
     assert medium[1]["required"] == ["from"]
+    # Editors offer what is shipped; a model of another name may stand beside the config.
+    (models, others), (media, path) = (names[0]["anyOf"] for names in (model, medium))
+    assert {"runner", "compound_pendulum"} <= set(models["enum"])
+    assert others == {"type": "string"}
+    assert media["enum"] == medium_names()
+    assert path["pattern"] == r"\.ya?ml$"
+
+
+def test_models_and_media_have_schemas_of_their_own():
+    model, medium = (json_schema(kind) for kind in ("model", "medium"))
+    assert model["anyOf"][0]["$ref"] == "#/$defs/Model"
+    assert set(medium["anyOf"][0]["discriminator"]["mapping"]) == set(LAWS)
 
 
 def test_every_class_is_closed_and_frozen():

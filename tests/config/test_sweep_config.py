@@ -164,7 +164,7 @@ FAULTS = {
         sample(SOBOL, f"{{{SPEED}: {{from: -1, to: 2, scale: log}}}}"), 5, f"sample.ranges.{SPEED}", ["above 0"],
     ),
     "count of a key": (
-        sample(SOBOL, f"{{{SPEED}: {{from: 1, to: 2, count: 3}}}}"), 5, f"sample.ranges.{SPEED}.count", ["unknown key"],
+        sample(SOBOL, f"{{{SPEED}: {{from: 1, to: 2, count: 3}}}}"), 5, f"sample.ranges.{SPEED}.count", ["e.count"],
     ),
     "outputs of sobol": (
         sample(f"{SOBOL}  outputs: [stopping_time_s]\n"), 5, "sample.outputs", ["no effect with sobol", "saltelli"],

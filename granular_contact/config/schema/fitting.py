@@ -13,9 +13,8 @@ from granular_contact.config.schema.structure import GROUND
 from granular_contact.values.strict import LocalFault, no_such
 
 
-def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:
+def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
     """Faults of an initial state, with paths below the scenario."""
-    yield from _unplaced(initial, model, drives)
     joints = model.all_joints
     on_ground = {joint.type for joint in joints.values() if joint.parent == GROUND}
     if initial.impact_angle_deg is not None and not on_ground & {"hinge", "weld"}:
@@ -36,18 +35,6 @@ def initial_faults(initial: Initial, model: Model, drives: Mapping[str, AnyDrive
             yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(KEYS[kind])}"
         if start.angle_deg is not None and initial.impact_angle_deg is not None and joints[name].parent == GROUND:
             yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
-
-
-def _unplaced(initial: Initial, model: Model, drives: Mapping[str, AnyDrive]) -> Iterator[LocalFault]:
-    """A fault if nothing gives the initial angle of a hinge on the ground; other joints have a default."""
-    if initial.impact_angle_deg is not None or initial.joints is not None or initial.settle:
-        return
-    for name, joint in model.all_joints.items():
-        if joint.type == "hinge" and joint.parent == GROUND and not isinstance(drives.get(name), Motion):
-            words = "is missing; allowed is a finite number from -90 to 90, or joints in its place"
-            words += " ({}: all in the reference configuration)"
-            yield ("initial", "impact_angle_deg"), words
-            return
 
 
 def drive_faults(

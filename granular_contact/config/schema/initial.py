@@ -38,8 +38,8 @@ class Initial(Strict):
     """Initial state: the undeformed mechanism, with given states of its joints."""
 
     impact_angle_deg: Annotated[float, Field(ge=-90, le=90)] | None = None
-    """Angle below the horizontal of what is hinged or welded to the ground; needed if nothing else sets a hinge on the
-    ground: joints, a prescribed motion, or settling."""
+    """Angle below the horizontal of what is hinged or welded to the ground; null: that of the reference
+    configuration."""
     impact_speed_rad_s: float = 0.0
     """Rate of the ground hinge; a positive one moves the link into the medium."""
     impact_tip_speed_m_s: float | None = None

@@ -94,7 +94,7 @@ class Scenario(Strict):
     bed: Bed | None = None
     """Slope or profile of the surface, floor, container and layers; null: level and unbounded."""
     initial: Initial = Initial()
-    """Joints left out start at rest in the reference configuration; a hinge on the ground needs its initial angle."""
+    """Joints left out start at rest in the reference configuration, their home."""
     drives: dict[str, Drive] = Field(default_factory=dict)
     """What acts at joints over time, by the name of the joint."""
     signals: dict[str, Signal] = Field(default_factory=dict)
@@ -154,7 +154,7 @@ class Scenario(Strict):
     @model_validator(mode="after")
     def _fits_its_mechanism(self) -> Scenario:
         faults = [
-            *initial_faults(self.initial, self.model, self.drives),
+            *initial_faults(self.initial, self.model),
             *drive_faults(self.drives, self.signals, self.model),
         ]
         if faults:

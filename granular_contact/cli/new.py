@@ -1,0 +1,46 @@
+"""The command `new`: a commented config with its mechanism in one file, to start from."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from granular_contact.cli.common import FAULTY_INPUT, FINE, Refusal, complain
+
+HELP = "write a commented config, with its mechanism in it, to start from"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    words = "shipped model or config to start from, as runner; left out: list them"
+    parser.add_argument("model", metavar="MODEL", nargs="?", help=words)
+    parser.add_argument("--out", metavar="FILE", help="file to write (my_MODEL.yaml)")
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    from granular_contact import starter
+
+    if chosen.model is None:
+        print("granular-contact new MODEL writes my_MODEL.yaml; MODEL is one of:")
+        for name, config in sorted(starter.names().items()):
+            print(f"  {name:18} {starter.about(config)}")
+        return FINE
+    path = Path(chosen.out or f"my_{chosen.model.removesuffix('.yaml')}.yaml")
+    try:
+        text = starter.text(chosen.model, path.name)
+    except KeyError:
+        raise Refusal(starter.no_such(chosen.model)) from None
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        complain(f"{path} is there already; give another file with --out")
+        return FAULTY_INPUT
+    except OSError as error:
+        complain(f"{path} can't be written: {error.strerror}")
+        return FAULTY_INPUT
+    print(f"{path} holds the mechanism and its run; change it, and then:")
+    print(f"  granular-contact check {path}")
+    print(f"  granular-contact run {path} --animate")
+    return FINE

@@ -1,0 +1,87 @@
+"""What someone meets first: the bare command, its version, a config to start from, kernels compiled ahead."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from granular_contact import starter
+from granular_contact.cli import main
+from granular_contact.config import load, medium_names
+
+
+def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    told = capsys.readouterr().out
+    assert all(f"\n    {name} " in told for name in ("new", "run", "check", "schema", "warm"))
+
+
+def test_the_version_names_the_engine_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert re.match(r"granular-contact .*, exudyn \d+\.\d+", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("name", [*starter.names()])
+def test_what_new_writes_is_a_run_of_the_shipped_model(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It stands alone, and does not overwrite; it is the shipped config with its model."""
+    path = tmp_path / "mine.yaml"
+    assert main(["new", name, "--out", str(path)]) == 0
+    made, shipped = load(path).scenario, load(starter.names()[name]).scenario
+    assert made.model == shipped.model
+    assert made.model_copy(update={"name": None}) == shipped.model_copy(update={"name": None})
+    before = path.read_text(encoding="utf-8")
+    assert main(["new", name, "--out", str(path)]) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert path.read_text(encoding="utf-8") == before
+
+
+def test_every_key_that_new_offers_can_be_used(tmp_path: Path) -> None:
+    """Without their sign of a comment, the offered lines are keys of the run."""
+    text = starter.text("free_link", "mine.yaml")
+    for key, line, _ in starter.MORE:
+        if re.search(rf"^{key}:", text, re.M) is None:
+            assert f"# {line}  #" in text
+            text = text.replace(f"# {line}  #", f"{line}  #")
+    path = tmp_path / "mine.yaml"
+    path.write_text(text, encoding="utf-8")
+    assert load(path).scenario.gravity_m_s2 == 1.62
+    assert {word for _, line, _ in starter.MORE for word in re.findall(r"medium: (\w+)", line)} <= set(medium_names())
+
+
+def test_an_unknown_model_is_told_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "runer"]) == 2
+    assert "did you mean runner?" in capsys.readouterr().err
+    assert main(["new"]) == 0
+    assert "stepping_leg " in capsys.readouterr().out
+
+
+def test_paths_of_set_start_where_one_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those in a config start from its folder."""
+    configs, here = tmp_path / "configs", tmp_path / "here"
+    for folder, density in ((configs, 1000), (here, 2000)):
+        folder.mkdir()
+        medium = f"{{law: albert, density_kg_m3: {density}, eta_h: 8}}"
+        (folder / "sand.yaml").write_text(medium, encoding="utf-8")
+    (here / "turn.csv").write_text("time_s,angle\n0,1\n1,2\n", encoding="utf-8")
+    (configs / "run.yaml").write_text("model: compound_pendulum\nmedium: sand.yaml\n", encoding="utf-8")
+    monkeypatch.chdir(here)
+    assert load("../configs/run.yaml").scenario.media[0].density_kg_m3 == 1000
+    for changed in (
+        load("../configs/run.yaml", ["medium=sand.yaml"]),
+        load("../configs/run.yaml", medium="sand.yaml"),
+        load("../configs/run.yaml", ["medium={from: sand.yaml}"]),
+    ):
+        assert changed.scenario.media[0].density_kg_m3 == 2000
+    drive = "drives.pivot={type: motion, angle_deg: {type: csv, file: turn.csv, column: angle}}"
+    assert load("../configs/run.yaml", [drive]).scenario.drives["pivot"].angle_deg.values == (1, 2)
+
+
+def test_kernels_are_compiled_ahead(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["warm", "pendulum_rigid"]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("1 kinds of runs are ready: ")
+    assert "pendulum_rigid (the law lee_marghitu for round bars, engine)" in told.err
