@@ -85,7 +85,7 @@ def act(chosen: argparse.Namespace) -> int:
             progress=progress,
             most_frames=MOST,
             inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
-            compiling=announce,
+            compiling=None if chosen.quiet else announce,
         )
     compiled = seconds() - compiled
     elapsed = time.perf_counter() - begin - compiled
