@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pydantic import BaseModel
+
 from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
 from granular_contact.laws.catalogue import LAWS
@@ -36,6 +38,7 @@ def add_law(law: type[Law]) -> None:
         raise TypeError(f"{law.__name__} has no {', '.join(lacking)}; every law defines them")
     if LAWS.setdefault(law.tag(), law) is not law:
         raise ValueError(f"got the tag {law.tag()!r} for {law.__name__}, which another law has")
-    for part in (BedLayer, Bed, Scenario):
+    changed: list[type[BaseModel]] = [BedLayer, Bed, Scenario, *Scenario.__subclasses__()]
+    for part in changed:
         part.model_rebuild(force=True)
-    allowed.definitions.cache_clear()
+    allowed.forget()

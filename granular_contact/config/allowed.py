@@ -20,12 +20,21 @@ Schema = dict[str, Any]
 _FORMS: dict[Any, str] = {"text": "string", "number": "number", "list": "array", "mapping": "object"}
 
 
-@cache
 def definitions() -> dict[str, Schema]:
     """JSON Schemas of all classes of files, by their names; in a scenario model and medium are resolved."""
-    _, whole = models_json_schema([(model, "validation") for model in (Scenario, SweepFile, FitFile, OptimiseFile)])
+    return _definitions((Scenario, *Scenario.__subclasses__(), SweepFile, FitFile, OptimiseFile))
+
+
+@cache
+def _definitions(models: tuple[type[BaseModel], ...]) -> dict[str, Schema]:
+    _, whole = models_json_schema([(model, "validation") for model in models])
     found: dict[str, Schema] = whole["$defs"]
     return found
+
+
+def forget() -> None:
+    """Read the schemas anew, after a class changed."""
+    _definitions.cache_clear()
 
 
 def walk(location: Sequence[str | int], model: type[BaseModel] = Scenario) -> tuple[Path, Schema]:

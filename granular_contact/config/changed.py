@@ -51,10 +51,12 @@ def checked(scenario: Scenario) -> Scenario:
         With every fault.
     """
     plain = scenario.model_dump(by_alias=True, warnings=False)
-    plain |= {key: held for key, held in vars(scenario).items() if key not in Scenario.model_fields}  # to be refused
+    plain |= {
+        key: held for key, held in vars(scenario).items() if key not in type(scenario).model_fields
+    }  # to be refused
     changed = _restate(plain)
     try:
-        valid = Scenario.model_validate(plain)
+        valid = type(scenario).model_validate(plain)
     except ValidationError:  # once more, as a tree, in which messages find what was got
         return scenario_of(tree.made(plain_data(plain), _HERE), [])
     return scenario if not changed and valid == scenario else valid

@@ -19,6 +19,7 @@ from granular_contact.config.columns import with_columns
 from granular_contact.config.deprecated import renewed
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import plain_data
+from granular_contact.config.in_space import scenario_class, with_paths
 from granular_contact.config.messages import faults_of, is_foreign, kind_of
 from granular_contact.config.provenance import restated_each
 from granular_contact.config.references import MEDIA, MODELS, Resolver, shown
@@ -179,6 +180,7 @@ class Template:
         node = renewed(_restated(read, node), notices)
         found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
+        node = with_paths(node, self._path.parent)
         return Loaded(scenario_of(node, found), SourceMap(node, notices))
 
     @property
@@ -212,12 +214,12 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault]) -> Scenario:
     ConfigError
         With `faults` and what was found besides.
     """
-    found, scenario = list(faults), None
+    found, scenario, kind = list(faults), None, scenario_class(node)
     try:
-        scenario = Scenario.model_validate(tree.plain(node))
+        scenario = kind.model_validate(tree.plain(node))
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=False)
-        found += faults_of([*errors, *_structure_errors(node, errors)], node)
+        found += faults_of([*errors, *_structure_errors(node, errors)], node, kind)
     # What is broken can't be valid, but its fault may have been told by whoever read it.
     if found or scenario is None:
         raise ConfigError(sorted(found, key=by_place))

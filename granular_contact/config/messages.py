@@ -95,7 +95,8 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
         words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else None
         return [_at_key(tree, path, words or f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
     if error["type"] == "missing":
-        return [_missing(tree, path, schema, model)]
+        _, holder = allowed.walk(error["loc"][:-1], model)
+        return [_missing(tree, path, schema, holder)]
     node, _ = find(tree, path)
     tag = allowed.tags(schema)
     if tag and isinstance(node, MappingNode):
@@ -103,10 +104,11 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
     return [_at(tree, path, f"got {got(node)}; allowed is {allowed.describe(schema)}{_hint(node, schema)}")]
 
 
-def _missing(tree: Node, path: Path, schema: allowed.Schema, model: type[BaseModel]) -> Fault | None:
+def _missing(tree: Node, path: Path, schema: allowed.Schema, around: allowed.Schema) -> Fault | None:
+    """A fault of what is not there, with its schema and that of what it would stand in."""
     holder, _ = find(tree, path[:-1])
     if isinstance(holder, Items):
-        size = len(allowed.walk(path[:-1], model)[1].get("prefixItems", ())) or 2
+        size = len(around.get("prefixItems", ())) or 2
         return _at(tree, path[:-1], f"got {got(holder)}; allowed is a list of {size} numbers")
     return _at_key(tree, path, f"is missing; allowed is {allowed.describe(schema)}")
 

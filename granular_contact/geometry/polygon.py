@@ -42,3 +42,30 @@ def _turn(a: Corner, b: Corner, c: Corner) -> float:
     """Side of c relative to the line from a to b: positive left, zero on it; only the sign is meaningful."""
     turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     return math.copysign(1.0, turn) if turn else 0.0
+
+
+def ears(corners: Sequence[Corner]) -> list[tuple[int, int, int]]:
+    """Triangles of a polygon whose sides do not cross, by the numbers of its corners, counter-clockwise each."""
+    left = list(range(len(corners)))
+    if doubled_area((*corners, corners[0])) < 0.0:
+        left.reverse()
+    found = []
+    while len(left) > 3:
+        k = next((k for k in range(len(left)) if _is_ear(corners, left, k)), 0)
+        found.append((left[k - 1], left[k], left[(k + 1) % len(left)]))
+        del left[k]
+    found.append((left[0], left[1], left[2]))
+    return [one for one in found if _turn(*(corners[i] for i in one)) > 0.0]
+
+
+def _is_ear(corners: Sequence[Corner], left: Sequence[int], k: int) -> bool:
+    """Whether the corner number k of those left, between its neighbours, is convex with no other corner inside."""
+    ids = left[k - 1], left[k], left[(k + 1) % len(left)]
+    a, b, c = (corners[i] for i in ids)
+    if _turn(a, b, c) <= 0.0:
+        return False
+    return not any(
+        _turn(a, b, p) >= 0.0 and _turn(b, c, p) >= 0.0 and _turn(c, a, p) >= 0.0
+        for p in (corners[i] for i in left if i not in ids)
+        if p not in (a, b, c)
+    )

@@ -63,9 +63,18 @@ def build(scenario: schema.Scenario | Loaded) -> Scene:
         except SceneError as error:
             raise SceneError(scenario.sources.place(error.faults)) from None
     valid = checked(scenario)
-    scene = _built(valid)
+    scene = _in_space(valid) if type(valid) is not schema.Scenario else _built(valid)
     object.__setattr__(scene, "scenario", valid)  # no argument of a scene, so that none but this can say it
     return scene
+
+
+def _in_space(scenario: schema.Scenario) -> Scene:
+    """Scene of a mechanism in space, which is loaded for that alone."""
+    from granular_contact.config.schema.space import SpatialScenario
+    from granular_contact.scene.space.build import built
+
+    assert isinstance(scenario, SpatialScenario)
+    return built(scenario)
 
 
 def _built(scenario: schema.Scenario) -> Scene:

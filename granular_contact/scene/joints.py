@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from granular_contact.config import schema
 from granular_contact.scene.layout import ZERO, Frame, JointState, Layout, direction, point
@@ -78,9 +79,9 @@ def coordinate(
     return 0.0, 0.0
 
 
-def law(joint: schema.Joint | schema.Closure) -> JointLaw:
-    """What acts in a joint, in SI units of its coordinate."""
-    if isinstance(joint, schema.HingeClosure):
+def law(joint: Any) -> JointLaw:
+    """What acts in a joint of the plane or of space, in SI units of its coordinate."""
+    if joint.type == "hinge":
         turn = math.radians(1.0)
         spring, stops, friction = joint.spring, joint.stops, joint.friction
         return JointLaw(
@@ -95,7 +96,7 @@ def law(joint: schema.Joint | schema.Closure) -> JointLaw:
             slip=1.0 if friction is None else friction.slip_deg * turn,
             damping_time=0.0 if friction is None else friction.damping_time_s,
         )
-    if isinstance(joint, schema.SliderClosure):
+    if joint.type == "slider":
         rod, ends, rub = joint.spring, joint.stops, joint.friction
         return JointLaw(
             stiffness=0.0 if rod is None else rod.stiffness_N_per_m,

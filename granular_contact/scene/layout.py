@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -72,8 +73,8 @@ def degrees_of_freedom(joint: schema.Joint) -> int:
     return {"hinge": 1, "slider": 1, "free": 3}.get(joint.type, 0)
 
 
-def _joints_outward(model: schema.Model) -> Iterator[tuple[str, schema.Joint]]:
-    """Joints in topological order: every parent before its children."""
+def joints_outward(model: Any) -> Iterator[tuple[str, Any]]:
+    """Joints of a model, in the plane or in space, in topological order: every parent before its children."""
     below: dict[str, list[str]] = defaultdict(list)
     for name, joint in model.all_joints.items():
         below[joint.parent].append(name)
@@ -97,7 +98,7 @@ def pose(model: schema.Model, states: Mapping[str, JointState], ground_angle: fl
     """Place and move all bodies, undeformed; what is welded to the ground is turned by ground_angle (rad)."""
     still = Twist(ZERO, 0.0)
     frames, twists = {GROUND: Frame(ZERO, 0.0)}, {GROUND: still}
-    for name, joint in _joints_outward(model):
+    for name, joint in joints_outward(model):
         parent, motion = frames[joint.parent], twists[joint.parent]
         pin, angle, relative = _relative(joint, states.get(name), parent)
         if isinstance(joint, schema.Weld) and joint.parent == GROUND:
@@ -131,7 +132,7 @@ def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[s
     """
     held: dict[str, WorkspaceBound] = {}
     fixed = {GROUND}
-    for _, joint in _joints_outward(model):
+    for _, joint in joints_outward(model):
         parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
         rigidly = isinstance(joint, schema.Weld) and is_rigid(model, joint.child) and is_rigid(model, parent)
         if parent in fixed:
@@ -147,7 +148,7 @@ def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[s
     return held
 
 
-def is_rigid(model: schema.Model, name: str) -> bool:
+def is_rigid(model: Any, name: str) -> bool:
     """Whether a body (or the ground) is rigid."""
     if name == GROUND:
         return True
@@ -155,11 +156,11 @@ def is_rigid(model: schema.Model, name: str) -> bool:
     return not (isinstance(body, schema.Link) and body.flexible is not None)
 
 
-def _weld_groups(model: schema.Model) -> list[list[str]]:
-    """Rigid bodies (and the ground) grouped by the welds between them: each group moves as one."""
+def weld_groups(model: Any) -> list[list[str]]:
+    """Rigid bodies (and the ground) of a model, in the plane or in space, grouped by the welds between them."""
     groups = {name: [name] for name in (GROUND, *model.all_bodies) if is_rigid(model, name)}
-    for _, joint in _joints_outward(model):
-        if isinstance(joint, schema.Weld) and joint.parent in groups and joint.child in groups:
+    for _, joint in joints_outward(model):
+        if joint.type == "weld" and joint.parent in groups and joint.child in groups:
             merged = groups[joint.parent]
             merged += groups[joint.child]
             for name in groups[joint.child]:
@@ -205,4 +206,4 @@ class Layout:
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
     """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
     placed = pose(model, states, ground_angle)
-    return Layout(model, placed, workspace_bounds(model, placed.frames), _weld_groups(model))
+    return Layout(model, placed, workspace_bounds(model, placed.frames), weld_groups(model))

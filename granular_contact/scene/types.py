@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -234,6 +234,8 @@ class Scene:
     body_columns: bool = False
     stiff: tuple[str, ...] = ()
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
+
+    in_space: ClassVar[bool] = False
 
     def __repr__(self) -> str:
         media = " and ".join(medium.name or medium.law for medium in self.media) or "vacuum"

@@ -29,7 +29,7 @@ def added() -> Iterator[None]:
     del LAWS["power"]
     for part in (BedLayer, Bed, Scenario):
         part.model_rebuild(force=True)
-    allowed.definitions.cache_clear()
+    allowed.forget()
 
 
 BALL = """

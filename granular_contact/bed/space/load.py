@@ -108,11 +108,11 @@ class SpatialLoad(GranularLoad):
         """As what the media meet a shape: surface, bar or ball."""
         can = {"bar"} if isinstance(shape, Bar) else {"surface", "ball"} if isinstance(shape, Sphere) else {"surface"}
         found: list[str] = [
-            kind for kind in ("surface", "bar", "ball") if kind in can and any(kind in _kinds(m) for m in self.media)
+            kind for kind in ("surface", "bar", "ball") if kind in can and any(kind in kinds(m) for m in self.media)
         ]
         if not found:
             known = "; ".join(
-                f"{m.name} takes {' and '.join(WORDS[k] for k in _kinds(m)) or 'nothing'}" for m in self.media
+                f"{m.name} takes {' and '.join(WORDS[k] for k in kinds(m)) or 'nothing'}" for m in self.media
             )
             raise scene_error("bed", f"in space nothing acts on a {type(shape).__name__}: {known}")
         return found
@@ -120,7 +120,7 @@ class SpatialLoad(GranularLoad):
     def close(self) -> None:
         """Form the batches, of the elements that one medium meets as one kind; `start` does it too."""
         for index, (medium, record) in enumerate(zip(self.media, self.records, strict=True)):
-            for kind in _kinds(medium):
+            for kind in kinds(medium):
                 sets = [one for one in self.lines if one.meets == kind]
                 if sets:
                     columns = [self.table.columns(index, one.body.name) for one in sets]
@@ -161,7 +161,8 @@ class SpatialLoad(GranularLoad):
         return found
 
 
-def _kinds(medium: Law) -> list[str]:
+def kinds(medium: Law) -> list[str]:
+    """As what a medium meets bodies in space: surface, bar, ball."""
     return sorted(kinds_of(type(medium)))
 
 

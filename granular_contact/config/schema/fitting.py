@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
 from granular_contact.config.schema.initial import KEYS, Initial
@@ -37,10 +38,8 @@ def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
             yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
 
 
-def drive_faults(
-    drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal], model: Model
-) -> Iterator[LocalFault]:
-    """Faults of the drives and the signals that they share, with paths below the scenario."""
+def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal], model: Any) -> Iterator[LocalFault]:
+    """Faults of the drives and the signals that they share, with paths below the scenario; in the plane or in space."""
     joints = model.all_joints | model.closures
     for name, signal in signals.items():
         if isinstance(signal, Shared):

@@ -21,19 +21,26 @@ from granular_contact.values.strict import NotNegative, Point, Positive, Strict,
 
 # The words of robotics for types of joints, and ours.
 SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
+IN_SPACE = {"spherical": "ball"}
 # One and several joints of a type in messages.
-SINGULAR = {"hinge": "a hinge", "slider": "a slider", "weld": "a weld", "free": "a free joint"}
-PLURAL = {"hinge": "hinges", "slider": "sliders", "weld": "welds", "free": "free joints"}
+SINGULAR = {
+    "hinge": "a hinge",
+    "slider": "a slider",
+    "weld": "a weld",
+    "free": "a free joint",
+    "ball": "a ball joint",
+}
+PLURAL = {"hinge": "hinges", "slider": "sliders", "weld": "welds", "free": "free joints", "ball": "ball joints"}
 
 
-class _OrSynonym:
+class OrSynonym:
     """Marks the type of a joint: its synonym is accepted, and replaced by the name."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Core schema of both words."""
         del handler
         (name,) = get_args(source)
-        words = [name, *(synonym for synonym, of in SYNONYMS.items() if of == name)]
+        words = [name, *(synonym for synonym, of in (SYNONYMS | IN_SPACE).items() if of == name)]
         return core_schema.no_info_after_validator_function(lambda _: name, core_schema.literal_schema(words))
 
 
@@ -89,7 +96,7 @@ class HingeFriction(Strict):
 class HingeClosure(_Ends):
     """The child turns about the normal of the plane."""
 
-    type: Annotated[Literal["hinge"], _OrSynonym()]
+    type: Annotated[Literal["hinge"], OrSynonym()]
     spring: HingeSpring | None = None
     damping_Nm_s_per_rad: NotNegative = 0.0
     stops: HingeStops | None = None
@@ -106,7 +113,7 @@ class Hinge(HingeClosure):
 class Weld(_Ends, Renewed):
     """The child is held at a fixed angle."""
 
-    type: Annotated[Literal["weld"], _OrSynonym()]
+    type: Annotated[Literal["weld"], OrSynonym()]
     home_deg: float = 0.0
     """The angle of the child, clockwise, from the x axis of the parent."""
 
@@ -146,7 +153,7 @@ class SliderFriction(Strict):
 class SliderClosure(_Ends, Renewed):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
-    type: Annotated[Literal["slider"], _OrSynonym()]
+    type: Annotated[Literal["slider"], OrSynonym()]
     axis: Annotated[Point, AfterValidator(_points_somewhere)] = (1.0, 0.0)
     """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
     home_deg: float = 0.0
@@ -167,7 +174,7 @@ class Slider(SliderClosure):
 class Free(_Ends):
     """The child moves freely in the plane; `initial.joints` of the run gives its initial state."""
 
-    type: Annotated[Literal["free"], _OrSynonym()]
+    type: Annotated[Literal["free"], OrSynonym()]
 
     @model_validator(mode="after")
     def _on_the_ground(self) -> Free:
@@ -176,12 +183,12 @@ class Free(_Ends):
         return self
 
 
-def _by_name(**types: type[Strict]) -> dict[str, type[Strict]]:
+def by_name(**types: type[Strict]) -> dict[str, type[Strict]]:
     """Classes by both names of each type."""
-    return types | {synonym: types[name] for synonym, name in SYNONYMS.items() if name in types}
+    return types | {synonym: types[name] for synonym, name in (SYNONYMS | IN_SPACE).items() if name in types}
 
 
-JOINTS = _by_name(hinge=Hinge, weld=Weld, slider=Slider, free=Free)
+JOINTS = by_name(hinge=Hinge, weld=Weld, slider=Slider, free=Free)
 Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
-CLOSURES = _by_name(hinge=HingeClosure, weld=Weld, slider=SliderClosure)
+CLOSURES = by_name(hinge=HingeClosure, weld=Weld, slider=SliderClosure)
 Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]

@@ -1,0 +1,53 @@
+"""Schema of the bed in space: level, sloped in any direction, or a map of heights; floor, container and layers."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from granular_contact.config.schema.bed import STEEPEST
+from granular_contact.values.strict import LocalFault, Point, Positive, Strict, Text, refusal
+
+
+class HeightMap(Strict):
+    """Heights of the surface at the points of a square grid; between them it is bilinear, beyond them level."""
+
+    file: Text
+    """CSV without a header: a row for each y, upward from the corner, a column for each x. A path from the folder of
+    the file that names it."""
+    cell_m: Positive
+    """Distance of neighbours."""
+    corner_m: Point = (0.0, 0.0)
+    """x and y of the first column and row."""
+    scale: float = 1.0
+    """Height in m of one unit of the file."""
+
+
+class SpatialBed(Strict):
+    """Where the medium lies in space. Its free surface does not change: no craters, no heaps."""
+
+    height_m: float | None = None
+    """Height of the surface above the world's origin, or of the zero of a height map; null: so that the mechanism
+    touches it at the start."""
+    slope_deg: Annotated[float, Field(gt=-STEEPEST, lt=STEEPEST)] = 0.0
+    slope_direction_deg: float = 0.0
+    """Direction in which the surface rises: counter-clockwise from x, seen from above; 90 is to the left."""
+    height_map: HeightMap | None = None
+    container_x_m: Point | None = None
+    """Walls behind and ahead; a body beyond them gives a warning, but the walls exert no force."""
+    container_y_m: Point | None = None
+    """Walls to the right and to the left, likewise."""
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> SpatialBed:
+        faults: list[LocalFault] = []
+        if self.height_map is not None and self.slope_deg != 0.0:
+            faults.append((("height_map",), "got a height map and slope_deg; one of the two is allowed"))
+        for key in ("container_x_m", "container_y_m"):
+            walls = getattr(self, key)
+            if walls is not None and not walls[0] < walls[1]:
+                faults.append(((key,), f"got {list(walls)}; the first must be below the second"))
+        if faults:
+            raise refusal(faults)
+        return self

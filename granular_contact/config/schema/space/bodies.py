@@ -1,0 +1,98 @@
+"""Schema of the bodies of a mechanism in space. SI units, named in the keys."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import model_validator
+
+from granular_contact.config.schema.space.shapes import SpatialShape
+from granular_contact.config.schema.space.turned import Point3
+from granular_contact.values.strict import Listed, LocalFault, Positive, Strict, Tagged, refusal
+
+ROUND_OFF = 1e-6  # of the greatest moment of inertia: what files round away
+
+
+class Inertia(Strict):
+    """Inertia tensor (kg m2) about the centre of mass, along the axes of the body's frame: entries of its matrix."""
+
+    xx: Positive
+    yy: Positive
+    zz: Positive
+    xy: float = 0.0
+    xz: float = 0.0
+    yz: float = 0.0
+
+    @model_validator(mode="after")
+    def _of_a_body(self) -> Inertia:
+        moments = self.principal()
+        low, middle, high = moments
+        told = ", ".join(f"{one:.4g}" for one in moments)
+        if not low > 0.0:
+            raise refusal([((), f"has the principal moments {told}; allowed are moments above 0")])
+        if low + middle < high * (1.0 - ROUND_OFF):
+            words = f"no body has the principal moments {told}: the greatest is at most the sum of the other two"
+            raise refusal([((), words)])
+        return self
+
+    def principal(self) -> list[float]:
+        """Principal moments (kg m2), the least first: roots of the characteristic polynomial of a symmetric matrix."""
+        mean = (self.xx + self.yy + self.zz) / 3.0
+        a, b, c = self.xx - mean, self.yy - mean, self.zz - mean
+        square = (a * a + b * b + c * c + 2.0 * (self.xy**2 + self.xz**2 + self.yz**2)) / 6.0
+        if square <= 0.0:
+            return [mean] * 3
+        spread = math.sqrt(square)
+        det = a * (b * c - self.yz**2) - self.xy * (self.xy * c - self.yz * self.xz)
+        det += self.xz * (self.xy * self.yz - b * self.xz)
+        angle = math.acos(max(-1.0, min(1.0, det / (2.0 * spread**3)))) / 3.0
+        return sorted(mean + 2.0 * spread * math.cos(angle + 2.0 * math.pi * k / 3.0) for k in range(3))
+
+
+class SpatialRigid(Strict):
+    """A rigid body: shapes with a density, or a given mass and shapes for the medium only."""
+
+    type: Literal["rigid"]
+    density_kg_m3: Positive | None = None
+    """Of all shapes; give this or the mass."""
+    mass_kg: Positive | None = None
+    inertia_kg_m2: Inertia | None = None
+    center_of_mass_m: Point3 | None = None
+    """In the frame of the body; null: its origin."""
+    shapes: Annotated[tuple[SpatialShape, ...], Listed] = ()
+
+    @model_validator(mode="after")
+    def _one_source_of_mass(self) -> SpatialRigid:
+        given = [n for n in ("mass_kg", "inertia_kg_m2", "center_of_mass_m") if getattr(self, n) is not None]
+        faults: list[LocalFault] = []
+        if self.density_kg_m3 is not None:
+            faults += [((name,), "stands beside density_kg_m3, from which it follows; give one") for name in given]
+            if not self.shapes:
+                faults.append((("shapes",), "are missing; a density needs shapes, or give mass_kg and inertia_kg_m2"))
+        elif not given:
+            words = (
+                "is missing, so the body has no mass; allowed is a density with shapes, or mass_kg and inertia_kg_m2"
+            )
+            faults.append((("density_kg_m3",), words))
+        else:
+            words = "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2"
+            faults += [((name,), words) for name in ("mass_kg", "inertia_kg_m2") if name not in given]
+        if faults:
+            raise refusal(faults)
+        return self
+
+
+class SpatialLink(Strict):
+    """A straight uniform round bar along the x axis of its frame, from the root at the origin to the tip."""
+
+    type: Literal["link"]
+    length_m: Positive
+    diameter_m: Positive
+    density_kg_m3: Positive
+    facet_size_m: Positive | None = None
+    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal."""
+
+
+BODIES: dict[str, type[Strict]] = {"rigid": SpatialRigid, "link": SpatialLink}
+SpatialBody = Annotated[SpatialRigid | SpatialLink, Tagged("type", BODIES)]

@@ -1,0 +1,110 @@
+"""Schema of joints in space. Each type has two names, ours and that of robotics, as in the plane.
+
+A joint holds a point of the child at a point of the parent. Its axis is fixed in the child's frame, and rpy_deg or
+quaternion turn that frame against the parent's at coordinate 0: as a joint of a URDF file, with its origin there and
+the child's point at the origin. The coordinate of a hinge turns the child right-handed about the axis.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import model_validator
+
+from granular_contact.config.schema.joints import (
+    HingeFriction,
+    HingeSpring,
+    HingeStops,
+    OrSynonym,
+    SliderFriction,
+    SliderSpring,
+    SliderStops,
+    by_name,
+)
+from granular_contact.config.schema.space.turned import ORIGIN, Axis, Oriented, Point3
+from granular_contact.values.strict import NotNegative, Strict, Tagged, refusal
+
+
+class _Ends(Oriented):
+    parent: str
+    """A body, or `ground`."""
+    child: str
+    """A body; each is the child of exactly one joint, besides the closures of loops."""
+    parent_point_m: Point3 = ORIGIN
+    """Where the joint sits in the frame of the parent."""
+    child_point_m: Point3 = ORIGIN
+    """Where the joint sits in the frame of the child."""
+
+
+class SpatialHingeClosure(_Ends):
+    """The child turns about an axis."""
+
+    type: Annotated[Literal["hinge"], OrSynonym()]
+    axis: Axis = (0.0, 0.0, 1.0)
+    """Direction of the axis in the frame of the child, of any length."""
+    spring: HingeSpring | None = None
+    damping_Nm_s_per_rad: NotNegative = 0.0
+    stops: HingeStops | None = None
+    friction: HingeFriction | None = None
+
+
+class SpatialHinge(SpatialHingeClosure):
+    """The child turns about an axis."""
+
+    home_deg: float = 0.0
+    """Angle at the start, unless the run says otherwise; right-handed about the axis."""
+
+
+class SpatialWeld(_Ends):
+    """The child is held."""
+
+    type: Annotated[Literal["weld"], OrSynonym()]
+
+
+class Ball(_Ends):
+    """The child turns as it likes about a point."""
+
+    type: Annotated[Literal["ball"], OrSynonym()]
+
+
+class SpatialSliderClosure(_Ends):
+    """The child moves along an axis, and does not turn."""
+
+    type: Annotated[Literal["slider"], OrSynonym()]
+    axis: Axis = (1.0, 0.0, 0.0)
+    """Direction of the axis in the frame of the child, of any length."""
+    spring: SliderSpring | None = None
+    damping_N_s_per_m: NotNegative = 0.0
+    stops: SliderStops | None = None
+    friction: SliderFriction | None = None
+
+
+class SpatialSlider(SpatialSliderClosure):
+    """The child moves along an axis, and does not turn."""
+
+    home_m: float = 0.0
+    """Position along the axis at the start, unless the run says otherwise."""
+
+
+class SpatialFree(_Ends):
+    """The child moves freely; `initial.joints` of the run gives its initial state."""
+
+    type: Annotated[Literal["free"], OrSynonym()]
+
+    @model_validator(mode="after")
+    def _on_the_ground(self) -> SpatialFree:
+        if self.parent != "ground":
+            raise refusal([(("parent",), f"got {self.parent!r}; a free joint has the parent ground")])
+        return self
+
+
+JOINTS: dict[str, type[Strict]] = by_name(
+    hinge=SpatialHinge, weld=SpatialWeld, slider=SpatialSlider, ball=Ball, free=SpatialFree
+)
+AnyJoint = SpatialHinge | SpatialWeld | SpatialSlider | Ball | SpatialFree
+SpatialJoint = Annotated[AnyJoint, Tagged("type", JOINTS)]
+CLOSURES: dict[str, type[Strict]] = by_name(
+    hinge=SpatialHingeClosure, weld=SpatialWeld, slider=SpatialSliderClosure, ball=Ball
+)
+AnyClosure = SpatialHingeClosure | SpatialWeld | SpatialSliderClosure | Ball
+SpatialClosure = Annotated[AnyClosure, Tagged("type", CLOSURES)]

@@ -1,0 +1,113 @@
+"""Schema of a mechanism in space: bodies, the tree of joints, loop closures, and a chain."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from granular_contact.config.schema.chain import MOST_LINKS, names
+from granular_contact.config.schema.joints import HingeFriction, HingeSpring, HingeStops
+from granular_contact.config.schema.space.bodies import SpatialBody, SpatialLink
+from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
+from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
+from granular_contact.config.schema.structure import Names, structure_faults
+from granular_contact.values.strict import Listed, LocalFault, NotNegative, Positive, Strict, Text, refusal
+
+
+class SpatialChainLink(Strict):
+    """One of the links: a straight uniform round bar."""
+
+    length_m: Positive
+    diameter_m: Positive
+    density_kg_m3: Positive
+    facet_size_m: Positive | None = None
+    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal."""
+
+
+class SpatialChainHinge(Strict):
+    """What every hinge of the chain has."""
+
+    axes: Annotated[tuple[Axis, ...], Listed, Field(min_length=1)] = ((0.0, 0.0, 1.0),)
+    """Directions of the axes in the frames of the links, taken in turn from hinge to hinge."""
+    home_deg: float = 0.0
+    """Angle at the start of all hinges but the first, unless the run says otherwise."""
+    spring: HingeSpring | None = None
+    damping_Nm_s_per_rad: NotNegative = 0.0
+    stops: HingeStops | None = None
+    friction: HingeFriction | None = None
+
+
+class SpatialChain(Strict):
+    """Links `link_1` to `link_n`, joined tip to root by hinges `hinge_1` to `hinge_n`; the first is on the parent."""
+
+    count: Annotated[int, Field(ge=1, le=MOST_LINKS)]
+    link: SpatialChainLink
+    hinge: SpatialChainHinge = SpatialChainHinge()
+    parent: str = "ground"
+    """A body, or `ground`."""
+    parent_point_m: Point3 = ORIGIN
+    """Where the first hinge sits in the frame of the parent."""
+    root_home_deg: float = 0.0
+    """Angle of the first hinge at the start, unless the run says otherwise."""
+    link_name: Text = "link"
+    hinge_name: Text = "hinge"
+
+    def expanded(self) -> tuple[dict[str, SpatialLink], dict[str, SpatialHinge]]:
+        """Bodies and joints of the chain."""
+        link = SpatialLink(type="link", **self.link.model_dump())
+        links, hinges = names(self.link_name, self.count), names(self.hinge_name, self.count)
+        laws: dict[str, Any] = {n: getattr(self.hinge, n) for n in SpatialChainHinge.model_fields if n != "axes"}
+        joints, axes = {}, self.hinge.axes
+        for i, (hinge, child) in enumerate(zip(hinges, links, strict=True)):
+            parent, seat = (links[i - 1], (self.link.length_m, 0.0, 0.0)) if i else (self.parent, self.parent_point_m)
+            more = laws if i else laws | {"home_deg": self.root_home_deg}
+            ends: dict[str, Any] = {"parent": parent, "child": child, "parent_point_m": seat}
+            joints[hinge] = SpatialHinge(type="hinge", **ends, axis=axes[i % len(axes)], **more)
+        return dict.fromkeys(links, link), joints
+
+    @property
+    def names(self) -> Names:
+        """What it hangs on, and the names of its links and hinges."""
+        return self.parent, names(self.link_name, self.count), names(self.hinge_name, self.count)
+
+
+class SpatialModel(Strict):
+    """A mechanism in space, x ahead, y left and z up, before it is placed and set in motion."""
+
+    in_space: Literal[True]
+    name: Text
+    description: Text = ""
+    bodies: dict[str, SpatialBody] = Field(default_factory=dict)
+    joints: dict[str, SpatialJoint] = Field(default_factory=dict)
+    """The tree of joints: each body is the child of one, and the ground is the root."""
+    closures: dict[str, SpatialClosure] = Field(default_factory=dict)
+    """Joints that close loops, between bodies that the tree already connects to the ground."""
+    chain: SpatialChain | None = None
+    """Many equal links in a row, besides the bodies and joints."""
+
+    @cached_property
+    def all_bodies(self) -> dict[str, SpatialBody]:
+        """Bodies by name, the links of the chain at the end."""
+        return self.bodies | (self.chain.expanded()[0] if self.chain is not None else {})
+
+    @cached_property
+    def all_joints(self) -> dict[str, SpatialJoint]:
+        """Joints of the tree by name, the hinges of the chain at the end."""
+        return self.joints | (self.chain.expanded()[1] if self.chain is not None else {})
+
+    @model_validator(mode="after")
+    def _is_a_mechanism(self) -> SpatialModel:
+        faults: list[LocalFault] = []
+        if not self.bodies and self.chain is None:
+            faults.append((("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"))
+        faults += structure_faults(
+            self.bodies,
+            {name: (j.parent, j.child) for name, j in self.joints.items()},
+            closures={name: (j.parent, j.child) for name, j in self.closures.items()},
+            chain=None if self.chain is None else self.chain.names,
+        )
+        if faults:
+            raise refusal(faults)
+        return self

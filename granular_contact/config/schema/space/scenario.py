@@ -1,0 +1,47 @@
+"""Schema of a run in space: as in the plane, with mechanism, start and bed of three dimensions."""
+
+from __future__ import annotations
+
+from pydantic import model_validator
+
+from granular_contact.config.schema.fitting import drive_faults
+from granular_contact.config.schema.method import Method
+from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.schema.space.bed import SpatialBed
+from granular_contact.config.schema.space.model import SpatialModel
+from granular_contact.config.schema.space.start import SpatialInitial, initial_faults
+from granular_contact.values.strict import LocalFault, refusal
+
+
+class SpatialScenario(Scenario):
+    """A run in space, complete: every name resolved and every default in place."""
+
+    model: SpatialModel  # type: ignore[assignment]
+    surface_height_m: float | None = None
+    """Height of the free surface above the origin; null: the mechanism touches the surface at the start. Parts below it
+    start in the medium with zero friction state, as if placed there without disturbing a grain."""
+    bed: SpatialBed | None = None  # type: ignore[assignment]
+    """Slope or heights of the surface, and container; null: level and unbounded."""
+    initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
+    """Joints left out start at rest in the reference configuration."""
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> SpatialScenario:
+        if self.bed is not None and self.surface_height_m is not None and self.bed.height_m is not None:
+            words = "the bed has height_m too; one height of the surface is allowed"
+            raise refusal([(("surface_height_m",), words)])
+        return self
+
+    @model_validator(mode="after")
+    def _fits_its_mechanism(self) -> SpatialScenario:
+        faults: list[LocalFault] = [
+            *initial_faults(self.initial, self.model),
+            *drive_faults(self.drives, self.signals, self.model),
+        ]
+        if self.method != Method():
+            faults.append((("method",), "got another method; in space allowed is engine"))
+        if self.load.form != "distributed":
+            faults.append((("load", "form"), f"got {self.load.form}; in space allowed is distributed"))
+        if faults:
+            raise refusal(faults)
+        return self

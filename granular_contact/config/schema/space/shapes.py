@@ -1,0 +1,217 @@
+"""Schema of the shapes of bodies in space: mass, outside, and what the medium meets. SI units, named in the keys."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
+from granular_contact.geometry.polygon import crossing, doubled_area, extent
+from granular_contact.values.strict import Listed, LocalFault, Point, Positive, Strict, Tagged, Text, refusal
+
+Pair = Annotated[tuple[Positive, Positive], Listed]
+Triple = Annotated[tuple[Positive, Positive, Positive], Listed]
+
+
+class _Shape(Oriented):
+    in_sand: bool = True
+    """Whether the medium acts on it; false: it only has mass and is drawn."""
+    facet_size_m: Positive | None = None
+    """Greatest edge of the facets on which the medium acts; null: an eighth of the shape's diagonal."""
+    center_m: Point3 = ORIGIN
+    """Origin of the shape's own frame, in the frame of the body."""
+
+
+class SpatialBox(_Shape):
+    """A box around its origin, with sides along its axes."""
+
+    type: Literal["box"]
+    size_m: Triple
+    """Along x, y and z."""
+
+
+class SpatialSphere(_Shape):
+    """A ball around its origin."""
+
+    type: Literal["sphere"]
+    diameter_m: Positive
+
+
+class _Round(_Shape):
+    diameter_m: Positive
+    length_m: Positive | None = None
+    start_m: Point3 | None = None
+    """Where its axis begins, in the frame of the body; with end_m in place of length_m and an orientation."""
+    end_m: Point3 | None = None
+
+    @model_validator(mode="after")
+    def _one_place(self) -> _Round:
+        if self.start_m is None and self.end_m is None:
+            if self.length_m is None:
+                raise refusal([(("length_m",), "is missing; allowed is a number above 0, or else start_m and end_m")])
+            return self
+        faults: list[LocalFault] = []
+        for one, other in (("start_m", "end_m"), ("end_m", "start_m")):
+            if getattr(self, one) is None:
+                faults.append(((one,), f"is missing; {other} needs it"))
+        others = ("length_m", "rpy_deg", "quaternion")
+        faults += [
+            ((key,), "stands beside start_m and end_m, from which it follows")
+            for key in others
+            if getattr(self, key) is not None
+        ]
+        if self.center_m != ORIGIN:
+            faults.append((("center_m",), "stands beside start_m and end_m, from which it follows"))
+        if not faults and self.start_m == self.end_m:
+            faults.append((("end_m",), f"got {list(self.end_m or ())}, the same as start_m; the two must differ"))
+        if faults:
+            raise refusal(faults)
+        return self
+
+
+class SpatialCylinder(_Round):
+    """A cylinder around the z axis of its own frame, half of it above its origin, or from start_m to end_m."""
+
+    type: Literal["cylinder"]
+
+
+class SpatialCapsule(_Round):
+    """As a cylinder, with half spheres at both ends; its length is that between their centres."""
+
+    type: Literal["capsule"]
+
+
+class SpatialCone(_Shape):
+    """A cone around the z axis of its own frame: its tip is the origin, its base at z = height."""
+
+    type: Literal["cone"]
+    diameter_m: Positive
+    """Of the base."""
+    height_m: Positive
+
+
+class SpatialPlate(_Shape):
+    """A thin rectangle in the x-y plane of its own frame, around its origin; either face can lead."""
+
+    type: Literal["plate"]
+    size_m: Pair
+    """Along x and y."""
+    thickness_m: Positive
+    """For its mass alone."""
+
+
+class SpatialArc(_Shape):
+    """A thin plate bent along a circular arc in the x-z plane of its own frame, as a C-leg; either face can lead."""
+
+    type: Literal["arc"]
+    radius_m: Positive
+    """Of the middle line."""
+    from_deg: Annotated[float, Field(ge=-720, le=720)]
+    """Where the arc begins, from the x axis towards -z: 90 is below its centre."""
+    to_deg: Annotated[float, Field(ge=-720, le=720)]
+    width_m: Positive
+    """Along y, to both sides of the origin."""
+    thickness_m: Positive
+    """For its mass alone."""
+
+    @model_validator(mode="after")
+    def _has_an_opening(self) -> SpatialArc:
+        sweep = abs(self.to_deg - self.from_deg)
+        if not 0.0 < sweep <= 360.0:
+            got = f"got {self.to_deg:g}, which is {sweep:g} from from_deg"
+            raise refusal([(("to_deg",), f"{got}; allowed is above 0 and at most 360")])
+        return self
+
+
+class SpatialPolygon(_Shape):
+    """A solid whose section in the x-z plane of its own frame is a polygon."""
+
+    type: Literal["polygon"]
+    points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=3, max_length=1000)]
+    """Corners x, z in either sense; the last joins the first."""
+    width_m: Positive
+    """Along y, to both sides of the origin."""
+
+    @model_validator(mode="after")
+    def _encloses(self) -> SpatialPolygon:
+        faults: list[LocalFault] = []
+        for i, (one, other) in enumerate(pairwise((*self.points_m, self.points_m[0]))):
+            if one == other:
+                words = f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
+                faults.append((("points_m",), words))
+        if not faults and abs(doubled_area(self.points_m)) < 1e-12 * extent(self.points_m) ** 2:
+            faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
+        if not faults and (pair := crossing(self.points_m)):
+            words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
+            faults = [(("points_m",), words)]
+        if faults:
+            raise refusal(faults)
+        return self
+
+
+class SpatialBar(Strict):
+    """A thin round bar along straight pieces, for laws of bars."""
+
+    type: Literal["bar"]
+    in_sand: bool = True
+    """Whether the medium acts on it; false: it only has mass and is drawn."""
+    points_m: Annotated[tuple[Point3, ...], Listed, Field(min_length=2, max_length=1000)]
+    """Corners in the frame of the body."""
+    diameter_m: Positive
+
+    @model_validator(mode="after")
+    def _moves_on(self) -> SpatialBar:
+        for i, (one, other) in enumerate(pairwise(self.points_m)):
+            if one == other:
+                words = f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
+                raise refusal([(("points_m",), words)])
+        return self
+
+
+class SpatialMesh(_Shape):
+    """Triangles from a file, STL, OBJ or PLY."""
+
+    type: Literal["mesh"]
+    file: Text
+    """A path from the folder of the file that names it."""
+    scale: Positive | None = None
+    """Length of the file's unit in m; null: it is in metres, and one of more than 3 m is refused."""
+    thin: bool = False
+    """Whether it is a sheet, of which either face can lead; it need not be closed then."""
+    thickness_m: Positive | None = None
+    """Of a sheet, for its mass alone."""
+
+    @model_validator(mode="after")
+    def _sheet_or_solid(self) -> SpatialMesh:
+        if self.thickness_m is not None and not self.thin:
+            raise refusal([(("thickness_m",), f"got {self.thickness_m:g}, but thin is false: allowed is nothing")])
+        return self
+
+
+SHAPES: dict[str, type[Strict]] = {
+    "box": SpatialBox,
+    "cylinder": SpatialCylinder,
+    "capsule": SpatialCapsule,
+    "sphere": SpatialSphere,
+    "cone": SpatialCone,
+    "plate": SpatialPlate,
+    "arc": SpatialArc,
+    "polygon": SpatialPolygon,
+    "bar": SpatialBar,
+    "mesh": SpatialMesh,
+}
+AnyShape = (
+    SpatialBox
+    | SpatialCylinder
+    | SpatialCapsule
+    | SpatialSphere
+    | SpatialCone
+    | SpatialPlate
+    | SpatialArc
+    | SpatialPolygon
+    | SpatialBar
+    | SpatialMesh
+)
+SpatialShape = Annotated[AnyShape, Tagged("type", SHAPES)]

@@ -1,0 +1,87 @@
+"""Schema of the start of a run in space: positions, orientations and rates of joints; and whether it fits them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pydantic import model_validator
+
+from granular_contact.config.schema.joints import SINGULAR
+from granular_contact.config.schema.space.model import SpatialModel
+from granular_contact.config.schema.space.turned import Oriented, Point3
+from granular_contact.values.strict import LocalFault, Strict, no_such, refusal
+
+
+class SpatialJointStart(Oriented):
+    """State of one joint, in its own coordinate; what is left out is that of rest in the reference configuration.
+
+    Of a free body or a ball joint rpy_deg or quaternion is the orientation of the child in the frame of its parent, in
+    place of that of the joint.
+    """
+
+    angle_deg: float | None = None
+    """Of a hinge, right-handed about its axis."""
+    rate_rad_s: float | None = None
+    position_m: float | None = None
+    """Of a slider, along its axis."""
+    speed_m_s: float | None = None
+    x_m: float | None = None
+    """Of a free body: position of its joint, from the joint's point on the ground."""
+    y_m: float | None = None
+    z_m: float | None = None
+    vx_m_s: float | None = None
+    """Of a free body: velocity of its joint's point."""
+    vy_m_s: float | None = None
+    vz_m_s: float | None = None
+    spin_rad_s: Point3 | None = None
+    """Angular velocity of a free body along the axes of the world, of a ball joint along those of the parent."""
+
+
+TURN = ("rpy_deg", "quaternion")
+KEYS = {
+    "hinge": ("angle_deg", "rate_rad_s"),
+    "slider": ("position_m", "speed_m_s"),
+    "ball": (*TURN, "spin_rad_s"),
+    "free": ("x_m", "y_m", "z_m", *TURN, "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s"),
+}
+RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s")
+
+
+class SpatialInitial(Strict):
+    """Initial state of a mechanism in space."""
+
+    joints: dict[str, SpatialJointStart] | None = None
+    """By the name of the joint; others start at rest in the reference configuration, or follow a loop or a drive."""
+    settle: bool = False
+    """Start from static equilibrium under gravity, with the drives as they are at t = 0."""
+
+    @model_validator(mode="after")
+    def _rests_if_it_settles(self) -> SpatialInitial:
+        faults: list[LocalFault] = []
+        for name, start in (self.joints or {}).items() if self.settle else ():
+            for key in RATES:
+                value = getattr(start, key)
+                if value is not None and value not in (0.0, (0.0, 0.0, 0.0)):
+                    got = f"{value:g}" if isinstance(value, float) else f"{list(value)}"
+                    faults.append((("joints", name, key), f"got {got}, but settle is true: allowed is 0"))
+        if faults:
+            raise refusal(faults)
+        return self
+
+
+def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Iterator[LocalFault]:
+    """Faults of an initial state, with paths below the scenario."""
+    joints = model.all_joints
+    for name, start in (initial.joints or {}).items():
+        path = ("initial", "joints", name)
+        if name not in joints:
+            what = "closes a loop, which follows from the others" if name in model.closures else None
+            yield path, f"{name} {what}" if what else no_such("joint", name, joints)
+            continue
+        kind = joints[name].type
+        if kind == "weld":
+            yield path, f"{name} is a weld, which has no state; allowed are all other joints"
+            continue
+        given = {key for key in start.model_fields_set if getattr(start, key) is not None}
+        for key in sorted(given - set(KEYS[kind])):
+            yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(KEYS[kind])}"

@@ -1,0 +1,46 @@
+"""Points, directions and orientations in space, as configs write them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import AfterValidator, model_validator
+
+from granular_contact.values.strict import Listed, Strict, refusal
+
+Point3 = Annotated[tuple[float, float, float], Listed]
+Quaternion = Annotated[tuple[float, float, float, float], Listed]
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+def _points_somewhere(axis: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not 0.0 < math.hypot(*axis) < math.inf:
+        raise refusal([((), f"got {list(axis)}; allowed is a direction, as [0, 0, 1] for upward")])
+    return axis
+
+
+Axis = Annotated[Point3, AfterValidator(_points_somewhere)]
+
+
+class Oriented(Strict):
+    """What is turned against the frame that it stands in."""
+
+    rpy_deg: Point3 | None = None
+    """Roll, pitch and yaw: about x, y and z of that frame, one after another. null, and no quaternion: none."""
+    quaternion: Quaternion | None = None
+    """The same as w, x, y, z, of any length; give one of the two."""
+
+    @model_validator(mode="after")
+    def _one_orientation(self) -> Oriented:
+        if self.rpy_deg is not None and self.quaternion is not None:
+            raise refusal([(("quaternion",), "stands beside rpy_deg; one of the two is allowed")])
+        if self.quaternion is not None and not 0.0 < math.hypot(*self.quaternion) < math.inf:
+            words = f"got {list(self.quaternion)}; allowed are four numbers that are not all 0"
+            raise refusal([(("quaternion",), words)])
+        return self
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether an orientation is given."""
+        return self.rpy_deg is not None or self.quaternion is not None

@@ -1,0 +1,160 @@
+"""Where the media lie in space: a level or sloped surface, or a map of heights; and the container."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.config.csv_table import number
+from granular_contact.config.schema import space as schema
+from granular_contact.errors import Fault, scene_fault
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
+from granular_contact.scene.space.types import Part, SpatialRigidBody
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Heights (rows along y, columns along x) m at the points of a square grid; corner: x, y of the first (m)."""
+
+    values: Vector
+    corner: tuple[float, float]
+    cell: float
+
+    def at(self, x: Vector, y: Vector) -> Vector:
+        """Height (m) at x, y (m), bilinear between the points and level beyond them."""
+        rows, columns = self.values.shape
+        u = np.clip((np.asarray(x) - self.corner[0]) / self.cell, 0.0, columns - 1.0)
+        v = np.clip((np.asarray(y) - self.corner[1]) / self.cell, 0.0, rows - 1.0)
+        i, j = np.minimum(u.astype(int), columns - 2), np.minimum(v.astype(int), rows - 2)
+        a, b, h = u - i, v - j, self.values
+        low = (1.0 - a) * h[j, i] + a * h[j, i + 1]
+        found: Vector = (1.0 - b) * low + b * ((1.0 - a) * h[j + 1, i] + a * h[j + 1, i + 1])
+        return found
+
+
+@dataclass(frozen=True)
+class SpatialBed:
+    """origin: height (m) of the surface at the world's origin, or of the zero of a map; rise (2,) per length along x
+    and y; container: walls in x and y (m).
+    """
+
+    origin: float
+    rise: tuple[float, float]
+    layers: tuple[Layer, ...]
+    heights: Heights | None = None
+    container_x: tuple[float, float] | None = None
+    container_y: tuple[float, float] | None = None
+    # What a bed in the plane has, for those who ask both.
+    floor = None
+    container = None
+
+    @property
+    def media(self) -> tuple[Law, ...]:
+        """The media of all layers."""
+        return tuple(layer.medium for layer in self.layers)
+
+    @property
+    def level(self) -> bool:
+        """Whether the surface is level."""
+        return self.rise == (0.0, 0.0) and self.heights is None
+
+    def height(self, x: Vector, y: Vector) -> Vector:
+        """Height of the surface (m) at x, y (m), of any shape."""
+        level: Vector = self.origin + self.rise[0] * np.asarray(x) + self.rise[1] * np.asarray(y)
+        return level if self.heights is None else level + self.heights.at(x, y)
+
+    @property
+    def corners(self) -> Vector:
+        """Corners (k, 2) m, x and z, of the section through the surface at y = 0, its first and last pieces without
+        end.
+        """
+        x = np.array([0.0, 1.0])
+        if self.heights is not None:
+            x = self.heights.corner[0] + self.heights.cell * np.arange(-1, self.heights.values.shape[1] + 1)
+        return np.column_stack([x, self.height(x, np.zeros_like(x))])
+
+
+def bed(
+    scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...], faults: list[Fault]
+) -> SpatialBed | None:
+    """Bed of a scene; None without a medium and without a surface. Faults are appended."""
+    spec = scenario.bed or schema.SpatialBed()
+    if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
+        return None
+    slope, toward = math.tan(math.radians(spec.slope_deg)), math.radians(spec.slope_direction_deg)
+    rise = (slope * math.cos(toward), slope * math.sin(toward)) if slope else (0.0, 0.0)
+    heights = None if spec.height_map is None else _read(spec.height_map, faults)
+    placed = SpatialBed(0.0, rise, tuple(_layers(scenario, faults)), heights, spec.container_x_m, spec.container_y_m)
+    height = scenario.surface_height_m if spec.height_m is None else spec.height_m
+    if height is None:
+        height = min((_above(placed, body, part) for body in rigid for part in body.parts if part.in_sand), default=0.0)
+    return SpatialBed(height, rise, placed.layers, heights, spec.container_x_m, spec.container_y_m)
+
+
+def _above(placed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:
+    """How high (m) the lowest point of a part is above a surface."""
+    x, y, z = body.motion.world(part.points).T
+    return float((z - part.drop - placed.height(x, y)).min())
+
+
+def _layers(scenario: schema.SpatialScenario, faults: list[Fault]) -> Iterator[Layer]:
+    for key, one in keys_of_media(scenario).items():
+        lacking = [
+            scene_fault(
+                f"{key}.{name}",
+                f"got null: the source of {one.name} does not state it; give the number of your case, as "
+                f"{{from: {one.name}, {name}: ...}}",
+            )
+            for name in one.lacking
+        ]
+        faults += lacking
+        if not lacking:
+            yield Layer(one)
+
+
+def keys_of_media(scenario: schema.SpatialScenario) -> dict[str, Law]:
+    """The media of a scenario by their keys."""
+    several = isinstance(scenario.medium, tuple)
+    return {f"medium.{i}" if several else "medium": one for i, one in enumerate(scenario.media)}
+
+
+def _read(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
+    """Heights of a file; None, with faults."""
+    key, path = "bed.height_map.file", Path(spec.file)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        faults.append(scene_fault(key, f"got {path.name!r}, but {path} can't be read: {type(error).__name__}"))
+        return None
+    rows: list[list[float]] = []
+    before = len(faults)
+    for i, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        cells = [number(cell.strip()) for cell in line.replace(";", ",").split(",")]
+        holes = [j for j, value in enumerate(cells, 1) if value is None]
+        if holes:
+            got = f"{path}:{i}: {len(holes)} of {len(cells)} columns hold no number, the first is {holes[0]}"
+            faults.append(scene_fault(key, f"{got}; a map of heights has no holes: fill them"))
+        elif rows and len(cells) != len(rows[0]):
+            faults.append(
+                scene_fault(key, f"{path}:{i}: got {len(cells)} columns, but the rows before have {len(rows[0])}")
+            )
+        else:
+            rows.append([value for value in cells if value is not None])
+        if len(faults) > before + 4:
+            break
+    if len(faults) > before:
+        return None
+    if len(rows) < 2 or len(rows[0]) < 2:
+        faults.append(scene_fault(key, f"{path}: got {len(rows)} rows; allowed are 2 or more rows and columns"))
+        return None
+    return Heights(spec.scale * np.array(rows), spec.corner_m, spec.cell_m)

@@ -1,0 +1,115 @@
+"""Mass properties of shapes in space, merged into rigid bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from granular_contact.config.schema import space as schema
+from granular_contact.errors import Fault, SceneError, scene_fault
+from granular_contact.scene.space.layout import Frame, Pose
+from granular_contact.scene.space.shapes import MassProperties, moved, part_of
+from granular_contact.scene.space.types import Part, SpatialRigidBody, Vector
+
+
+@dataclass(frozen=True)
+class Made:
+    """A body of the config by itself, in its own frame: parts with their mass properties, and mass."""
+
+    parts: list[Part]
+    mass: _Mass
+
+
+@dataclass(frozen=True)
+class _Mass:
+    """Mass (kg), centre (3,) m and inertia about it (3, 3) kg m2."""
+
+    mass: float
+    center: Vector
+    inertia: Vector
+
+    def placed(self, frame: Frame) -> _Mass:
+        """The same in the world, of a body whose frame lies there."""
+        R = frame.rotation
+        return _Mass(self.mass, frame.world(self.center), R @ self.inertia @ R.T)
+
+
+def bodies_of(
+    model: schema.SpatialModel, media: Collection[str], strips: int, faults: list[Fault]
+) -> dict[str, Made] | None:
+    """All bodies by name; None, with faults, if one can't be made. Arguments as of `shapes.part_of`."""
+    found, before = {}, len(faults)
+    for name, body in model.all_bodies.items():
+        specs = (body,) if isinstance(body, schema.SpatialLink) else body.shapes
+        parts, own = [], []
+        for i, spec in enumerate(specs):
+            key = f"model.bodies.{name}" + (f".shapes.{i}" if isinstance(body, schema.SpatialRigid) else "")
+            try:
+                part, properties = part_of(name, spec, media, strips)
+            except SceneError as error:
+                told = f"{key}.file" if getattr(spec, "type", "") == "mesh" else key
+                faults += [scene_fault(told, one.message) for one in error.faults]
+                continue
+            parts.append(part)
+            own.append(properties)
+            if body.density_kg_m3 is not None and not properties.volume > 0.0:
+                words = "a sheet without thickness_m has no mass, but its body has a density; give it a thickness"
+                faults.append(scene_fault(key, words))
+        if len(faults) == before:
+            found[name] = _made(body, parts, own)
+    return found if len(faults) == before else None
+
+
+def _made(body: schema.SpatialBody, parts: list[Part], own: list[MassProperties]) -> Made:
+    """A body with its mass, as given or of its shapes; a ball knows its own mass."""
+    if isinstance(body, schema.SpatialLink) or body.density_kg_m3 is not None:
+        density = body.density_kg_m3
+        assert density is not None
+        masses = [_of(density, one) for one in own]
+        of_parts = [_with_mass(part, one.mass) for part, one in zip(parts, masses, strict=True)]
+        return Made(of_parts, merged(masses))
+    assert body.mass_kg is not None  # the schema takes a density, or both
+    assert body.inertia_kg_m2 is not None
+    j = body.inertia_kg_m2
+    inertia = np.array([[j.xx, j.xy, j.xz], [j.xy, j.yy, j.yz], [j.xz, j.yz, j.zz]])
+    center = np.array(body.center_of_mass_m or (0.0, 0.0, 0.0), float)
+    return Made([_with_mass(part, body.mass_kg) for part in parts], _Mass(body.mass_kg, center, inertia))
+
+
+def _of(density: float, shape: MassProperties) -> _Mass:
+    mass = density * shape.volume
+    return _Mass(mass, shape.center, mass * (np.trace(shape.second) * np.eye(3) - shape.second))
+
+
+def _with_mass(part: Part, mass: float) -> Part:
+    """A ball with its own mass, for laws that ask for it."""
+    return replace(part, shape=replace(part.shape, mass=mass)) if "ball" in part.meets else part
+
+
+def merged(masses: Iterable[_Mass]) -> _Mass:
+    """Several masses as one, about their common centre."""
+    parts = list(masses)
+    mass = sum(part.mass for part in parts)
+    center: Vector = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = part.center - center
+        inertia += part.inertia + part.mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+    return _Mass(mass, center, inertia)
+
+
+def rigid_body(made: dict[str, Made], group: list[str], placed: Pose) -> SpatialRigidBody:
+    """Merge a group of welded bodies; the frame has the axes of the first and its origin at their centre of mass."""
+    whole = merged(made[name].mass.placed(placed.frames[name]) for name in group)
+    frame = Frame(whole.center, placed.frames[group[0]].rotation)
+    R = frame.rotation
+    parts = []
+    for name in group:
+        own = placed.frames[name]
+        at, turn = frame.local(own.origin), R.T @ own.rotation
+        parts += [moved(part, at, turn) for part in made[name].parts]
+    inertia = R.T @ whole.inertia @ R
+    motion = placed.motion(group[0], frame)
+    return SpatialRigidBody("+".join(group), whole.mass, 0.5 * (inertia + inertia.T), tuple(parts), motion)

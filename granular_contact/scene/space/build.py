@@ -1,0 +1,144 @@
+"""Scenario in space -> Scene: place the bodies, merge what is welded, find the surface, check the geometry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from granular_contact.bed.space.load import kinds
+from granular_contact.config.schema import space as schema
+from granular_contact.errors import Fault, SceneError, scene_fault
+from granular_contact.scene.drives import drives
+from granular_contact.scene.layout import GROUND, weld_groups
+from granular_contact.scene.space.bed import bed, keys_of_media
+from granular_contact.scene.space.bodies import bodies_of, rigid_body
+from granular_contact.scene.space.joints import connections, on_ground
+from granular_contact.scene.space.layout import pose
+from granular_contact.scene.space.loops import closed, needed
+from granular_contact.scene.space.start import start
+from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene, Vector
+from granular_contact.scene.types import FASTEST
+
+MOST_BODIES = 32  # whose motion is reported unless the run asks for it
+
+
+def built(scenario: schema.SpatialScenario) -> SpatialScene:
+    """Scene of a scenario in space.
+
+    Raises
+    ------
+    SceneError
+        The geometry contradicts itself; every fault names its key and the numbers.
+    """
+    faults = list[Fault]()
+    model = scenario.model
+    driven = drives(scenario, faults)
+    states = closed(scenario, start(scenario, driven, faults), faults)
+    held = needed(model, states, driven, faults) if not faults else {}
+    met = {kind for medium in scenario.media for kind in kinds(medium)}
+    made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults)
+    if faults or made is None:
+        raise SceneError(faults)
+    placed, groups = pose(model, states), weld_groups(model)
+    rigid = tuple(rigid_body(made, group, placed) for group in groups if GROUND not in group)
+    if not rigid:
+        faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
+    faults += _closure_faults(model, groups)
+    surface = bed(scenario, rigid, faults)
+    faults += _inapplicable(scenario, rigid)
+    if faults:
+        raise SceneError(faults)
+    scene = SpatialScene(
+        name=scenario.name or model.name,
+        rigid=rigid,
+        links=(),
+        connections=tuple(connections(model, placed, rigid, states, held)),
+        gravity=scenario.gravity_m_s2,
+        bed=surface,
+        load=scenario.load,
+        solver=scenario.solver,
+        tip=_tip(model, rigid),
+        output_interval=scenario.output.interval_s,
+        drives=driven,
+        settle=scenario.initial.settle,
+        body_columns=_has_body_columns(scenario, rigid),
+    )
+    if faults := list(_beyond_numbers(scene)):
+        raise SceneError(faults)
+    return scene
+
+
+def _closure_faults(model: schema.SpatialModel, groups: list[list[str]]) -> Iterator[Fault]:
+    """Faults of closures whose child is welded to the ground: it has to be the parent."""
+    fixed = next((group for group in groups if GROUND in group), [])
+    for name, closure in model.closures.items():
+        if closure.child in fixed:
+            words = f"{closure.child} is fixed to the ground: make it the parent"
+            yield scene_fault(f"model.closures.{name}.child", words)
+
+
+def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
+    """Shapes without a law that takes them, and media without a shape to act on."""
+    media = {key: (one, kinds(one)) for key, one in keys_of_media(scenario).items()}
+    parts = [part for body in rigid for part in body.parts if part.in_sand]
+    if not media:
+        return
+    if not parts:
+        words = "no part is a link or a shape in_sand, so the medium has nothing to act on"
+        yield scene_fault("model.bodies", words)
+        return
+    taken = {kind for _, found in media.values() for kind in found}
+    told = "; ".join(f"{one.name} takes {_listed(found)}" for one, found in media.values())
+    for name, shape, meets in dict.fromkeys((p.name, type(p.shape).__name__.lower(), p.meets) for p in parts):
+        if not taken & set(meets):
+            words = f"its {shape} can get into the sand, but in space {told}: take another law or shape, "
+            yield scene_fault(f"model.bodies.{name}", words + "or say in_sand: false of the shape")
+    met = {kind for part in parts for kind in part.meets}
+    for key, (one, found) in media.items():
+        if not met & set(found):
+            yield scene_fault(key, f"in space {one.name} takes {_listed(found)}, and there is nothing of the kind")
+
+
+def _listed(found: list[str]) -> str:
+    words = {"surface": "surfaces", "bar": "bars", "ball": "spheres"}
+    return " and ".join(words[kind] for kind in found) or "nothing"
+
+
+def _tip(model: schema.SpatialModel, rigid: tuple[SpatialRigidBody, ...]) -> tuple[str, Vector]:
+    """Point that is lowest, or farthest from the first joint on the ground where none slides or is free there."""
+    ends = [(body, part.points, part.drop) for body in rigid for part in body.parts if part.in_sand]
+    if not ends:
+        return rigid[0].name, np.zeros(3)
+    roots = on_ground(model)
+    flies = any(joint.type in ("slider", "free") for joint in roots)
+    root = np.array(roots[0].parent_point_m)
+    best, found = -math.inf, (rigid[0].name, np.zeros(3))
+    for body, points, drop in ends:
+        placed = body.motion.world(points)
+        score = drop - placed[:, 2] if flies else np.linalg.norm(placed - root, axis=1)
+        k = int(score.argmax())
+        if score[k] > best + 1e-12:
+            best, found = float(score[k]), (body.name, points[k])
+    return found
+
+
+def _has_body_columns(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> bool:
+    """Whether the motion of every body is reported."""
+    if scenario.output.bodies != "auto":
+        return scenario.output.bodies == "all"
+    return len(rigid) <= MOST_BODIES
+
+
+def _beyond_numbers(scene: SpatialScene) -> Iterator[Fault]:
+    if not math.isfinite(scene.force_scale):
+        moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
+        yield scene_fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
+        return
+    for body in scene.rigid:
+        speed, rate = math.hypot(*body.motion.velocity), math.hypot(*body.motion.rate)
+        for got, unit in ((speed, "m/s"), (rate, "rad/s")):
+            if not got < FASTEST:
+                words = f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}"
+                yield scene_fault("initial", words)

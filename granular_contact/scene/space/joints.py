@@ -1,0 +1,87 @@
+"""Joints of a laid-out model in space, between the merged rigid bodies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from granular_contact.config.schema import space as schema
+from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
+from granular_contact.scene.joints import law
+from granular_contact.scene.layout import GROUND
+from granular_contact.scene.space import rotations
+from granular_contact.scene.space.layout import Frame, JointState, Pose, axis_of
+from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
+from granular_contact.scene.space.types import SpatialConnection, SpatialRigidBody
+
+
+def connections(
+    model: schema.SpatialModel,
+    placed: Pose,
+    rigid: tuple[SpatialRigidBody, ...],
+    states: Mapping[str, JointState],
+    needed: Mapping[str, tuple[bool, ...]],
+) -> Iterator[SpatialConnection]:
+    """Joints and closures between what moves on its own; needed: which constraints of closures count."""
+    homes: dict[str, tuple[str | None, Frame]] = {}
+    for body in rigid:
+        frame = Frame(body.motion.position, body.motion.rotation)
+        homes |= dict.fromkeys(body.name.split("+"), (body.name, frame))
+    fixed = (None, Frame(np.zeros(3), np.eye(3)))
+    for name, joint in (model.all_joints | model.closures).items():
+        parent, parent_frame = homes.get(joint.parent, fixed)
+        child, child_frame = homes.get(joint.child, fixed)
+        if child == parent:
+            continue
+        assert child is not None  # closures the wrong way round are refused before
+        turn, at_child = joint_frame(joint, placed)
+        # The points of a slider stay where they are on their bodies; elsewhere both are the same.
+        at_parent = at_child
+        if joint.type == "slider":
+            at_parent = placed.frames[joint.parent].world(np.array(joint.parent_point_m))
+        on_child = placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+        if joint.type not in ("hinge", "ball", "free"):
+            on_child = turn  # closed to round-off
+        start, rate = coordinate(name, joint, placed, states)
+        yield SpatialConnection(
+            name=name,
+            kind=joint.type,
+            parent=parent,
+            parent_point=parent_frame.local(at_parent),
+            parent_turn=parent_frame.rotation.T @ turn,
+            child=child,
+            child_point=child_frame.local(at_child),
+            child_turn=child_frame.rotation.T @ on_child,
+            constrained=needed.get(name, CONSTRAINED[joint.type]),
+            start=start,
+            rate=rate,
+            closes=name in model.closures,
+            law=law(joint),
+        )
+
+
+def coordinate(
+    name: str, joint: AnyJoint | AnyClosure, placed: Pose, states: Mapping[str, JointState]
+) -> tuple[float, float]:
+    """Coordinate of a hinge or slider at the start, and its rate; of a closure from the bodies that it joins."""
+    if joint.type not in ("hinge", "slider"):
+        return 0.0, 0.0
+    if name in states:
+        return states[name].coordinate, float(states[name].rates[0])
+    turn, at_child = joint_frame(joint, placed)
+    axis = turn[:, 2]
+    if joint.type == "slider":
+        apart = at_child - placed.frames[joint.parent].world(np.array(joint.parent_point_m))
+        speed = placed.velocity(joint.child, at_child) - placed.velocity(joint.parent, at_child)
+        return float(axis @ apart), float(axis @ speed)
+    relative = turn.T @ placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+    # Which turn it is in can't be known: the one nearest to zero.
+    angle = math.atan2(relative[1, 0], relative[0, 0])
+    return angle, float(axis @ (placed.twists[joint.child].rate - placed.twists[joint.parent].rate))
+
+
+def on_ground(model: schema.SpatialModel) -> list[AnyJoint]:
+    """Joints on the ground."""
+    return [joint for joint in model.all_joints.values() if joint.parent == GROUND]

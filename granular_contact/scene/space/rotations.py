@@ -1,0 +1,98 @@
+"""Rotations: matrices R (..., 3, 3) that take components along a body's axes to those along the axes around it.
+
+Roll, pitch and yaw are those of robot files, R = Rz(yaw) Ry(pitch) Rx(roll); quaternions are w, x, y, z.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Vector = NDArray[np.float64]
+LOCKED = 1.0 - 1e-12  # sine of the pitch from which roll and yaw can't be told apart: roll is 0 then
+
+
+def of_rpy(rpy: ArrayLike) -> Vector:
+    """Matrix (3, 3) of roll, pitch and yaw (rad)."""
+    roll, pitch, yaw = np.asarray(rpy, float)
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def rpy_of(R: Vector) -> Vector:
+    """Roll, pitch and yaw (..., 3) rad of matrices (..., 3, 3)."""
+    pitch = np.arcsin(np.clip(-R[..., 2, 0], -1.0, 1.0))
+    locked = np.abs(R[..., 2, 0]) > LOCKED
+    roll = np.where(locked, 0.0, np.arctan2(R[..., 2, 1], R[..., 2, 2]))
+    yaw = np.where(locked, np.arctan2(-R[..., 0, 1], R[..., 1, 1]), np.arctan2(R[..., 1, 0], R[..., 0, 0]))
+    return np.stack([roll, pitch, yaw], axis=-1)
+
+
+def of_quaternion(quaternion: ArrayLike) -> Vector:
+    """Matrices (..., 3, 3) of quaternions (..., 4) of any length."""
+    e = np.asarray(quaternion, float)
+    w, x, y, z = np.moveaxis(e / np.linalg.norm(e, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def quaternion_of(R: Vector) -> Vector:
+    """Unit quaternion (4,) of a matrix (3, 3), its greatest component positive."""
+    trace = np.trace(R)
+    squares = 0.25 * (1.0 + np.array([trace, *(2.0 * np.diag(R) - trace)]))
+    k = int(squares.argmax())
+    pairs = {
+        0: [4.0 * squares[0], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+        1: [R[2, 1] - R[1, 2], 4.0 * squares[1], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0]],
+        2: [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], 4.0 * squares[2], R[1, 2] + R[2, 1]],
+        3: [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], 4.0 * squares[3]],
+    }
+    found = np.array(pairs[k], float)
+    return np.asarray(found / np.linalg.norm(found))
+
+
+def cross(w: ArrayLike) -> Vector:
+    """Matrix (3, 3) of the vector product with w (3,)."""
+    x, y, z = np.asarray(w, float)
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def about(axis: Vector, angle: float) -> Vector:
+    """Matrix (3, 3) of a right-handed rotation about a unit axis (3,) by an angle (rad)."""
+    K = cross(axis)
+    return np.asarray(np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K))
+
+
+def of_vector(turn: Vector) -> Vector:
+    """Matrix (3, 3) of a rotation vector (3,) rad."""
+    angle = float(np.linalg.norm(turn))
+    return np.eye(3) if angle == 0.0 else about(turn / angle, angle)
+
+
+def vector_of(R: Vector) -> Vector:
+    """Rotation vector (3,) rad of a matrix (3, 3), at most half a turn."""
+    e = quaternion_of(R)
+    e = e if e[0] >= 0.0 else -e
+    size = float(np.linalg.norm(e[1:]))
+    return np.zeros(3) if size == 0.0 else np.asarray(2.0 * math.atan2(size, float(e[0])) / size * e[1:])
+
+
+def to_axis(axis: Vector) -> Vector:
+    """A rotation (3, 3) whose z axis is the direction of `axis` (3,)."""
+    z = axis / np.linalg.norm(axis)
+    side = np.eye(3)[int(np.abs(z).argmin())]
+    x = np.cross(side, z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])

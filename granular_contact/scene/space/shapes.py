@@ -1,0 +1,267 @@
+"""Shapes of a config in space -> what the medium meets, triangles to draw, and mass properties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granular_contact.bed.space import shapes as made
+from granular_contact.bed.space import triangles
+from granular_contact.config.schema import space as schema
+from granular_contact.config.schema.space import shapes as shapes_schema
+from granular_contact.config.schema.space.turned import Oriented
+from granular_contact.geometry.polygon import ears
+from granular_contact.scene.space import rotations
+from granular_contact.scene.space.types import Meets, Part, Vector
+
+CHORDS = 48  # of a full circle of an arc
+NOT_CUT = math.inf
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Volume (m3), centre of mass (3,) m, and mean of r r^T about it (3, 3) m2: second moments per volume."""
+
+    volume: float
+    center: Vector
+    second: Vector
+
+    def placed(self, position: Vector, rotation: Vector) -> MassProperties:
+        """The same in a frame in which the present one lies at a position (3,) m, turned by (3, 3)."""
+        center: Vector = position + rotation @ self.center
+        return MassProperties(self.volume, center, rotation @ self.second @ rotation.T)
+
+
+def orientation(spec: Oriented) -> Vector:
+    """Matrix (3, 3) of an orientation of a config."""
+    if spec.quaternion is not None:
+        return rotations.of_quaternion(spec.quaternion)
+    return np.eye(3) if spec.rpy_deg is None else rotations.of_rpy(np.radians(spec.rpy_deg))
+
+
+def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[Part, MassProperties]:
+    """A shape of a config, in the frame of its body, with its mass properties.
+
+    media: as what the media of the run meet shapes: "surface", "bar", "ball"; strips: of a bar.
+
+    Raises
+    ------
+    SceneError
+        A mesh can't be read or used; its key is not told.
+    """
+    if isinstance(spec, schema.SpatialLink):
+        return _link(name, spec, media, strips)
+    if isinstance(spec, shapes_schema.SpatialBar):
+        line = made.Bar(np.array(spec.points_m), spec.diameter_m, strips)
+        return _bar(name, line, spec.in_sand), _of_line(line)
+    shape, own = _made(spec)
+    position, turn = np.array(spec.center_m), orientation(spec)
+    if isinstance(spec, shapes_schema.SpatialCylinder | shapes_schema.SpatialCapsule) and spec.start_m is not None:
+        start, end = np.array(spec.start_m), np.array(spec.end_m)
+        position, turn = 0.5 * (start + end), rotations.to_axis(end - start)
+    meets: tuple[Meets, ...] = ("surface",)
+    if isinstance(shape, made.Sphere):
+        meets = tuple(kind for kind in ("surface", "ball") if kind in media) or ("surface", "ball")
+    return _part(name, shape, meets, position, turn, spec.in_sand, spec.facet_size_m), own.placed(position, turn)
+
+
+def _part(
+    name: str, shape: Any, meets: tuple[Meets, ...], position: Vector, turn: Vector, in_sand: bool, size: float | None
+) -> Part:
+    drawn = shape.corners(NOT_CUT if _has_flat_faces(shape) else size) @ turn.T + position
+    if meets == ("ball",):
+        return Part(name, shape, meets, position, turn, in_sand, size, drawn, position[None], 0.5 * shape.diameter)
+    return Part(name, shape, meets, position, turn, in_sand, size, drawn, outermost(drawn.reshape(-1, 3)))
+
+
+def _has_flat_faces(shape: Any) -> bool:
+    return isinstance(shape, made.Box | made.Plate | made.Mesh)
+
+
+def _bar(name: str, line: Any, in_sand: bool) -> Part:
+    """A bar: drawn as cylinders, met along its line."""
+    drawn = [np.zeros((0, 3, 3))]
+    for a, b in pairwise(line.line):
+        tube = made.Cylinder(line.diameter, float(np.linalg.norm(b - a))).corners(NOT_CUT)
+        drawn.append(tube @ rotations.to_axis(b - a).T + 0.5 * (a + b))
+    return Part(name, line, ("bar",), np.zeros(3), np.eye(3), in_sand, None, np.concatenate(drawn), line.line)
+
+
+def _link(name: str, spec: schema.SpatialLink, media: Collection[str], strips: int) -> tuple[Part, MassProperties]:
+    """A link: a bar where the media take bars, else a cylinder."""
+    line = made.Bar(np.array([[0.0, 0.0, 0.0], [spec.length_m, 0.0, 0.0]]), spec.diameter_m, strips)
+    if "bar" in media or not media:
+        return _bar(name, line, True), _of_line(line)
+    place, turn = np.array([0.5 * spec.length_m, 0.0, 0.0]), rotations.to_axis(np.array([1.0, 0.0, 0.0]))
+    tube = made.Cylinder(spec.diameter_m, spec.length_m)
+    return _part(name, tube, ("surface",), place, turn, True, spec.facet_size_m), _of_line(line)
+
+
+def moved(part: Part, position: Vector, rotation: Vector) -> Part:
+    """A part in a frame in which that of its body lies at a position (3,) m, turned by (3, 3)."""
+    return replace(
+        part,
+        position=position + rotation @ part.position,
+        rotation=rotation @ part.rotation,
+        triangles=part.triangles @ rotation.T + position,
+        points=part.points @ rotation.T + position,
+    )
+
+
+# ---- shapes in their own frames ----
+
+
+def _made(spec: Any) -> tuple[Any, MassProperties]:
+    """Shape of a config in its own frame, with its mass properties."""
+    if isinstance(spec, shapes_schema.SpatialMesh):
+        mesh = made.Mesh.read(Path(spec.file), scale=spec.scale, thin=spec.thin)
+        return mesh, _of_sheet(mesh, spec.thickness_m or 0.0) if spec.thin else of_surface(mesh.vertices[mesh.faces])
+    if isinstance(spec, shapes_schema.SpatialPolygon):
+        solid = _extruded(np.array(spec.points_m), spec.width_m)
+        return solid, of_surface(solid.vertices[solid.faces])
+    if isinstance(spec, shapes_schema.SpatialArc):
+        return _bent(spec), _of_arc(spec)
+    zero = np.zeros(3)
+    if isinstance(spec, shapes_schema.SpatialBox):
+        a, b, c = spec.size_m
+        return made.Box(spec.size_m), MassProperties(a * b * c, zero, np.diag([a * a, b * b, c * c]) / 12.0)
+    if isinstance(spec, shapes_schema.SpatialPlate):
+        a, b, t = *spec.size_m, spec.thickness_m
+        return made.Plate(spec.size_m), MassProperties(a * b * t, zero, np.diag([a * a, b * b, t * t]) / 12.0)
+    d = spec.diameter_m
+    if isinstance(spec, shapes_schema.SpatialSphere):
+        return made.Sphere(d), MassProperties(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
+    if isinstance(spec, shapes_schema.SpatialCone):
+        h = spec.height_m
+        second = np.diag([3.0 * d * d / 80.0, 3.0 * d * d / 80.0, 3.0 * h * h / 80.0])
+        return made.Cone(d, h), MassProperties(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
+    length = _length(spec)
+    if isinstance(spec, shapes_schema.SpatialCapsule):
+        return made.Capsule(d, length), _of_capsule(d, length)
+    return made.Cylinder(d, length), _of_cylinder(d, length)
+
+
+def _length(spec: Any) -> float:
+    if spec.start_m is not None and spec.end_m is not None:
+        return math.dist(spec.start_m, spec.end_m)
+    return float(spec.length_m)
+
+
+def _extruded(section: Vector, width: float) -> Any:
+    """Solid of a section (k, 2) m in the x-z plane."""
+    corners = [(float(x), float(z)) for x, z in section]
+    if np.sum(section[:, 0] * np.roll(section[:, 1], -1) - section[:, 1] * np.roll(section[:, 0], -1)) < 0.0:
+        corners.reverse()
+    n, caps = len(corners), np.array(ears(corners))
+    sides = [face for i in range(n) for face in ((i, i + n, (i + 1) % n), ((i + 1) % n, i + n, (i + 1) % n + n))]
+    flat = np.array(corners)
+    ends = [np.column_stack([flat[:, 0], np.full(n, y), flat[:, 1]]) for y in (-0.5 * width, 0.5 * width)]
+    # Counter-clockwise in x and z is seen from -y: the first end looks there.
+    faces = np.concatenate([caps, caps[:, ::-1] + n, np.array(sides)])
+    return made.Mesh(np.concatenate(ends), faces, scale=1.0, name="polygon")
+
+
+def _bent(spec: Any) -> Any:
+    """Thin sheet along an arc, of chords."""
+    start, end = math.radians(spec.from_deg), math.radians(spec.to_deg)
+    chords = max(2, math.ceil(CHORDS * abs(end - start) / (2.0 * math.pi)))
+    angles = np.linspace(start, end, chords + 1)
+    line = spec.radius_m * np.column_stack([np.cos(angles), np.zeros(chords + 1), -np.sin(angles)])
+    side = np.array([0.0, 0.5 * spec.width_m, 0.0])
+    i = np.arange(chords)
+    m = chords + 1
+    faces = np.concatenate([np.stack([i, i + 1, i + m], axis=1), np.stack([i + 1, i + 1 + m, i + m], axis=1)])
+    return made.Mesh(np.concatenate([line - side, line + side]), faces, scale=1.0, thin=True, name="arc")
+
+
+def outermost(points: Vector) -> Vector:
+    """Of many points (n, 3) m those that are outermost in some direction: all that can be deepest, or nearly so."""
+    found: Vector = np.unique(points, axis=0)
+    if len(found) <= len(_DIRECTIONS):
+        return found
+    return np.asarray(found[np.unique((found @ _DIRECTIONS.T).argmax(axis=0))])
+
+
+def _around(count: int) -> Vector:
+    """Directions (count, 3) spread evenly over a sphere, along a spiral."""
+    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    turn = math.pi * (1.0 + math.sqrt(5.0)) * np.arange(count)
+    rho = np.sqrt(1.0 - z * z)
+    return np.column_stack([rho * np.cos(turn), rho * np.sin(turn), z])
+
+
+_DIRECTIONS = _around(400)
+
+# ---- mass properties ----
+
+
+def of_surface(corners: Vector) -> MassProperties:
+    """Of the body that triangles (n, 3, 3) m enclose, from the tetrahedra that they form with their middle."""
+    origin = corners.reshape(-1, 3).mean(axis=0)
+    a, b, c = np.moveaxis(corners - origin, 1, 0)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    total = float(volumes.sum())
+    center = volumes @ (a + b + c) / (4.0 * total)
+    whole = a + b + c
+    second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, whole)) / (20.0 * total)
+    return MassProperties(total, origin + center, second - np.outer(center, center))
+
+
+def _of_sheet(mesh: Any, thickness: float) -> MassProperties:
+    corners = mesh.vertices[mesh.faces]
+    areas = np.linalg.norm(triangles.areas(corners), axis=1)
+    total = float(areas.sum())
+    center = areas @ corners.mean(axis=1) / total
+    arms = corners - center
+    whole = arms.sum(axis=1)
+    second = np.einsum("i,inj,ink->jk", areas, arms, arms) + np.einsum("i,ij,ik->jk", areas, whole, whole)
+    return MassProperties(total * thickness, center, second / (12.0 * total) + np.eye(3) * thickness**2 / 36.0)
+
+
+def _of_cylinder(d: float, length: float) -> MassProperties:
+    second = np.diag([d * d / 16.0, d * d / 16.0, length * length / 12.0])
+    return MassProperties(math.pi / 4.0 * d * d * length, np.zeros(3), second)
+
+
+def _of_capsule(d: float, length: float) -> MassProperties:
+    tube, ends = math.pi / 4.0 * d * d * length, math.pi / 6.0 * d**3
+    r = 0.5 * d
+    across = (tube * r * r / 4.0 + ends * r * r / 5.0) / (tube + ends)
+    along = tube * length**2 / 12.0 + ends * (0.25 * length**2 + 0.375 * r * length + r * r / 5.0)
+    return MassProperties(tube + ends, np.zeros(3), np.diag([across, across, along / (tube + ends)]))
+
+
+def _of_arc(spec: Any) -> MassProperties:
+    """Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector."""
+    start, end = math.radians(spec.from_deg), math.radians(spec.to_deg)
+    half, middle, R, t = 0.5 * abs(end - start), 0.5 * (start + end), spec.radius_m, spec.thickness_m
+    off, cut = R * math.sin(half) / half, math.sin(2.0 * half) / (4.0 * half)
+    u, v = (np.array([math.cos(a), 0.0, -math.sin(a)]) for a in (middle, middle + 0.5 * math.pi))
+    second = (R * R * (0.5 + cut) - off**2) * np.outer(u, u) + R * R * (0.5 - cut) * np.outer(v, v)
+    second += t * t / 24.0 * (np.outer(u, u) + np.outer(v, v)) + np.diag([0.0, spec.width_m**2 / 12.0, 0.0])
+    return MassProperties(2.0 * half * R * t * spec.width_m, off * u, second)
+
+
+def _of_line(line: Any) -> MassProperties:
+    pieces = []
+    for a, b in pairwise(line.line):
+        one = _of_cylinder(line.diameter, float(np.linalg.norm(b - a)))
+        pieces.append(one.placed(0.5 * (a + b), rotations.to_axis(b - a)))
+    return merged(pieces)
+
+
+def merged(pieces: list[MassProperties]) -> MassProperties:
+    """Several bodies of one density as one."""
+    volume = sum(one.volume for one in pieces)
+    center: Vector = sum((one.volume * one.center for one in pieces), np.zeros(3)) / volume
+    second = sum(
+        (one.volume * (one.second + np.outer(one.center - center, one.center - center)) for one in pieces),
+        np.zeros((3, 3)),
+    )
+    return MassProperties(volume, center, second / volume)

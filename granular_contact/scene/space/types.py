@@ -1,0 +1,193 @@
+"""The scene in space: bodies, joints and bed, as frozen plain data. World: x ahead, y left, z up; SI units.
+
+A body's frame has its origin at the centre of mass of all that is welded together. Angles are right-handed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.scene.types import FlexibleLink, JointLaw, Scene
+
+if TYPE_CHECKING:
+    from granular_contact.scene.space.bed import SpatialBed
+
+Vector = NDArray[np.float64]
+Meets = Literal["surface", "bar", "ball"]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A shape of a body as the medium meets it and as it is drawn, in the frame of the merged body.
+
+    name: of the body in the config; shape: of `bed.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
+    whether the medium acts on it; facet_size (m): greatest edge of its facets, None for the usual; triangles (k, 3, 3)
+    m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) below them.
+    """
+
+    name: str
+    shape: Any
+    meets: tuple[Meets, ...]
+    position: Vector
+    rotation: Vector
+    in_sand: bool
+    facet_size: float | None
+    triangles: Vector
+    points: Vector
+    drop: float = 0.0
+
+
+@dataclass(frozen=True)
+class SpatialMotion:
+    """Initial pose and velocity of a body: position (3,) m, rotation (3, 3), velocity (3,) m/s, rate (3,) rad/s, all in
+    the world frame.
+    """
+
+    position: Vector
+    rotation: Vector
+    velocity: Vector
+    rate: Vector
+
+    def world(self, points: Vector) -> Vector:
+        """World positions (n, 3) m of points of the body, (n, 3) or (3,)."""
+        placed: Vector = self.position + points @ self.rotation.T
+        return placed
+
+
+@dataclass(frozen=True)
+class SpatialRigidBody:
+    """Parts that are welded together. Mass kg; inertia (3, 3) kg m2 about the centre of mass, its frame's origin."""
+
+    name: str
+    mass: float
+    inertia: Vector
+    parts: tuple[Part, ...]
+    motion: SpatialMotion
+
+    @property
+    def turning_places(self) -> tuple[int, ...]:
+        """Which of its coordinates, its position and four Euler parameters, turn it."""
+        return 3, 4, 5, 6
+
+    def levers(self, radius: float) -> tuple[float, ...]:
+        """Factors from the rates of its coordinates to speeds of points within a radius (m): it turns by w = 2 e'."""
+        return (1.0,) * 3 + (2.0 * radius,) * 4
+
+    def mass_matrix(self) -> Vector:
+        """Measure of the coordinates' rates, near enough to the mass matrix where inertia plays no part."""
+        turning = 4.0 * float(np.linalg.eigvalsh(self.inertia).max())
+        return np.diag([self.mass] * 3 + [turning] * 4)
+
+    def weight(self, gravity: float) -> Vector:
+        """Generalised forces (7,) of the weight."""
+        return np.array([0.0, 0.0, -gravity * self.mass, 0.0, 0.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class SpatialConnection:
+    """Joint of two bodies; parent None is the ground. Its frame is at a point (3,) m of each, turned by (3, 3) in it.
+
+    z of the joint's frame is the axis of a hinge or slider; at coordinate 0 both frames coincide. constrained: which of
+    the displacements along x, y, z of the joint's frame and rotations about them are held. start, rate: coordinate of a
+    hinge or slider (rad, right-handed, or m) and its rate at the start. closes: whether it closes a loop.
+    """
+
+    name: str
+    kind: Literal["hinge", "weld", "slider", "ball", "free"]
+    parent: str | None
+    parent_point: Vector
+    parent_turn: Vector
+    child: str
+    child_point: Vector
+    child_turn: Vector
+    constrained: tuple[bool, ...]
+    start: float = 0.0
+    rate: float = 0.0
+    closes: bool = False
+    law: JointLaw = field(default_factory=JointLaw)
+
+    @property
+    def has_coordinate(self) -> bool:
+        """Whether it is a hinge or a slider."""
+        return self.kind in ("hinge", "slider")
+
+    @property
+    def axis(self) -> Vector | None:
+        """Direction (3,) of a slider in the frame of its parent."""
+        return self.parent_turn[:, 2] if self.kind == "slider" else None
+
+
+@dataclass(frozen=True, repr=False)
+class SpatialScene(Scene):
+    """A scene in space; fields as of `Scene`. tip: body and point (3,) m of what is lowest, or farthest from the joint
+    on the ground.
+    """
+
+    rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
+    connections: tuple[SpatialConnection, ...]  # type: ignore[assignment]
+    bed: SpatialBed | None  # type: ignore[assignment]
+
+    in_space = True
+
+    @cached_property
+    def surface(self) -> float | None:
+        """Height of the free surface at the origin (m); None without one."""
+        return None if self.bed is None else float(self.bed.height(np.zeros(1), np.zeros(1))[0])
+
+    @cached_property
+    def bodies(self) -> Sequence[SpatialRigidBody]:  # type: ignore[override]
+        """All bodies."""
+        return self.rigid
+
+    def body(self, name: str) -> SpatialRigidBody:  # type: ignore[override]
+        """Body of this name."""
+        return next(body for body in self.rigid if body.name == name)
+
+    def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
+        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints."""
+        joints = [c.child_point for c in self.connections if c.child == body.name and c.kind != "free"]
+        joints += [c.parent_point for c in self.connections if c.parent == body.name]
+        far = [float(np.linalg.norm(point)) for point in joints]
+        for part in body.parts:
+            points = part.triangles.reshape(-1, 3) if len(part.triangles) else part.points
+            far.append(float(np.linalg.norm(points, axis=1).max()) + part.drop)
+        return max(far, default=0.0)
+
+    @cached_property
+    def tip_position(self) -> Vector:
+        """Initial world position (3,) m of the tip."""
+        name, point = self.tip
+        return self.body(name).motion.world(point)
+
+    @cached_property
+    def length(self) -> float:
+        """Size (m) of the mechanism at the start: from the tip to the farthest body; at least the radius of each."""
+        far = [float(np.linalg.norm(self.tip_position - body.motion.position)) for body in self.rigid]
+        return max(*far, *(self.radius(body) for body in self.rigid), 0.0)
+
+    @cached_property
+    def speed(self) -> float:
+        """Greatest speed (m/s) of a point at the start, a bound."""
+        return max(
+            math.hypot(*body.motion.velocity) + math.hypot(*body.motion.rate) * self.radius(body) for body in self.rigid
+        )
+
+    @property
+    def pivot(self) -> None:
+        """There is none in space: nothing is told of one hinge on the ground alone."""
+        return
+
+    @property
+    def pendulum(self) -> None:
+        """There is none in space."""
+        return
+
+
+NO_LINKS: tuple[FlexibleLink, ...] = ()

@@ -1,0 +1,164 @@
+"""A mechanism in space from a mapping: faults of its schema, mass properties, placing, loops."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact.config import load
+from granular_contact.config.schema.space import shapes as specs
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.scene import build
+from granular_contact.scene.space import rotations
+from granular_contact.scene.space.shapes import _made, of_surface
+from granular_contact.scene.space.types import SpatialScene
+
+BOX = {"type": "box", "size_m": [0.06, 0.04, 0.03]}
+RUN: dict[str, Any] = {
+    "model": {
+        "in_space": True,
+        "name": "box",
+        "bodies": {"box": {"type": "rigid", "density_kg_m3": 2000, "shapes": [BOX]}},
+        "joints": {"flight": {"type": "free", "parent": "ground", "child": "box"}},
+    },
+    "medium": "rft3d_sand",
+    "surface_height_m": 0,
+    "initial": {"joints": {"flight": {"z_m": 0.06, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1}}},
+}
+
+
+def changed(path: str, value: Any) -> dict[str, Any]:
+    """The run with another value at a path."""
+    run = copy.deepcopy(RUN)
+    *way, last = path.split(".")
+    node: Any = run
+    for key in way:
+        node = node[int(key) if isinstance(node, list) else key]
+    node[last] = value
+    return run
+
+
+def scene_of(run: dict[str, Any]) -> SpatialScene:
+    scene = build(load(run))
+    assert isinstance(scene, SpatialScene)
+    return scene
+
+
+TENSOR = {"xx": 1, "yy": 1, "zz": 3}
+FAULTS = {
+    "no body has it": (
+        changed("model.bodies.box", {"type": "rigid", "mass_kg": 1, "inertia_kg_m2": TENSOR}),
+        "model.bodies.box.inertia_kg_m2: no body has the principal moments 1, 1, 3",
+    ),
+    "massless": (changed("model.bodies.box", {"type": "rigid"}), "model.bodies.box.density_kg_m3: is missing"),
+    "two numbers": (
+        changed("model.bodies.box.shapes", [BOX | {"size_m": [1, 2]}]),
+        "model.bodies.box.shapes.0.size_m: got a list of 2 items; allowed is a list of 3 numbers",
+    ),
+    "two orientations": (
+        changed("initial.joints.flight.quaternion", [1, 0, 0, 0]),
+        "initial.joints.flight.quaternion: stands beside rpy_deg",
+    ),
+    "key of the plane": (changed("initial.joints.flight.angle_deg", 3), "flight is a free joint; allowed are x_m"),
+    "method": (changed("method", "minimal"), "method: got another method; in space allowed is engine"),
+    "no mesh": (
+        changed("model.bodies.box.shapes", [{"type": "mesh", "file": "nowhere.stl"}]),
+        "model.bodies.box.shapes.0.file: there is no such file",
+    ),
+    "law of bars": (
+        changed("medium", "hill_cylinders"),
+        "model.bodies.box: its box can get into the sand, but in space hill_cylinders takes bars",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_tell_their_key(name: str) -> None:
+    run, told = FAULTS[name]
+    with pytest.raises((ConfigError, SceneError)) as caught:
+        scene_of(run)
+    assert told in str(caught.value)
+
+
+SHAPES = [
+    specs.SpatialBox(type="box", size_m=(0.1, 0.2, 0.3)),
+    specs.SpatialCylinder(type="cylinder", diameter_m=0.1, length_m=0.3),
+    specs.SpatialSphere(type="sphere", diameter_m=0.2),
+    specs.SpatialCapsule(type="capsule", diameter_m=0.1, length_m=0.2),
+    specs.SpatialCone(type="cone", diameter_m=0.1, height_m=0.2),
+    specs.SpatialPolygon(type="polygon", points_m=((0, 0), (0.1, 0), (0.1, 0.1), (0.05, 0.02), (0, 0.1)), width_m=0.05),
+]
+
+
+@pytest.mark.parametrize("spec", SHAPES, ids=lambda spec: spec.type)
+def test_mass_properties_are_those_of_the_surface(spec: Any) -> None:
+    shape, own = _made(spec)
+    seen = of_surface(shape.corners(0.01))  # round ones are many-sided, with as much area in every section
+    np.testing.assert_allclose(own.volume, seen.volume, rtol=5e-4)
+    np.testing.assert_allclose(own.center, seen.center, atol=1e-9)
+    np.testing.assert_allclose(own.second, seen.second, atol=1e-3 * own.second.max())
+
+
+def test_rotations_turn_back() -> None:
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        R = rotations.of_quaternion(random.normal(size=4))
+        np.testing.assert_allclose(rotations.of_quaternion(rotations.quaternion_of(R)), R, atol=1e-14)
+        np.testing.assert_allclose(rotations.of_rpy(rotations.rpy_of(R)), R, atol=1e-14)
+        np.testing.assert_allclose(rotations.of_vector(rotations.vector_of(R)), R, atol=1e-13)
+        axis = random.normal(size=3)
+        np.testing.assert_allclose(rotations.to_axis(axis)[:, 2], axis / np.linalg.norm(axis), atol=1e-15)
+
+
+def test_welded_bodies_are_one_whatever_frames_they_are_written_in() -> None:
+    """Two halves of a box, the second in a frame of its own that is turned and moved, are the box."""
+    half = {"type": "rigid", "density_kg_m3": 2000, "shapes": [{**BOX, "size_m": [0.03, 0.04, 0.03]}]}
+    turned = copy.deepcopy(half)
+    turned["shapes"][0] |= {"center_m": [0.01, 0.02, 0.03], "rpy_deg": [0, 0, 90]}
+    behind = half | {"shapes": [half["shapes"][0] | {"center_m": [-0.015, 0, 0]}]}
+    run = changed("model.bodies", {"box": behind, "other": turned})
+    # The shape's own frame is turned by 90 degrees in its body, so the body is turned back.
+    run["model"]["joints"]["weld"] = {
+        "type": "weld",
+        "parent": "box",
+        "child": "other",
+        "parent_point_m": [0.015, 0, 0],
+        "child_point_m": [0.01, 0.02, 0.03],
+        "rpy_deg": [0, 0, -90],
+    }
+    one, two = scene_of(RUN).rigid[0], scene_of(run).rigid[0]
+    assert two.name == "box+other"
+    np.testing.assert_allclose(two.mass, one.mass)
+    np.testing.assert_allclose(two.inertia, one.inertia, atol=1e-12)
+    np.testing.assert_allclose(two.motion.position, one.motion.position, atol=1e-12)
+
+
+def test_a_four_bar_of_hinges_keeps_the_constraints_it_needs() -> None:
+    """Three hinges of a chain and one that closes it: in space three of its five constraints are held already."""
+    bar = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 1000}
+    along = {"type": "hinge", "axis": [0, 1, 0], "parent_point_m": [0.1, 0, 0]}
+    run = copy.deepcopy(RUN)
+    run["model"] = {
+        "in_space": True,
+        "name": "four_bar",
+        "bodies": {"a": bar, "b": bar, "c": bar},
+        "joints": {
+            "one": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "child": "a", "home_deg": 90},
+            "two": along | {"parent": "a", "child": "b", "home_deg": -90},
+            "three": along | {"parent": "b", "child": "c", "home_deg": -90},
+        },
+        "closures": {
+            "four": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "parent_point_m": [0.1, 0, 0]}
+            | {"child": "c", "child_point_m": [0.1, 0, 0]}
+        },
+    }
+    run["initial"] = {"joints": {"one": {"angle_deg": 70, "rate_rad_s": 2}}}
+    scene = scene_of(run)
+    assert sum(scene.connections[-1].constrained) == 2
+    a, _, c = scene.rigid  # a parallelogram: opposite sides turn alike
+    np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-12)
+    np.testing.assert_allclose(a.motion.rate, [0, 2, 0], atol=1e-12)
+    assert abs(scene.connections[-1].rate) == pytest.approx(2.0)
