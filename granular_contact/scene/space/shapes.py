@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from granular_contact.bed.space import shapes as made
-from granular_contact.bed.space import triangles
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space import shapes as shapes_schema
 from granular_contact.config.schema.space.turned import Oriented
+from granular_contact.geometry import mesh
 from granular_contact.geometry.polygon import ears
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Meets, Part, Vector
@@ -120,8 +120,9 @@ def moved(part: Part, position: Vector, rotation: Vector) -> Part:
 def _made(spec: Any) -> tuple[Any, MassProperties]:
     """Shape of a config in its own frame, with its mass properties."""
     if isinstance(spec, shapes_schema.SpatialMesh):
-        mesh = made.Mesh.read(Path(spec.file), scale=spec.scale, thin=spec.thin)
-        return mesh, _of_sheet(mesh, spec.thickness_m or 0.0) if spec.thin else of_surface(mesh.vertices[mesh.faces])
+        found = made.Mesh.read(Path(spec.file), scale=spec.scale, thin=spec.thin)
+        corners = found.vertices[found.faces]
+        return found, _of_sheet(found, spec.thickness_m or 0.0) if spec.thin else of_surface(corners)
     if isinstance(spec, shapes_schema.SpatialPolygon):
         solid = _extruded(np.array(spec.points_m), spec.width_m)
         return solid, of_surface(solid.vertices[solid.faces])
@@ -213,9 +214,9 @@ def of_surface(corners: Vector) -> MassProperties:
     return MassProperties(total, origin + center, second - np.outer(center, center))
 
 
-def _of_sheet(mesh: Any, thickness: float) -> MassProperties:
-    corners = mesh.vertices[mesh.faces]
-    areas = np.linalg.norm(triangles.areas(corners), axis=1)
+def _of_sheet(sheet: Any, thickness: float) -> MassProperties:
+    corners = sheet.vertices[sheet.faces]
+    areas = np.linalg.norm(mesh.areas(corners), axis=1)
     total = float(areas.sum())
     center = areas @ corners.mean(axis=1) / total
     arms = corners - center
