@@ -24,11 +24,11 @@ def load_of(scene: Scene) -> GranularLoad:
 
 
 def lines_of(body: Body, shape: Shape, strips: int) -> list[ContactLine]:
-    """Lines of a shape, on so many strips."""
+    """Lines of a shape, on so many strips; an outline, which goes round and back, on twice as many."""
     if shape.kind == "ball":
         return ball(body, shape.points[0], shape.width, shape.mass)
     if shape.kind == "outline":
-        return outline(body, shape.points, shape.width, turns=shape.turns, strips=strips)
+        return outline(body, shape.points, shape.width, turns=shape.turns, strips=2 * strips)
     return polyline(body, shape.points, **section(shape), turns=shape.turns, strips=strips, free_end=shape.free)
 
 

@@ -38,6 +38,7 @@ class Load(Strict):
     """Count the area of the free end in the drag."""
     strips_per_element: Annotated[int, Field(ge=1, le=64)] = 4
     strips_per_rigid_part: Annotated[int, Field(ge=1, le=1024)] = 16
+    """Along a bar or a plate; the closed outline of a solid gets twice as many."""
     friction: Friction = Elastoplastic()
 
 
