@@ -98,7 +98,8 @@ class GranularLoad:
             acting = [line for line in self.lines if line.kind in kinds]
             if acting:
                 columns = [self.table.columns(index, line.body) for line in acting]
-                self.batches.append(Batch(acting, [_in(layer, line) for line in acting], profile, medium, columns))
+                records, ways = [_in(layer, line) for line in acting], layer is not None and layer.medium.keeps_ways
+                self.batches.append(Batch(acting, records, profile, medium, columns, ways))
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
     def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:

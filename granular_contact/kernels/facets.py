@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from granular_contact.kernels import space_law as law
@@ -27,6 +28,7 @@ from granular_contact.kernels.space_friction import drive, mobilised
 
 COLUMNS = 15
 SIDE = 14
+SHEARED, PATH = 3, 4  # columns of anchors, see `ways`
 PRESSED = 0.3
 
 
@@ -35,19 +37,63 @@ def stress(nx, ny, nz, ux, uy, uz, m):
     raise NotImplementedError
 
 
+def traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
+    """Stress (6,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
+
+    side as of `space_law.facet`; j (m): shear displacement.
+    """
+    raise NotImplementedError
+
+
 @njit(cache=True, no_cfunc_wrapper=True)
-def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
-    """Static traction of a law with a `stress`; arguments and result as of `space_law.facet`."""
+def loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
+    """Direction u (3,) in which the law sees a facet move, and the share g s of its static force."""
     qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, m)
     ux, uy, uz, share, one = mobilised(qx, qy, qz, m)
     if side != 0.0:
         s = tau * spread * one
         edge = max(EDGE, PRESSED * (m.v_eps if m.friction == SMOOTH else m.u_y) * one)
         share *= min(1.0, max(0.0, (nx * ux + ny * uy + nz * uz + s) / (edge + 2.0 * s)))
+    return ux, uy, uz, share
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def traction_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
+    """Static traction of a law with a `traction`; arguments and result as of `space_law.facet`.
+
+    Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
+    """
+    ux, uy, uz, share = loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m)
+    if share == 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    px, py, pz, sx, sy, sz = traction(z, nx, ny, nz, ux, uy, uz, side, j, m)
+    k = share / z
+    return k * px, k * py, k * pz, share * sx, share * sy, share * sz
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
+    """Static traction of a law with a `stress`; arguments and result as of `space_law.facet`."""
+    ux, uy, uz, share = loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m)
     if share == 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     sx, sy, sz = stress(nx, ny, nz, ux, uy, uz, m)
     return share * sx, share * sy, share * sz, 0.0, 0.0, 0.0
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def along_square(x, y, z, nx, ny, nz):
+    """Square of the part of a vector along the surface with the normal n."""
+    across = nx * x + ny * y + nz * z
+    return max(0.0, x * x + y * y + z * z - across * across)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def count_way(anchors, i, x, y, z, nx, ny, nz, immersed):
+    """Count the way of an anchor to (x, y, z) m, before it goes there; as `ways.count_ways`."""
+    dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
+    anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
+    anchors[i, SHEARED] = anchors[i, SHEARED] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -156,7 +202,10 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
             )
             if share <= 0.0 or mean <= 0.0:
                 continue
-        gx, gy, gz, qx, qy, qz = law.facet(mean, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, medium)
+        j = np.inf
+        if anchors.shape[1] > 3:
+            j = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
+        gx, gy, gz, qx, qy, qz = law.facet(mean, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium)
         area = elements[i, 7] * share
         k = area * mean
         gx, gy, gz = k * gx, k * gy, k * gz
@@ -212,4 +261,11 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
             row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
             px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
+        if anchors.shape[1] > 3:
+            nx, ny, nz = (
+                R[0, 0] * E[4] + R[0, 1] * E[5] + R[0, 2] * E[6],
+                R[1, 0] * E[4] + R[1, 1] * E[5] + R[1, 2] * E[6],
+                R[2, 0] * E[4] + R[2, 1] * E[5] + R[2, 2] * E[6],
+            )
+            count_way(anchors, i, px, py, pz, nx, ny, nz, deepest > 0.0)
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz

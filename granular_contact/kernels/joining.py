@@ -25,8 +25,9 @@ from granular_contact.kernels import law, plates
 from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.planar_friction import radial_return
 
-FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress")
-IN_SPACE = ("facet_stress", "facet_force", "bar_force", "bar_cap", "space_ball_force")  # see `space_joining`
+FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress", "traction")
+# See `space_joining`.
+IN_SPACE = ("facet_stress", "facet_traction", "facet_force", "bar_force", "bar_cap", "space_ball_force")
 PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
 FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
 _called: set[FunctionType] = set()
@@ -54,6 +55,9 @@ def record_type(owner: Any) -> np.dtype:
     if "stress" in forces:
         law.provide(plates.stress, "m", dtype)(forces.pop("stress"))
         forces.setdefault("strip_force", plates.static_force)
+    if "traction" in forces:
+        law.provide(plates.traction, "m", dtype)(forces.pop("traction"))
+        forces.setdefault("strip_force", plates.traction_force)
     law.LAWS[dtype] = {name: compiled(function) for name, function in forces.items()}
     return dtype
 

@@ -29,7 +29,11 @@ TERMS = 3
 # turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 where they are straight, else
 # they are chords of one circle. drop (m): how far below its stations a run reaches, the radius of a ball; beside (m):
 # how far to their sides in the plane, half the width of a round section or a ball; mass (kg): of a ball. layered: the
-# medium lies between the depths top and bottom (m) only.
+# medium lies between the depths top and bottom (m) only. j0, j1 (m): shear displacement of the medium at the ends of
+# the strip that is in work, infinite where nothing keeps count of it, see `ways`. Of a wheel radius (m) is that of its
+# rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first strip and to its left,
+# and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. scatter, grain, place, seed,
+# static: see `scatter`.
 RUN = np.dtype(
     [
         ("width", "f8"),
@@ -40,6 +44,17 @@ RUN = np.dtype(
         ("mass", "f8"),
         ("top", "f8"),
         ("bottom", "f8"),
+        ("j0", "f8"),
+        ("j1", "f8"),
+        ("radius", "f8"),
+        ("hub_along", "f8"),
+        ("hub_left", "f8"),
+        ("behind", "f8"),
+        ("scatter", "f8"),
+        ("grain", "f8"),
+        ("place", "f8"),
+        ("seed", "f8"),
+        ("static", "i8"),
         ("layered", "?"),
         ("cap", "?"),
         ("resultant", "?"),

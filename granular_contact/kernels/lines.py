@@ -6,7 +6,7 @@ Arguments that they share:
     line        record of `law`
     profile     (k, 2) corners of the surface, see `surface`
     medium      record of `law`
-    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`
+    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 4) with the ways of `ways`
     P, V, F     (n, 2) room for positions, velocities and forces of the stations
     totals      (TERMS, 3), see `law`
 
@@ -21,6 +21,7 @@ from numba import njit
 from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import RUN, TERMS, drag_anchor, forces
 from granular_contact.kernels.surface import height
+from granular_contact.kernels.ways import count_ways
 
 __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
@@ -41,6 +42,8 @@ def drag_anchors(P, anchors, line, profile, m):
         x, y = P[i, 0], P[i, 1]
         if before or here or after:
             x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
+        if anchors.shape[1] > 2:
+            count_ways(P, anchors, i, x, y, here)
         anchors[i, 0], anchors[i, 1] = x, y
         before, here = here, after
 
@@ -50,12 +53,15 @@ def reset_friction(q, geometry, P, V, anchors):
     """Reset the friction state of a body at q: no bristle is stretched."""
     stations(q, np.zeros(q.shape[0]), geometry, P, V)
     release(P, anchors)
+    anchors[:, 2:] = 0.0
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def release(P, anchors):
     """Put every anchor at its station."""
     for i in range(P.shape[0]):
+        if anchors.shape[1] > 2:
+            count_ways(P, anchors, i, P[i, 0], P[i, 1], False)
         anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
 
 
@@ -94,15 +100,18 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
     room (7, n, 2), of which the last four are to work in.
     """
     n = 0
+    held = room[5] if anchors.shape[1] == 2 else np.empty(anchors.shape)
     for i in range(P.shape[0]):
         if geometry[i].kept:
             for xy in range(2):
-                room[3, n, xy], room[4, n, xy], room[5, n, xy] = P[i, xy], V[i, xy], anchors[i, xy]
+                room[3, n, xy], room[4, n, xy] = P[i, xy], V[i, xy]
+            for k in range(anchors.shape[1]):
+                held[n, k] = anchors[i, k]
             n += 1
     if n == P.shape[0] or line.resultant:
         return
     line.turn *= 2.0
-    forces(room[3, :n], room[4, :n], room[5, :n], line, profile, medium, room[6, :n], np.zeros((TERMS, 3)))
+    forces(room[3, :n], room[4, :n], held[:n], line, profile, medium, room[6, :n], np.zeros((TERMS, 3)))
     line.turn *= 0.5
     for i in range(n):
         x, y = room[6, i, 0], room[6, i, 1]

@@ -13,6 +13,9 @@ point where that begins. As S does not vanish where n . v does, an outline that 
 be loaded there or not by round-off: the stress is faded in over the first EDGE of n . u, g = clip(n . u / EDGE, 0, 1)
 [ours], too narrow to change what turns (0.1 % of the force on a turning disc).
 
+A law whose stress is another function of the depth gives it as a `traction`, which is integrated by three Gauss points:
+of a stress z^1.3 from the surface down that leaves an error of 0.05 % in the one strip that pierces it.
+
 A strip of a curved line turns by the angle `turn` of the run: its tangent is that of the arc, and its depth as well.
 """
 
@@ -22,15 +25,24 @@ import math
 
 from numba import njit
 
-from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, sign_change
+from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.kernels.planar_friction import drive, mobilised
 
-STATIC = 0
+STATIC, SHEAR = 0, 1
 EDGE = 1e-3  # sine of the angle between an element and its motion up to which the stress is faded in: 0.06 degrees
 
 
 def stress(tx, ty, ux, uy, m):
     """Stress per depth (S_x, S_y), N/m^3, on an element along t that moves in the direction u, unit vectors."""
+    raise NotImplementedError
+
+
+def traction(z, tx, ty, ux, uy, width, side, j, m):
+    """Stress (p_x, p_y, s_x, s_y) Pa of the first and of the second term of a law, at a depth z > 0 (m).
+
+    On an element along t that moves in the direction u, unit vectors; width (m) and side as of a run; j (m): shear
+    displacement, see `ways`.
+    """
     raise NotImplementedError
 
 
@@ -81,3 +93,37 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
             f[STATIC, 0, 1] += (1.0 - xi) * k * sy
             f[STATIC, 1, 0] += xi * k * sx
             f[STATIC, 1, 1] += xi * k * sy
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    """Add the terms of a law with a `traction` to f[STATIC] and f[SHEAR]; arguments as in `law.strip_force`."""
+    length = math.hypot(cx, cy)
+    if length == 0.0:
+        return
+    tx, ty = cx / length, cy / length
+    q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
+    q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
+    t0x, t0y = tangent_at(tx, ty, run.turn, 0.0)
+    t1x, t1y = tangent_at(tx, ty, run.turn, 1.0)
+    c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
+    bulge = 0.5 * run.turn * length * tx
+    for start, end in ((a, c), (c, b)):
+        if start == end:
+            continue
+        for at, weight in THREE_POINTS:
+            xi = start + (end - start) * at
+            ux, uy, share = mobilised((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y, m)
+            sx, sy = tangent_at(tx, ty, run.turn, xi)
+            share *= leading(sx, sy, ux, uy, run.side)
+            z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
+            if share == 0.0 or z <= 0.0:
+                continue
+            j = (1.0 - xi) * run.j0 + xi * run.j1
+            px, py, sx, sy = traction(z, sx, sy, ux, uy, run.width, run.side, j, m)
+            k = weight * (end - start) * run.width * length * share
+            for e, n in ((0, (1.0 - xi) * k), (1, xi * k)):
+                f[STATIC, e, 0] += n * px
+                f[STATIC, e, 1] += n * py
+                f[SHEAR, e, 0] += n * sx
+                f[SHEAR, e, 1] += n * sy

@@ -308,6 +308,8 @@ def release(elements, anchors, cluster, pose):
         E = elements[i]
         for k in range(3):
             anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
+        if anchors.shape[1] > 3:
+            anchors[i, 3] = 0.0
 
 
 @njit(cache=True, no_cfunc_wrapper=True)

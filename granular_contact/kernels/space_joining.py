@@ -1,8 +1,8 @@
 """A law in plain Python -> what kernels call in space; beside `joining`, and loaded by what lies in space alone.
 
-Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` gives its own for any direction, and
-`facet_force` more than that. Laws of bars have `bar_force` and, if they know one, `bar_cap`; those of balls
-`space_ball_force`.
+Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` and `facet_traction` give its own for
+any direction, and `facet_force` more than that. Laws of bars have `bar_force` and, if they know one, `bar_cap`; those
+of balls `space_ball_force`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,11 @@ KINDS: dict[str, tuple[Any, Any]] = {
 METHODS = {"bar_force": "bar", "bar_cap": "cap", "space_ball_force": "ball", "facet_force": "facet"}
 
 
-NEEDED = {"surface": ("stress", "facet_stress", "facet_force"), "bar": ("bar_force",), "ball": ("space_ball_force",)}
+NEEDED = {
+    "surface": ("stress", "facet_stress", "facet_traction", "facet_force"),
+    "bar": ("bar_force",),
+    "ball": ("space_ball_force",),
+}
 
 
 def kinds_of(law: type) -> set[str]:
@@ -56,6 +60,10 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
             let_call_others(stress)
             law.provide(facets.stress, "m", dtype)(stress)
         found["facet"] = facets.static_facet
+        if hasattr(owner, "facet_traction"):
+            let_call_others(owner.facet_traction)
+            law.provide(facets.traction, "m", dtype)(owner.facet_traction)
+            found["facet"] = facets.traction_facet
     for method, name in METHODS.items():
         if hasattr(owner, method) and name in {"surface": {"facet"}, "bar": {"bar", "cap"}, "ball": {"ball"}}[kind]:
             function = getattr(owner, method)

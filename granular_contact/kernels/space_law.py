@@ -6,7 +6,8 @@ Kernels work in the frame of the bed, with z up: its origin is that of the world
 pose (6, 3): the rotation R of a body, row by row, then the position of its reference point (m), its velocity (m/s) and
 angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
 and by how much a depth may grow with a way, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the moment
-about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`.
+about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; (n, 5) with
+the ways of `ways`.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
     "follow": ((*_OF_CLUSTER, _ROW), types.none),
-    "facet": ((*[_NUMBER] * 12, OWN), types.UniTuple(_NUMBER, 6)),
+    "facet": ((*[_NUMBER] * 13, OWN), types.UniTuple(_NUMBER, 6)),
     "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
     "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
     "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
@@ -71,14 +72,14 @@ def follow(elements, anchors, cluster, pose, ground, medium, row):
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
-def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, medium):
+def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium):
     """Traction on a facet: of what grows with depth the stress per depth (3,) N/m^3, of the rest the stress (3,) Pa.
 
     z > 0 mean depth (m) of what is immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at
     its centroid; spread (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0
-    is loaded, n pointing outward; 0: a thin plate, either face can lead.
+    is loaded, n pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `ways`.
     """
-    return _facet(medium, (z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side))
+    return _facet(medium, (z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j))
 
 
 @njit(cache=True, no_cfunc_wrapper=True)

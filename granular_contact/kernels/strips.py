@@ -16,6 +16,8 @@ from granular_contact.kernels import law
 from granular_contact.kernels.immersion import immersed_interval
 from granular_contact.kernels.layers import inside
 from granular_contact.kernels.surface import depth
+from granular_contact.kernels.ways import shear_displacement
+from granular_contact.kernels.wheels import lowered, lowering
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -33,18 +35,37 @@ def collect(f, i, P, F, totals):
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
+def count_shear(P, anchors, i, run):
+    """Let the run know how far the medium was sheared at both ends of strip i."""
+    cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
+    length = math.hypot(cx, cy)
+    if length > 0.0:
+        tx, ty = cx / length, cy / length
+        run.j0 = shear_displacement(P, anchors, i, tx, ty)
+        run.j1 = shear_displacement(P, anchors, i + 1, tx, ty)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
 def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
     """Integrate the law strip by strip."""
     f = np.zeros((law.TERMS, 2, 2))
     F[:] = 0.0
     last = P.shape[0] - 1
+    run.j0, run.j1 = np.inf, np.inf
+    drop, axle, ahead = lowering(P, V, run) if run.behind > 0.0 else (0.0, 0.0, 0.0)
     z1 = depth(profile, P[0, 0], P[0, 1])
+    if drop > 0.0:
+        z1 -= lowered(P[0, 0], drop, axle, ahead, run)
     for i in range(last):
         z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
+        if drop > 0.0:
+            z1 -= lowered(P[i + 1, 0], drop, axle, ahead, run)
         a, b = inside(z0, z1, run)
         if a == b:
             continue
         f[:] = 0.0
+        if anchors.shape[1] > 2:
+            count_shear(P, anchors, i, run)
         law.strip_force(
             a, b, z0, z1, P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1], V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1],
             P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],

@@ -12,6 +12,8 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import LeeMarghitu
 from granular_contact.laws.linear_depth import LinearDepth
 from granular_contact.laws.poncelet import Poncelet
+from granular_contact.laws.pressure_sinkage import PressureSinkage
+from granular_contact.laws.reece import Reece
 from granular_contact.laws.rft import Rft
 from granular_contact.laws.rft3d import Rft3d
 from granular_contact.laws.tsimring_volfson import TsimringVolfson
@@ -25,6 +27,8 @@ LAWS: dict[str, type[Law]] = {
         Rft,
         Drft,
         Rft3d,
+        PressureSinkage,
+        Reece,
         Bingham,
         Poncelet,
         Allen,

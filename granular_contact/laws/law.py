@@ -8,7 +8,8 @@ The class of a law says
 - `equation`, `terms` and `takes`, `by_component` and `resultant`, see `Law`;
 - `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which gives their values;
 - its forces, as static methods named and called as the stubs in `kernels.law` and `kernels.plates`: for lines and
-  outlines `stress`, or `strip_force` and, if it knows one, `cap_force`; for balls `ball_force`. `m` has the constants.
+  outlines `stress`, `traction` or `strip_force` and, if it knows one, `cap_force`; for balls `ball_force`. `m` has the
+  constants.
 
 Forces are plain functions that numba compiles when they are first needed: they may call plain functions of their file,
 and kernels as `kernels.bar_statics.horizontal_force`. Nothing of numba is imported here.
@@ -93,6 +94,16 @@ class Law(Coefficients):
         """Keys without which the medium can't act: those that its source leaves open."""
         fields = type(self).model_fields.items()
         return [field.alias or name for name, field in fields if field.is_required() and getattr(self, name) is None]
+
+    @property
+    def keeps_ways(self) -> bool:
+        """Whether its forces need how far a surface has moved in the medium, see `kernels.ways`."""
+        return False
+
+    @property
+    def lacking_in_space(self) -> list[str]:
+        """Keys without which the medium can't act in space, though it can in the plane."""
+        return []
 
     @classmethod
     def tag(cls) -> str:

@@ -19,6 +19,8 @@ from granular_contact.laws.katsuragi_durian import KatsuragiDurian
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.linear_depth import LinearDepth
 from granular_contact.laws.poncelet import Poncelet
+from granular_contact.laws.pressure_sinkage import PressureSinkage
+from granular_contact.laws.reece import Reece
 from granular_contact.laws.rft import Rft, RftCoefficients
 from granular_contact.laws.rft3d import Rft3d
 from granular_contact.laws.static_friction import Elastoplastic
@@ -38,7 +40,9 @@ SAND = Rft3d(1617.0, 1.07, 0.1806)
 # So rough that the friction of the surface never limits: S / xi_n is then alpha, but for what would drive.
 ROUGH = Rft3d(1617.0, 1.07, 1e9)
 
-SURFACE_LAWS = (Rft(GENERIC, 0.3), Rft(LOOSE), Rft(CLOSE), Drft(LOOSE, 1500.0, 1.1), SAND, ROUGH)
+BEKKER = PressureSinkage(9e5, 1.3, 29.0, k_c=2e3, cohesion=300.0, shear_modulus=0.02)
+REECE = Reece(1330.0, 20.0, 1.2, 29.0, k_c=3.0, cohesion=300.0)
+SURFACE_LAWS = (Rft(GENERIC, 0.3), Rft(LOOSE), Rft(CLOSE), Drft(LOOSE, 1500.0, 1.1), SAND, ROUGH, BEKKER, REECE)
 BAR_LAWS = (
     LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(3.0, 1.7)),
     Albert(2500.0, 8.0),
@@ -80,6 +84,7 @@ class Strip:
 def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0) -> NDArray[np.void]:
     run = np.zeros(1, law.RUN)
     run["width"], run["side"], run["mass"], run["turn"] = width, side, mass, turn
+    run["j0"], run["j1"] = np.inf, np.inf  # the medium is sheared as far as it can be
     return run
 
 

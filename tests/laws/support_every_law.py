@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 UNITS: dict[str, tuple[tuple[int, int, int], float]] = {
     "_kg_m3": ((1, -3, 0), 1600.0),
     "_N_cm3": ((1, -2, -2), 0.1),
+    "_Pa": ((1, -1, -2), 4000.0),
     "_N_s_m": ((1, 0, -1), 2.0),
     "_N_m": ((1, 0, -2), 90.0),
     "_kg_m": ((1, -1, 0), 0.7),
@@ -25,8 +26,13 @@ UNITS: dict[str, tuple[tuple[int, int, int], float]] = {
     "_m": ((0, 1, 0), 0.02),
 }
 NONE = (0, 0, 0)
-# One of two lengths has to be given.
-MORE: dict[str, dict[str, float]] = {"katsuragi_durian": {"drag_length": 0.09}}
+# Of two lengths one has to be given; what has a default is to count, too.
+SHEAR = {"cohesion": 300.0, "shear_modulus": 0.02, "plate_width": 0.03}
+MORE: dict[str, dict[str, float]] = {
+    "katsuragi_durian": {"drag_length": 0.09},
+    "pressure_sinkage": {"k_c": 90.0, "reference_depth": 0.02, **SHEAR},
+    "reece": {"k_c": 3.0, **SHEAR},
+}
 WITHOUT_UNIT = 1.3
 
 

@@ -10,7 +10,7 @@ Tree = dict[str, Any]
 
 FAMILIES = {
     "bar": ("lee_marghitu", "albert", "hill"),
-    "plate": ("rft", "drft", "rft3d"),
+    "plate": ("rft", "drft", "rft3d", "pressure_sinkage", "reece"),
     "ball": ("bingham", "poncelet", "allen", "linear_depth", "tsimring_volfson", "katsuragi_durian"),
 }
 PRESETS = {
@@ -58,6 +58,12 @@ def _rft(rng: Random) -> Tree:
     return {"zeta": rng.uniform(0.05, 3.0)}
 
 
+def _shear(rng: Random) -> Tree:
+    more = {"cohesion_Pa": _some(rng, 1e4), "shear_modulus_m": _some(rng, 0.1), "plate_width_m": rng.uniform(0.01, 0.2)}
+    some = {key: value for key, value in more.items() if rng.random() < 0.5}
+    return {"exponent": rng.uniform(0.3, 2.5), "friction_angle_deg": rng.choice((0.0, rng.uniform(0.0, 60.0)))} | some
+
+
 # One line a law; `tests/fuzz` sees to it that none is left out.
 LAWS: dict[str, Callable[[Random], Tree]] = {
     "lee_marghitu": _lee_marghitu,
@@ -70,6 +76,9 @@ LAWS: dict[str, Callable[[Random], Tree]] = {
     | _density(rng)
     | {"lambda": _some(rng, 5), "surface_drop_m": rng.choice((0.0, rng.uniform(0, 0.05)))},
     "rft3d": lambda rng: _density(rng) | {"mu_int": rng.uniform(0.1, 1.5), "mu_surf": _some(rng, 1.5)},
+    "pressure_sinkage": lambda rng: _shear(rng)
+    | {"k_phi_Pa": _some(rng, 1e6), "k_c_N_m": _some(rng, 1e4), "reference_depth_m": 10.0 ** rng.uniform(-2, 0)},
+    "reece": lambda rng: _shear(rng) | _density(rng) | {"k_phi": _some(rng, 100), "k_c": _some(rng, 100)},
     "bingham": lambda rng: {"yield_force_N": _some(rng, 50), "viscosity_N_s_m": _some(rng, 50)},
     "poncelet": lambda rng: {"constant_force_N": _some(rng, 50), "drag_kg_m": _some(rng, 50)},
     "allen": lambda rng: {

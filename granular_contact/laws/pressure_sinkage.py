@@ -1,0 +1,42 @@
+"""Pressure and sinkage with Bekker's term of size, and Janosi and Hanamoto's shear: what Bekker-Wong wheels roll on.
+
+    p = (k_c / b + k_phi) (z / z_0)^n,      tau = (c + p tan phi) (1 - exp(-j / K))
+
+As in the textbooks (Bekker 1969, Wong) with z_0 = 1 m, where k_c is in N/m^(n+1) and k_phi in N/m^(n+2). Another z_0
+gives the same law; with one in the middle of the data a fit of k_phi and n finds them nearly independent of each other.
+Without k_c it is p = k z^n. Gravity does not matter: the coefficients are those of a place [textbook form].
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact.laws.surface_pressure import Exponent, SurfacePressure
+from granular_contact.values.strict import NotNegative, Positive
+
+
+class PressureSinkage(SurfacePressure):
+    """Pressure (k_c / b + k_phi) z^n (Bekker), and shear with the limit of Mohr and Coulomb (Janosi and Hanamoto)."""
+
+    law: Literal["pressure_sinkage"]
+    k_phi: NotNegative = Field(alias="k_phi_Pa")
+    """Pressure at the reference depth on a plate without end."""
+    exponent: Exponent
+    """n."""
+    k_c: NotNegative = Field(0.0, alias="k_c_N_m")
+    """Pressure at the reference depth that is added by a plate's edges, times b."""
+    reference_depth: Positive = Field(1.0, alias="reference_depth_m")
+    """z_0."""
+
+    equation = "p = (k_c/b + k_phi) (z/z_0)^n, tau = (c + p tan phi) (1 - exp(-j/K))"
+
+    def pressure(self, gravity: float) -> dict[str, float]:
+        """As `SurfacePressure.pressure`."""
+        return {"k_0": self.k_phi, "k_c": self.k_c, "scale": self.reference_depth, "n": self.exponent}
+
+    @property
+    def of_width(self) -> bool:
+        """As `SurfacePressure.of_width`."""
+        return self.k_c > 0.0

@@ -1,0 +1,40 @@
+"""Pressure and sinkage with Reece's terms of size, and Janosi and Hanamoto's shear.
+
+    p = (c k_c' + gamma b k_phi') (z / b)^n,      tau = (c + p tan phi) (1 - exp(-j / K))
+
+with gamma = rho g: k_c' and k_phi' are numbers, so that wide plates press harder at the same depth where n < 1, and
+less so where n > 1 [textbook form].
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from granular_contact.laws.surface_pressure import Exponent, SurfacePressure
+from granular_contact.values.strict import NotNegative, Positive
+
+
+class Reece(SurfacePressure):
+    """Pressure (c k_c + gamma b k_phi) (z / b)^n (Reece), shear as in `pressure_sinkage`."""
+
+    law: Literal["reece"]
+    density: Positive = Field(alias="density_kg_m3")
+    """Of the bulk; gamma is its weight."""
+    k_phi: NotNegative
+    exponent: Exponent
+    """n."""
+    k_c: NotNegative = 0.0
+    """Has no effect without cohesion."""
+
+    equation = "p = (c k_c + gamma b k_phi) (z/b)^n, tau = (c + p tan phi) (1 - exp(-j/K))"
+
+    def pressure(self, gravity: float) -> dict[str, float]:
+        """As `SurfacePressure.pressure`."""
+        return {"k_0": self.cohesion * self.k_c, "k_b": self.density * gravity * self.k_phi, "n": self.exponent}
+
+    @property
+    def of_width(self) -> bool:
+        """As `SurfacePressure.of_width`."""
+        return True

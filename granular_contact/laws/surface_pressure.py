@@ -1,0 +1,131 @@
+"""What the laws of pressure and sinkage share: a pressure of the depth z, and the shear that it lets a surface bear.
+
+    p = (k_0 + k_c / b + k_b b) (z / l)^n,      tau = (c + p tan phi) (1 - exp(-j / K))
+
+on what goes into the medium: the outside of an outline where n . u > 0, either face of a thin plate. The pressure acts
+against n, the shear against the part of the motion along the surface, no more than Mohr and Coulomb allow. Bekker and
+Wong put these stresses on the rim of a wheel. The shear displacement j of Janosi and Hanamoto is the way that the
+bristles of a surface were dragged along it since it got into the medium (`kernels.ways`). They give no law for a
+surface that turns back: here all ways add up and the shear opposes the motion, whichever way it goes [ours], so that
+nothing is given back.
+
+The stresses do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface: there both
+are faded, over the angle FADE [ours]. The laws are of what presses down: on what leads with a normal that looks up the
+stresses go down in proportion to its sine, to none on a face that is lifted as it lies [ours].
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import Field
+
+from granular_contact.laws.law import ABOUT, Law
+from granular_contact.values.strict import NotNegative, Positive
+
+SHEAR = ("friction_angle", "cohesion", "shear_modulus", "plate_width")
+FADE = 0.05  # sine: 2.9 degrees
+Exponent = Annotated[float, Field(gt=0, le=5)]
+Angle = Annotated[float, Field(ge=0, lt=90)]
+
+
+class SurfacePressure(Law):
+    """A law that gives the numbers of the pressure; the shear is here."""
+
+    friction_angle: Angle = Field(alias="friction_angle_deg")
+    """phi; 0: no shear but that of the cohesion."""
+    cohesion: NotNegative = Field(0.0, alias="cohesion_Pa")
+    """c."""
+    shear_modulus: NotNegative = Field(0.0, alias="shear_modulus_m")
+    """K of Janosi and Hanamoto; 0: all of the shear from the first motion on."""
+    plate_width: Positive | None = Field(None, alias="plate_width_m")
+    """b; null: the width of a shape normal to the plane, the diameter of a bar. In space b has to be given."""
+
+    terms = ("pressure", "shear")
+    takes = frozenset({"round", "flat", "outline"})
+    # Pa, N/m, N/m^3, m (0: b), -, Pa, -, m, m (0: of the shape)
+    constants = ("k_0", "k_c", "k_b", "scale", "n", "cohesion", "tan_phi", "K", "b")
+
+    @classmethod
+    def positions(cls) -> list[str]:
+        """As in `Coefficients`: what is needed first, the pressure before the shear."""
+        own = [name for name in super().positions() if name not in (*SHEAR, *ABOUT)]
+        needed = {name for name in (*own, *SHEAR) if cls.model_fields[name].is_required()}
+        return [*sorted((*own, *SHEAR), key=lambda name: name not in needed), *ABOUT]
+
+    def pressure(self, gravity: float) -> dict[str, float]:
+        """Numbers of the pressure; gravity >= 0 in m/s2."""
+        raise NotImplementedError
+
+    @property
+    def of_width(self) -> bool:
+        """Whether the pressure depends on b."""
+        raise NotImplementedError
+
+    @property
+    def keeps_ways(self) -> bool:
+        """As of `Law`."""
+        return self.shear_modulus > 0.0
+
+    @property
+    def lacking_in_space(self) -> list[str]:
+        """As of `Law`."""
+        return ["plate_width_m"] if self.of_width and self.plate_width is None else []
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """As `Law.numbers`."""
+        return {
+            "cohesion": self.cohesion,
+            "tan_phi": math.tan(math.radians(self.friction_angle)),
+            "K": self.shear_modulus,
+            "b": self.plate_width or 0.0,
+            **self.pressure(gravity),
+        }
+
+    @staticmethod
+    def traction(z, tx, ty, ux, uy, width, side, j, m):
+        """Pressure and shear; as `kernels.plates.traction`."""
+        across, along = tx * uy - ty * ux, tx * ux + ty * uy
+        lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
+        p = pressure(z, width, m)
+        lead *= downward(math.copysign(1.0, across) * tx)
+        s = abs(lead) * faded(along) * shear(p, j, m)
+        return p * lead * ty, -p * lead * tx, -s * tx, -s * ty
+
+    @staticmethod
+    def facet_traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
+        """Pressure and shear; as `kernels.facets.traction`."""
+        across = nx * ux + ny * uy + nz * uz
+        lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
+        p = pressure(z, 0.0, m)
+        lead *= downward(math.copysign(1.0, across) * nz)
+        tx, ty, tz = ux - across * nx, uy - across * ny, uz - across * nz
+        s = abs(lead) * shear(p, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
+        p *= lead
+        return -p * nx, -p * ny, -p * nz, -s * tx, -s * ty, -s * tz
+
+
+def faded(part):
+    """Sign of a part of a direction, which grows from -1 to 1 over 2 FADE."""
+    return min(1.0, max(-1.0, part / FADE))
+
+
+def downward(up):
+    """Share of the stresses on what leads with a normal that looks up by `up`, the sine of an angle."""
+    return min(1.0, 1.0 - up)
+
+
+def pressure(z, width, m):
+    """Pressure p (Pa) at a depth z > 0 (m) on a shape of a width (m)."""
+    b = m.b if m.b > 0.0 else width
+    k = m.k_0
+    if m.k_c != 0.0 or m.k_b != 0.0:
+        k += m.k_c / b + m.k_b * b
+    return k * (z / (m.scale if m.scale > 0.0 else b)) ** m.n
+
+
+def shear(p, j, m):
+    """Shear tau (Pa) under a pressure p (Pa) after the shear displacement j (m)."""
+    most = m.cohesion + p * m.tan_phi
+    return most * (1.0 - math.exp(-j / m.K)) if m.K > 0.0 else most
