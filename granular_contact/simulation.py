@@ -9,12 +9,13 @@ import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granular_contact.config import Loaded, Scenario, scenario_to_dict
+from granular_contact.config import Loaded, Scenario, load, scenario_to_dict
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import ControlError
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
@@ -28,6 +29,7 @@ from granular_contact.scene.controls import Control, controls_of
 from granular_contact.scene.types import Scene
 
 if TYPE_CHECKING:
+    from granular_contact.laws.law import Law
     from granular_contact.multibody.system import System, Trajectory
 
 Controls = Mapping[str, float] | ArrayLike | None
@@ -35,7 +37,7 @@ Controller = Callable[[float, Observations], Controls]
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class State:
     """State of a simulation at one instant, to go back to; it can be pickled.
 
@@ -49,6 +51,9 @@ class State:
     controls: tuple[float, ...]
     random: dict[str, Any]
     failed: Status | None
+
+    def __repr__(self) -> str:
+        return f"<state of {self.scenario.name} at {self.time:g} s>"
 
 
 class Simulation:
@@ -90,6 +95,12 @@ class Simulation:
         self.random = np.random.default_rng(0)
         self._take(build(scenario))
         self._base = self.scenario
+
+    def __repr__(self) -> str:
+        if self._begun is None:
+            return f"<simulation of {self.scene.name}: closed>"
+        reached = f"{self.time:g} of {self._end:g} s"
+        return f"<simulation of {self.scene.name}: {reached}, controls: {', '.join(self.controls) or 'none'}>"
 
     def _take(self, scene: Scene) -> None:
         """Begin with a scene; where that fails, the simulation stays as it was."""
@@ -299,10 +310,11 @@ def _finite(value: Any) -> float | None:
 
 
 def simulate(
-    scene: Scene | Scenario | Loaded,
+    scene: Scene | Scenario | Loaded | str | PathLike[str] | Mapping[str, Any],
     scenario: Scenario | None = None,
     progress: Progress | None = None,
     *,
+    laws: Sequence[type[Law]] = (),
     control: Controller | None = None,
     control_rate_Hz: float = 1000.0,
     most_frames: int = MOST,
@@ -315,12 +327,14 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, Scenario or Loaded
-        What `build` made of a scenario, or the scenario, or what `load` gave.
+    scene : Scene, Scenario, Loaded, str, path or mapping
+        What `load` gave, or takes; or the scenario in it; or what `build` made of one.
     scenario : Scenario, optional
         What the scene was built from; the scene knows it, and any other is refused.
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
+    laws : sequence of types of Law
+        Laws of your own that a config names by their tags, as of `load`.
     control : callable, optional
         `control(t, observations)` gives the controls from the time t (s) on, see `Simulation.step`. It is called at the
         start and then at its rate. Where it raises, or gives what can't be set, the run ends as failed; its results
@@ -339,11 +353,21 @@ def simulate(
 
     Raises
     ------
+    ConfigError
+        The config is at fault, as of `load`.
     SceneError
         The scenario is another one than the scene was built from, or the scene was not built from any.
     ControlError
         The rate is no number above 0.
+
+    Examples
+    --------
+    >>> results = simulate("pendulum_rigid")
+    >>> results.status.code, f"{1e3 * results.summary['stopping_time_s']:.1f} ms"
+    ('rest', '25.5 ms')
     """
+    if isinstance(scene, str | PathLike | Mapping):
+        scene = load(scene, laws=laws)
     if isinstance(scene, Loaded | Scenario):
         scene = build(scene)
     if control is None:

@@ -48,6 +48,17 @@ def folder_of(place: Path, **other: bytes | None) -> Path:
 # ---- results ----
 
 
+def test_the_motion_is_a_film_that_a_notebook_shows(tmp_path: Path) -> None:
+    film = swung().animation(tmp_path / "swing.gif")
+    assert Path(film).read_bytes().startswith(b"GIF89a")
+    assert film._repr_html_().startswith('<img alt="swing.gif" src="data:image/gif;base64,R0lGODlh')
+    with pytest.raises(ResultsError, match=r"got the ending '\.png'; allowed are \.gif and \.mp4"):
+        swung().animation(tmp_path / "swing.png")
+    blind = simulate("pendulum", most_frames=0, control=lambda *_: 1 / 0)
+    with pytest.raises(ResultsError, match="was told most_frames=0"):
+        blind.animation(tmp_path / "none.gif")
+
+
 def test_what_was_saved_is_opened_again(tmp_path: Path) -> None:
     results = swung()
     again = Results.open(results.save(tmp_path / "run", figures=False))

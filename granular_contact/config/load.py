@@ -14,6 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 from granular_contact import examples
 from granular_contact.config import overrides as setting
 from granular_contact.config import tree
+from granular_contact.config.add_law import add_law
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
 from granular_contact.config.deprecated import renewed
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from granular_contact.config.given import Changes
+    from granular_contact.laws.law import Law
 
 Change = Callable[[tree.Node], tree.Node]
 NAMELESS = "scenario"  # a config that is in no file
@@ -75,6 +77,9 @@ class Loaded(NamedTuple):
         given = changes_of({**(values or {}), **changes}, "replace", faults)
         return Template(self.sources.root, Path(self.scenario.name or NAMELESS), []).make(given, faults)
 
+    def _repr_html_(self) -> str:
+        return self.scenario._repr_html_()
+
     def __repr__(self) -> str:
         file = self.sources.locate("model")[0]
         return f"<loaded from {file}: {self.scenario!r}>" if file else f"<loaded: {self.scenario!r}>"
@@ -83,6 +88,8 @@ class Loaded(NamedTuple):
 def load(
     source: str | PathLike[str] | Mapping[str, Any],
     overrides: Sequence[str] | Mapping[str, Any] = (),
+    *,
+    laws: Sequence[type[Law]] = (),
     **changes: Unpack[Changes],
 ) -> Loaded:
     """Read, resolve and check one config.
@@ -94,6 +101,8 @@ def load(
     overrides : sequence of str, or mapping
         `dotted.key=value` each, or values by dotted key; applied once model and medium are in place, those that name
         the model or medium before. Paths in them start from the working folder.
+    laws : sequence of types of Law
+        Laws of your own, which the config may name by their tags; as of `add_law`, for all configs from now on.
     **changes
         The same by the keys of a config, as `solver={"accuracy": 1e-3}`. Of a mapping only the keys that it names are
         changed, unless it says its kind (`type`, `law` or `from`).
@@ -113,6 +122,8 @@ def load(
     >>> load("runner", solver={"accuracy": 1e-3}, medium="poppy_seeds_loose").scenario.solver.accuracy
     0.001
     """
+    for law in laws:
+        add_law(law)
     faults: list[Fault] = []
     if isinstance(source, Mapping):
         path, root = Path(NAMELESS), tree.made(plain_data(source), tree.Position(NAMELESS, None))

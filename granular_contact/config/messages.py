@@ -118,6 +118,9 @@ def _tag_fault(tree: Node, path: Path, key: str, choices: list[str]) -> Fault | 
     path = (*path, key)
     if node is None:
         return _at_key(tree, path, f"is missing; allowed are {', '.join(choices)}")
+    if key == "law" and isinstance(node, Scalar) and ":" in node.text:
+        words = "a config never loads code; in Python load(FILE, laws=[YourLaw]) makes your law known by its tag"
+        return _at(tree, path, f"got {got(node)}; {words}")
     hint = unknown(node.text if isinstance(node, Scalar) else "", choices)
     listed = "" if hint.startswith("allowed") else f" (of {', '.join(choices)})"
     return _at(tree, path, f"got {got(node)}; {hint}{listed}")

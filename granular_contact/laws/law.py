@@ -120,6 +120,20 @@ class Law(Coefficients):
         if self.name is None:
             self.__dict__["name"] = self.law
 
+    def __repr_args__(self) -> Any:
+        """What `repr` shows: the numbers, and the name where it is not that of the law; not the sources."""
+        shown = [name for name in self.positions() if name not in ABOUT]
+        yield from ((name, getattr(self, name)) for name in shown)
+        if self.name != self.law:
+            yield "name", self.name
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        rows = {"law": self.law, "equation": self.equation, **self.model_dump(mode="json", by_alias=True)}
+        cells = (f"<tr><td>{key}</td><td>{escape(str(value))}</td></tr>" for key, value in rows.items() if value)
+        return f"<p><b>{escape(str(self.name))}</b></p><table>{''.join(cells)}</table>"
+
     @field_serializer("name")
     def _own_name(self, name: str) -> str | None:
         return None if name == self.law else name

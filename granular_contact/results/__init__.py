@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+    from granular_contact.results.methods import Film
     from granular_contact.results.motion import Motion
 
 StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
@@ -187,6 +188,30 @@ class Results:
         from granular_contact.results.methods import figures
 
         return figures(self)
+
+    def animation(self, file: str | PathLike[str] = "animation.gif") -> Film:
+        """Write the motion as a film, to scale, with the forces of the medium; a notebook shows it.
+
+        Parameters
+        ----------
+        file : str or path
+            Ends in .gif, or in .mp4 for which ffmpeg has to be on the path.
+
+        Returns
+        -------
+        Film
+            The file, as a path that is shown.
+
+        Raises
+        ------
+        ResultsError
+            The run was not asked for pictures (`most_frames`), or the file has another ending.
+        OSError
+            The disk refuses, or ffmpeg is missing or fails.
+        """
+        from granular_contact.results.methods import animation
+
+        return animation(self, Path(file))
 
     def save(self, directory: str | PathLike[str], *, figures: bool = True) -> Path:
         """Write a results folder, as the command `run` does, in place of an earlier run's results there.

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import importlib
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from html import escape
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -54,6 +57,37 @@ def figures(results: Results) -> dict[str, Figure]:
 
     with drawn.style():
         return drawn.figures(results)
+
+
+@dataclass(frozen=True)
+class Film(PathLike[str]):
+    """A film in a file; a notebook plays it."""
+
+    path: Path
+
+    def __repr__(self) -> str:
+        return f"<film {self.path}>"
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def _repr_html_(self) -> str:
+        data = base64.b64encode(self.path.read_bytes()).decode()
+        if self.path.suffix == ".mp4":
+            return f'<video controls loop src="data:video/mp4;base64,{data}"></video>'
+        return f'<img alt="{escape(self.path.name)}" src="data:image/gif;base64,{data}">'
+
+
+def animation(results: Results, file: Path) -> Film:
+    """Write the pictures of a run as a film."""
+    if file.suffix not in (".gif", ".mp4"):
+        raise ResultsError(f"{file}: got the ending {file.suffix!r}; allowed are .gif and .mp4")
+    if not results.frames and results.motion is None:
+        raise ResultsError(f"{results.name} has no pictures: the run was told most_frames=0")
+    from granular_contact.report.figures.film import write
+
+    write(results, file)
+    return Film(file)
 
 
 def save(results: Results, directory: Path, with_figures: bool) -> Path:

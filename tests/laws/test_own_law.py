@@ -23,13 +23,17 @@ from granular_contact.laws.tsimring_volfson import TsimringVolfson
 
 
 @pytest.fixture
-def added() -> Iterator[None]:
-    add_law(Power)
+def removed() -> Iterator[None]:
     yield
     del LAWS["power"]
     for part in (BedLayer, Bed, Scenario):
         part.model_rebuild(force=True)
     allowed.forget()
+
+
+@pytest.fixture
+def added(removed: None) -> None:  # noqa: ARG001
+    add_law(Power)
 
 
 BALL = """
@@ -71,6 +75,18 @@ def test_it_runs_from_yaml(tmp_path: Path) -> None:
     own, same = tables
     assert len(own) > 50
     np.testing.assert_allclose(own, same, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.usefixtures("removed")
+def test_python_may_give_it_and_yaml_names_no_code(tmp_path: Path) -> None:
+    config = tmp_path / "own.yaml"
+    config.write_text(BALL.replace("MEDIUM", "{law: support_power:Power, stiffness_N: 1}"), encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"own.yaml:8: medium.law: .*a config never loads code; in Python load"):
+        load(config)
+    config.write_text(BALL.replace("MEDIUM", "{law: power, stiffness_N: 4, exponent: 1.6}"), encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"medium.law: got the text 'power'; "):
+        load(config)
+    assert load(config, laws=[Power]).scenario.media == (Power(4.0, 1.6),)
 
 
 @pytest.mark.usefixtures("added")
