@@ -39,7 +39,7 @@ MAY = {
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
     "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
-    "simulation": {"run", "config", "scene", "results", "multibody", "errors"},  # (multibody: types only)
+    "simulation": {"run", "config", "scene", "results", "multibody", "laws", "errors"},  # (types only: multibody, laws)
     "gym": {"gym", "simulation", "config", "examples", "report.figures", "results", "errors"},
     "report": {"results", "report.figures"},
     "report.figures": {"report.figures", "report", "results"},
