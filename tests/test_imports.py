@@ -60,6 +60,8 @@ MAY = {
     "studies.fit": {
         "studies.fit",
         "studies.sweep",
+        "bed",
+        "laws",
         "config",
         "config.csv_table",
         "scene",

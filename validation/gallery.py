@@ -44,6 +44,9 @@ granular-contact run configs/pendulum.yaml --animate
 This page is written by `python validation/gallery.py`; the tests run every config and hold the number that stands here.
 Arrows are forces of the medium, thin lines the path of the tip.
 """
+FITS = """## Fits
+
+`granular-contact fit configs/fit_cmu_plates.yaml` takes these; their data lie beside them, with their licence."""
 SEARCHES = """## Searches
 
 `granular-contact optimise configs/optimise_speed_close.yaml` takes these; what they gain over the config as it is
@@ -104,6 +107,14 @@ def runs(name: str) -> str:
     return f"{config.load_optimise(CONFIGS / f'{name}.yaml', probe=build).file.evaluations} runs"
 
 
+def rows(name: str) -> str:
+    """How many measured rows a fit takes, as it stands in the table."""
+    from granular_contact.studies.fit import load_specification, prepare
+
+    problem = prepare(load_specification(CONFIGS / f"{name}.yaml"))
+    return f"{sum(len(run.measured.time) for run in problem.runs)} rows"
+
+
 def comment(path: Path) -> str:
     """The first sentence of the comment that a file begins with."""
     lines = itertools.takewhile(lambda line: line.startswith("#"), path.read_text(encoding="utf-8").splitlines())
@@ -142,7 +153,12 @@ def main() -> None:
     entries = [entry(name, FRAMES) for name in names(config.is_run)]
     sweeps = [(name, comment(CONFIGS / f"{name}.yaml"), cases(name)) for name in names(config.is_sweep)]
     searches = [(name, comment(CONFIGS / f"{name}.yaml"), runs(name)) for name in names(config.is_optimise)]
-    tables = (f"## Sweeps\n\n{table(sweeps)}", f"{SEARCHES}\n\n{table(searches)}")
+    fits = [(name, comment(CONFIGS / f"{name}.yaml"), rows(name)) for name in names(config.is_fit)]
+    tables = (
+        f"## Sweeps\n\n{table(sweeps)}",
+        f"{SEARCHES}\n\n{table(searches)}",
+        f"{FITS}\n\n{table(fits)}",
+    )
     parts = [INTRODUCTION, *sections(entries), *tables]
     PAGE.write_text("\n".join(parts), encoding="utf-8")
 

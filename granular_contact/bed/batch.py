@@ -59,6 +59,11 @@ class Batch:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
         return medium_record(self._own, bool(self.records["resultant"].any()))
 
+    def renew(self, own: NDArray[np.void]) -> None:
+        """Take other coefficients of the same law, as its own record (1,); what is compiled and placed stays."""
+        self._own = own
+        self.medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
+
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
         if where is not None:

@@ -117,6 +117,22 @@ class GranularLoad:
         bodies = tuple(dict.fromkeys(line.body for line in self.lines))
         return HistoryTable(terms, names, bodies, self.floor is not None)
 
+    def renew(self, layers: Sequence[Layer], static: Elastoplastic | Smooth, gravity: float) -> bool:
+        """Take other coefficients of the same laws in the same layers; False, with nothing done, if these are others.
+
+        For curves of many coefficients on the same lines, without a floor.
+        """
+        same = [type(one.medium) is type(other.medium) for one, other in zip(layers, self.layers, strict=False)]
+        placed = [(one.top, one.bottom) for one in layers] == [(one.top, one.bottom) for one in self.layers]
+        if self.floor is not None or not placed or not all(same) or len(self.batches) != len(layers):
+            return False
+        self.layers = tuple(layers)
+        self.media = tuple(layer.medium for layer in layers)
+        self.records = records_of(self.layers, static, gravity)
+        for batch, record in zip(self.batches, self.records, strict=True):
+            batch.renew(record)
+        return True
+
     # ---- steps ----
 
     def start(self, q: Vector, where: NDArray[np.int64] | None = None, reference: Vector | None = None) -> None:

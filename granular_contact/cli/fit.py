@@ -26,7 +26,7 @@ from granular_contact.cli.fit_options import requested_fit
 if TYPE_CHECKING:
     from granular_contact.studies.fit import Fit
 
-HELP = "fit coefficients to measured runs, with standard errors"
+HELP = "fit coefficients to measured runs and force tests, with standard errors"
 MOST_SHOWN = 12  # parameters in the matrix of correlations
 
 
@@ -46,6 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--time-offset", metavar="S", nargs="?", const="fit", help=words)
     words = "known noise, as tip_x_mm=0.1; estimated where not given; repeatable"
     parser.add_argument("--noise", metavar="COLUMN=X", action="append", default=[], help=words)
+    words = "how the body of a force test was moved, as direction=down, speed_m_s=0.005, depth_offset_m=fit; repeatable"
+    parser.add_argument("--force-test", metavar="KEY=VALUE", action="append", default=[], help=words)
     parser.add_argument(
         "--loss",
         metavar="soft_l1|linear",

@@ -42,13 +42,15 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
         words = "is missing; allowed are dotted keys, as medium.eta_h,medium.eta_d"
         faults.append(Fault("--parameters", None, "", words))
     columns = [text for text in (chosen.columns or "").split(",") if text.strip()]
-    for key, texts in (("columns", columns), ("noise", chosen.noise), ("set", chosen.set)):
+    tests = (("columns", columns), ("noise", chosen.noise), ("set", chosen.set), ("force_test", chosen.force_test))
+    for key, texts in tests:
         if texts:
-            pairs = [_pair(f"--{key}", text, faults) for text in texts]
+            option = f"--{key.replace('_', '-')}"
+            pairs = [_pair(option, text, faults) for text in texts]
             found = {name: value for name, value in pairs if name}
             if key != "set":  # of which a later one replaces an earlier one in every command
-                _refuse_repeats(f"--{key}", [name for name, _ in pairs if name], faults)
-            nodes[key] = _mapping(f"--{key}", found, faults, read=key != "columns")
+                _refuse_repeats(option, [name for name, _ in pairs if name], faults)
+            nodes[key] = _mapping(option, found, faults, read=key != "columns")
     options = {"time_offset_s": "time_offset", "loss": "loss", "starts": "starts", "seed": "seed"}
     for key, option in options.items():
         text = getattr(chosen, option)
@@ -57,7 +59,7 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
     return nodes
 
 
-_INSTEAD = ("parameters", "bounds", "columns", "time_offset", "noise", "loss", "starts", "seed", "set")
+_INSTEAD = ("parameters", "bounds", "columns", "time_offset", "noise", "force_test", "loss", "starts", "seed", "set")
 
 
 def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:

@@ -18,6 +18,7 @@ which is even in t, and affine in u. The record holds the sums and differences, 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -47,20 +48,11 @@ class RftCoefficients(Coefficients):
     @model_validator(mode="after")
     def _resist(self) -> RftCoefficients:
         """A medium can't push an element along: looked at every 5 degrees of it and 10 of its motion."""
-        driven = ((self._power(b, g), b, g) for b in range(-90, 90, 5) for g in range(-180, 180, 10))
-        power, beta, gamma = max(driven)
+        power, beta, gamma = _greatest_power(*(getattr(self, name) for name in type(self).model_fields))
         if power > 1e-9 * max(map(abs, (self.A00, self.B01, self.C01))):
             where = f"an element at beta {beta} deg that moves at gamma {gamma} deg"
             raise refusal([((), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion")])
         return self
-
-    def _power(self, beta: float, gamma: float) -> float:
-        """Stress along the motion, per depth (N/cm3), at angles in degrees."""
-        b, g = math.radians(beta), math.radians(gamma)
-        c2, s2, ux, uy = math.cos(2 * b), math.sin(2 * b), math.cos(g), -math.sin(g)
-        sx = -(self.C01 + (self.C11 + self.C_11) * c2) * ux - (self.C11 - self.C_11) * s2 * uy - self.D10 * s2
-        sy = self.A00 + self.A10 * c2 + (self.B11 - self.B_11) * s2 * ux - (self.B01 + (self.B11 + self.B_11) * c2) * uy
-        return sx * ux + sy * uy
 
     def numbers(self, zeta: float, gravity: float) -> dict[str, float]:
         """Zeta times the coefficients as CONSTANTS (N/m3)."""
@@ -71,6 +63,22 @@ class RftCoefficients(Coefficients):
             "C_sum": scale * (self.C11 + self.C_11),
             "C_difference": scale * (self.C11 - self.C_11),
         }
+
+
+@lru_cache(64)  # a fit of other numbers asks for the same coefficients thousands of times
+def _greatest_power(
+    A00: float, A10: float, B11: float, B01: float, B_11: float, C11: float, C01: float, C_11: float, D10: float
+) -> tuple[float, int, int]:
+    """Greatest stress along the motion, per depth (N/cm3), and beta and gamma (deg) where it is."""
+    found = (-math.inf, 0, 0)
+    for beta in range(-90, 90, 5):
+        c2, s2 = math.cos(math.radians(2 * beta)), math.sin(math.radians(2 * beta))
+        for gamma in range(-180, 180, 10):
+            ux, uy = math.cos(math.radians(gamma)), -math.sin(math.radians(gamma))
+            sx = -(C01 + (C11 + C_11) * c2) * ux - (C11 - C_11) * s2 * uy - D10 * s2
+            sy = A00 + A10 * c2 + (B11 - B_11) * s2 * ux - (B01 + (B11 + B_11) * c2) * uy
+            found = max(found, (sx * ux + sy * uy, beta, gamma))
+    return found
 
 
 # The generic set of Li, Zhang and Goldman (2013), which a medium scales by its zeta.

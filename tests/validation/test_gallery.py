@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from granular_contact.config import is_optimise, is_run, is_sweep, load_sweep
+from granular_contact.config import is_fit, is_optimise, is_run, is_sweep, load_sweep
 from validation import gallery
 
 PAGE = gallery.PAGE.read_text(encoding="utf-8")
@@ -46,12 +46,13 @@ def test_a_sweep_comes_to_its_end(name: str) -> None:
 
 
 def test_the_page_shows_what_there_is_and_no_more() -> None:
-    assert set(SHOWN) == {name for kind in (is_run, is_sweep, is_optimise) for name in gallery.names(kind)}, ADVICE
+    assert set(SHOWN) == {name for kind in (is_run, is_sweep, is_optimise, is_fit) for name in gallery.names(kind)}, ADVICE
     assert {name: SHOWN[name] for name in gallery.names(is_optimise)} == {
         name: gallery.runs(name) for name in gallery.names(is_optimise)
     }
+    assert {SHOWN[name] for name in gallery.names(is_fit)} == {gallery.rows(name) for name in gallery.names(is_fit)}
     pictures = re.findall(r"!\[(.+)\]\(\.\./(validation/figures/gallery_\w+\.png)\)", PAGE)
-    assert len(pictures) == PAGE.count("\n## ") - 2
+    assert len(pictures) == PAGE.count("\n## ") - 3
     assert {name for _, name in pictures} == {
         path.relative_to(gallery.HERE.parent).as_posix() for path in gallery.FIGURES.glob("gallery_*.png")
     }

@@ -11,6 +11,11 @@ runs:
     columns: {time_ms: t, tip_x_mm: X, tip_y_mm: Y}
     time_offset_s: fit                        # or a number, or {from: -0.01, to: 0.01}
     parameters: {initial.impact_speed_rad_s: {from: 8, to: 9}}
+  - config: penetrometer.yaml                 # a force test: the law alone, on the body of this config
+    data: plate.csv
+    columns: {depth_mm: z, force_N: F}
+    rows: {diameter_mm: 60}                   # of a table of several tests
+    force_test: {direction: down, speed_m_s: 0.005, depth_offset_m: fit}
 noise: {tip_x_mm: 0.1}                        # estimated where it is not given
 """
 
@@ -21,7 +26,18 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from granular_contact.config.schema.sweep import DottedKeys
-from granular_contact.values.strict import Listed, LocalFault, Names, Positive, Strict, Text, allow, form, refusal
+from granular_contact.values.strict import (
+    Listed,
+    LocalFault,
+    Names,
+    NotNegative,
+    Positive,
+    Strict,
+    Text,
+    allow,
+    form,
+    refusal,
+)
 
 MOST_RUNS, MOST_STARTS = 1000, 1024
 OFFSET_RANGE = (-0.02, 0.02)  # s, of a clock of which nothing is said
@@ -54,7 +70,7 @@ class Bounds(Strict):
 
 
 class ClockBounds(Bounds):
-    """Bounds of the offset of a clock (s)."""
+    """Bounds of the offset of a clock (s), or of a zero of depth (m) or force (N)."""
 
     low: Annotated[float, Field(alias="from")]
     high: Annotated[float, Field(alias="to")]
@@ -82,8 +98,42 @@ Offset = Annotated[
 ]
 
 
+Direction = Annotated[
+    Annotated[Literal["down", "up", "right", "left"], Tag("text")] | Annotated[float, Tag("number")],
+    Discriminator(form),
+    allow("down, up, right, left, or an angle below the horizontal (deg)"),
+]
+DIRECTIONS = {"right": 0.0, "down": 90.0, "left": 180.0, "up": -90.0}
+
+
+class ForceTest(Strict):
+    """A body that is moved through the medium as prescribed, while its force is measured: the law alone, without a run.
+
+    Columns of the table go before the numbers given here.
+    """
+
+    body: Text | None = None
+    """The body that is moved; null: the only one that meets the medium."""
+    direction: Direction = "down"
+    """Of the motion: down, up, right, left, or its angle below the horizontal (deg)."""
+    speed_m_s: NotNegative | None = None
+    """Of the body in that direction; null: so slow that only what does not depend on speed is left."""
+    depth_m: float | None = None
+    """Of its lowest point below the surface, where no column tells it."""
+    rate_rad_s: float = 0.0
+    """At which it turns about its joint, clockwise."""
+    area_m2: Positive | None = None
+    """Over which the force is a pressure; of tables that hold pressures."""
+    depth_offset_m: Offset = 0.0
+    """Depth in the table where the body touches the surface. fit: it is looked for."""
+    force_offset_N: Offset = 0.0
+    """Force in the table where there is none. fit: it is looked for."""
+    unloading: Literal["refuse", "leave_out"] = "refuse"
+    """What is done about rows in which the body goes back, after it was pressed in."""
+
+
 class FitRun(Strict):
-    """A measured run; columns and time_offset_s that it leaves out are those of the whole file."""
+    """A measured run; columns, time_offset_s and force_test that it leaves out are those of the whole file."""
 
     name: Text | None = None
     """null: the name of the CSV file, without its suffix."""
@@ -97,6 +147,10 @@ class FitRun(Strict):
     """Time at which the run starts, by the clock of the data. null: 0."""
     parameters: Parameters | None = None
     """Parameters of this run only."""
+    rows: Annotated[dict[str, float], Field(min_length=1), allow("a mapping from headers to numbers")] | None = None
+    """Which rows of the table are of this run: those with these numbers in these columns. null: all."""
+    force_test: ForceTest | None = None
+    """How the body was moved, where forces against depth or speed were measured. null: as its columns say."""
 
 
 class FitFile(Strict):
@@ -114,6 +168,7 @@ class FitFile(Strict):
     """Dotted keys and their values in all runs."""
     columns: Columns | None = None
     time_offset_s: Offset | None = None
+    force_test: ForceTest | None = None
     noise: Annotated[dict[str, Positive], allow("a mapping from columns to their noise, as tip_x_mm: 0.1")] = Field(
         default_factory=dict
     )

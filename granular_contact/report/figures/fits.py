@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,12 +35,26 @@ class ColumnPicture:
 
 @dataclass(frozen=True)
 class RunPicture:
-    """One run: times of the data (n,) and of the curves (m,), s."""
+    """One run: times of the data (n,) and of the curves (m,), s; or what else is on the axis, with label and unit."""
 
     name: str
     time: Array
     fine: Array
     columns: tuple[ColumnPicture, ...]
+    label: str = "time of the measurement"
+    unit: str = "s"
+
+    @property
+    def clock(self) -> Unit:
+        """Unit of the axis."""
+        return unit_for(self.fine, self.unit) if self.unit in ("s", "m") else Unit(1.0, self.unit)
+
+    @property
+    def pieces(self) -> list[slice]:
+        """The curve where it runs one way: a force test may begin again in the middle of its table."""
+        back = np.flatnonzero(np.diff(self.fine) < 0.0) + 1
+        edges = [0, *back.tolist(), len(self.fine)]
+        return [slice(a, b) for a, b in pairwise(edges) if b - a > 1]
 
 
 @dataclass(frozen=True)
@@ -69,29 +84,39 @@ def overlay(run: RunPicture) -> Figure:
     count = len(run.columns)
     figure = blank(SINGLE, 12.0 + 52.0 * count, layout="constrained")
     grid = figure.subplots(2 * count, 1, sharex=True, height_ratios=(2.6, 1.0) * count, squeeze=False)[:, 0]
-    clock = unit_for(run.fine, "s")
+    clock = run.clock
     for i, column in enumerate(run.columns):
         unit = _unit(column)
         _curves(grid[2 * i], run, column, clock, unit)
-        _residuals(grid[2 * i + 1], run, column, clock, unit_for(column.residuals, "m") if unit.name != "deg" else unit)
+        base = _base(column)
+        rest = unit_for(column.residuals, base) if base else unit
+        _residuals(grid[2 * i + 1], run, column, clock, rest)
     grid[0].set_title(run.name, loc="left")
     grid[0].legend(loc="best")
-    grid[-1].set_xlabel(f"time of the measurement ({clock.name})")
+    grid[-1].set_xlabel(f"{run.label} ({clock.name})" if clock.name else run.label)
     figure.align_ylabels(list(grid))
     return figure
 
 
+def _base(column: ColumnPicture) -> str:
+    """SI unit of a column, with which prefixes go; empty of angles."""
+    return {"deg": "", "Nm": "N m"}.get(suffix := column.name.rpartition("_")[2], suffix)
+
+
 def _unit(column: ColumnPicture) -> Unit:
-    return Unit(1.0, "deg") if column.name.endswith("_deg") else unit_for(column.data, "m")
+    return unit_for(column.data, base) if (base := _base(column)) else Unit(1.0, "deg")
 
 
 def _curves(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, unit: Unit) -> None:
     fine, model, factor = run.fine * clock.factor, column.model * unit.factor, unit.factor
     new = np.hypot(column.half_width, column.quantile * column.noise) * factor
-    axes.fill_between(fine, model - new, model + new, color=SKY, alpha=0.3, linewidth=0, label="95 % of new data")
     sure = column.half_width * factor
-    axes.fill_between(fine, model - sure, model + sure, color=BLUE, alpha=0.5, linewidth=0, label="95 % of the model")
-    axes.plot(fine, model, color=INK, linewidth=0.7, label="model")
+    for i, piece in enumerate(run.pieces):
+        words = ("95 % of new data", "95 % of the model", "model") if i == 0 else (None, None, None)
+        x, y, w, s = fine[piece], model[piece], new[piece], sure[piece]
+        axes.fill_between(x, y - w, y + w, color=SKY, alpha=0.3, linewidth=0, label=words[0])
+        axes.fill_between(x, y - s, y + s, color=BLUE, alpha=0.5, linewidth=0, label=words[1])
+        axes.plot(x, y, color=INK, linewidth=0.7, label=words[2])
     axes.plot(run.time * clock.factor, column.data * factor, "o", color=VERMILION, markersize=1.8, label="data")
     axes.set_ylabel(f"{column.name.rpartition('_')[0].replace('_', ' ')} ({unit.name})")
 
@@ -100,7 +125,8 @@ def _residuals(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, 
     noise = column.noise * unit.factor
     axes.axhspan(-column.quantile * noise, column.quantile * noise, color=SKY, alpha=0.3, linewidth=0)
     fine, sure = run.fine * clock.factor, column.half_width * unit.factor
-    axes.fill_between(fine, -sure, sure, color=BLUE, alpha=0.5, linewidth=0)
+    for piece in run.pieces:
+        axes.fill_between(fine[piece], -sure[piece], sure[piece], color=BLUE, alpha=0.5, linewidth=0)
     axes.axhline(0.0, color=FAINT, linewidth=0.5)
     axes.plot(run.time * clock.factor, column.residuals * unit.factor, "o", color=VERMILION, markersize=1.8)
     axes.set_ylabel(f"residual ({unit.name})")
@@ -112,13 +138,18 @@ def residuals(picture: FitPicture) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0), sharey=True)
     everything = []
     for run in picture.runs:
-        share = (run.time - run.time[0]) / (run.time[-1] - run.time[0])
+        share = np.linspace(0.0, 1.0, len(run.time)) if run.unit != "s" else _share(run.time)
         for column in run.columns:
             values = column.residuals / column.noise
             everything.append(values)
             left.plot(share, values, ".", color=BLUE, markersize=1.5, alpha=0.6)
     left.axhline(0.0, color=FAINT, linewidth=0.5)
-    left.set(xlabel="share of the time of each run", ylabel="residual / noise", xlim=(0, 1))
+    timed = all(run.unit == "s" for run in picture.runs)
+    left.set(
+        xlabel="share of the time of each run" if timed else "share of the rows of each run",
+        ylabel="residual / noise",
+        xlim=(0, 1),
+    )
     left.set_title("misfit: see fit.json" if picture.misfit else "all runs", loc="left")
     values = np.concatenate(everything)
     edges = np.linspace(-1, 1, 41) * max(4.5, min(float(np.max(np.abs(values))), 50.0))
@@ -128,6 +159,11 @@ def residuals(picture: FitPicture) -> Figure:
     right.set_xlabel("density")
     right.legend(loc="upper right")
     return figure
+
+
+def _share(time: Array) -> Array:
+    share: Array = (time - time[0]) / (time[-1] - time[0])
+    return share
 
 
 def correlations(picture: FitPicture) -> Figure:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from granular_contact.errors import Fault
 from granular_contact.results import Results
 from granular_contact.studies.fit import noise
+from granular_contact.studies.fit.columns import forces
 from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.parameters import Choice
 from granular_contact.studies.fit.problem import Problem
@@ -122,7 +123,7 @@ def _too_short(measured: Measured, first: Results, offset: float) -> Iterator[Fa
         return
     for name, values in zip(measured.columns, measured.values.T, strict=True):
         moving = _moving_at_the_end(measured.time, values)
-        if moving is not None and name != "deflection_m":
+        if moving is not None and name != "deflection_m" and not forces([name]):
             words = (
                 f"ends {last:.4g} s after the start, when {name} still moves at {100 * moving:.0f} % of its greatest "
                 f"speed: shorter than the impact, which takes about {touch + stop:.3g} s; record until it stands still"

@@ -11,8 +11,11 @@ UNITS = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
     "deg": {"deg": 1.0, "rad": math.degrees(1.0)},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "N": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
+    "Nm": {"Nm": 1.0, "Nmm": 1e-3, "mNm": 1e-3},
 }
 OBSERVED = ("deg", "m")
+BY_NAME = ("N", "Nm")  # what is compared where the fit says which column it is: every run's own table has forces
 # What the other columns of a run hold, by the end of their names.
 KINDS = {"_rad_s": "a rate", "_m_s": "a speed", "_Nm": "a moment", "_N": "a force", "_J": "an energy", "_W": "a power"}
 
@@ -20,6 +23,11 @@ KINDS = {"_rad_s": "a rate", "_m_s": "a speed", "_Nm": "a moment", "_N": "a forc
 def observables(columns: Iterable[str]) -> list[str]:
     """The columns of a run that can be measured: its angles and lengths."""
     return [name for name in columns if name.rpartition("_")[2] in OBSERVED]
+
+
+def forces(columns: Iterable[str]) -> list[str]:
+    """The columns of a run that are forces or moments, as of drives and bodies in the medium."""
+    return [name for name in columns if name.rpartition("_")[2] in BY_NAME]
 
 
 def kind(column: str) -> str:
@@ -32,7 +40,7 @@ def recognise(name: str, known: Iterable[str]) -> tuple[str, float] | None:
     stem, _, unit = name.rpartition("_")
     for column in known:
         own, _, base = column.rpartition("_")
-        if own == stem and unit in UNITS[base]:
+        if own == stem and unit in UNITS.get(base, ()):
             return column, UNITS[base][unit]
     return None
 
@@ -46,4 +54,4 @@ def spellings(known: Iterable[str]) -> list[str]:
 def in_words(known: Iterable[str]) -> str:
     """The known columns with the units that each may have, as `tip_x_m (cm, mm, um)`."""
     parts = [(column, column.rpartition("_")[2]) for column in known]
-    return ", ".join(f"{column} ({', '.join(u for u in UNITS[base] if u != base)})" for column, base in parts)
+    return ", ".join(f"{c} ({', '.join(u for u in UNITS[b] if u != b)})" if b in UNITS else c for c, b in parts)

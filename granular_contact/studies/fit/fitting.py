@@ -60,6 +60,7 @@ class Fit:
         if not self.solution.converged:
             found.append("the fit did not converge: try more starts, narrower bounds or fewer parameters")
         found += [*self.goodness.warnings, *self.uncertainty.words]
+        found += dict.fromkeys(note for run in self.problem.runs for note in run.measured.notes)
         found += media_of_runs.words(self.problem, self.values)
         count = len(self.solution.starts)
         if count > 1 and self.agreeing == 1:

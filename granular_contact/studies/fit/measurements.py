@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 
 import numpy as np
@@ -13,7 +13,7 @@ from granular_contact.config.csv_table import Table, few, form_faults, number
 from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
-from granular_contact.studies.fit.columns import KINDS, TIME, in_words, kind, recognise, spellings
+from granular_contact.studies.fit.columns import KINDS, TIME, forces, in_words, kind, recognise, spellings
 
 Vector = NDArray[np.float64]
 
@@ -27,7 +27,8 @@ class Measured:
     """Rows of one run on the clock of the measurement.
 
     time: (n,) s, growing; values: (n, columns), each in the unit of the column of the time series that it is named
-    after; lines: of the rows in the file; unused: what else the file has.
+    after; lines: of the rows in the file; unused: what else the file has. Of a force test time is the number of the
+    row, and given has what was prescribed in each, (n,) by column. notes: sentences on rows that were left out.
     """
 
     file: str
@@ -36,6 +37,8 @@ class Measured:
     values: Vector
     lines: tuple[int, ...] = ()
     unused: tuple[str, ...] = ()
+    given: Mapping[str, Vector] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
 
 def select(
@@ -53,11 +56,13 @@ def select(
     if odd := form_faults(table):
         faults += odd
         return None
-    chosen = _mapped(table, known, mapping, faults, others) if mapping else _named(table, known, faults)
+    chosen = (
+        _mapped(table, [*known, *forces(others)], mapping, faults, others) if mapping else _named(table, known, faults)
+    )
     if chosen is None:
         return None
     before = len(faults)
-    numbers = {header: _column(table, header, faults) for header in chosen}
+    numbers = {header: column_numbers(table, header, faults) for header in chosen}
     if len(table.rows) < FEWEST_ROWS:
         words = f"has {len(table.rows)} rows; at least {FEWEST_ROWS} are needed"
         faults.append(Fault(table.file, table.header_line, "", words))
@@ -129,7 +134,7 @@ def _why_not(name: str, others: Sequence[str]) -> str:
     near = get_close_matches(name, others, 1, cutoff=0.8)
     if not near:
         return "the run has no such column"
-    what = f"is {kind(near[0])}, and only angles and lengths can be fitted"
+    what = f"is {kind(near[0])}, and only angles, lengths, forces and moments can be fitted"
     return what if near[0] == name else f"the run has no such column; the nearest, {near[0]}, {what}"
 
 
@@ -161,7 +166,8 @@ def _complete(file: str, line: int | None, found: Chosen, known: Sequence[str], 
     return found if len(faults) == before else None
 
 
-def _column(table: Table, header: str, faults: list[Fault]) -> Vector:
+def column_numbers(table: Table, header: str, faults: list[Fault]) -> Vector:
+    """Numbers (n,) of a column; faults of the cells that are none."""
     index = table.header.index(header)
     cells = [row[index] for row in table.rows]
     numbers = [number(cell) for cell in cells]

@@ -5,21 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from granular_contact.bed.steady import SteadyBody
 from granular_contact.config.changed import filled
-from granular_contact.config.csv_table import read_table
+from granular_contact.config.csv_table import Table, read_table
 from granular_contact.config.load import Template, by_place
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
+from granular_contact.config.schema.fit import ForceTest
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.scene import build
-from granular_contact.studies.fit import checks
+from granular_contact.studies.fit import checks, force_checks, force_tests
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
+from granular_contact.studies.fit.force_columns import recognise as recognise_force
+from granular_contact.studies.fit.law_alone import DEPTH_OFFSET, FORCE_OFFSET, LawAlone, known_zero, motion_of, zeros_of
 from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.request import RunRequest, Specification
 from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
+
+NO_KEYS = (OFFSET, DEPTH_OFFSET, FORCE_OFFSET)  # parameters that are in no config
 
 
 def prepare(request: Specification) -> Problem:
@@ -36,6 +42,9 @@ def prepare(request: Specification) -> Problem:
     if faults:
         raise ConfigError(_in_order(faults))
     faults += _twice(request.runs, sources)
+    tests = [source for source in sources if source.test is not None]
+    held = [source.measured for source in tests if source.measured is not None]
+    faults += force_checks.between_tests(held, [source.model for source in tests])
     choices = choose(request.parameters, [s.simulator for s in sources], faults)
     for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         choices += own_choices(one, i, source.simulator, faults)
@@ -70,6 +79,10 @@ class _Source:
         table = read_table(shown(request.data), faults)
         template = _template(request, templates, faults)
         self.measured: Measured | None = None
+        self.test: ForceTest | None = None
+        if table is not None:
+            table = force_tests.rows_of(table, request.rows, faults)
+            self.test = request.force_test or (ForceTest() if force_tests.meant(table, request.columns) else None)
         if template is None:
             return
         try:
@@ -78,27 +91,58 @@ class _Source:
             faults += error.faults
             return
         try:
-            build(loaded.scenario)
+            self._scene = build(loaded.scenario)
         except SceneError as error:
             faults += loaded.sources.place(error.faults)
+            return
         self.template = filled(loaded.scenario, HERE)
         self.simulator = Simulator(self.template)
         if table is None or len(faults) > before:
             return
+        if self.test is None:
+            self._read_run(request, table, faults)
+        else:
+            self._read_test(request, self.test, table, faults)
+
+    def _read_run(self, request: RunRequest, table: Table, faults: list[Fault]) -> None:
+        """Data of a run of the scene, compared with a first one."""
         try:
-            self.first = self.simulator.results(())
+            first = self.simulator.results(())
         except ModelFailed as error:
             words = f"this run fails, so nothing can be fitted to it: {error}"
             faults.append(request.at_config.fault((), words))
             return
-        names = [column.name for column in self.first.columns]
+        names = [column.name for column in first.columns]
         known = observables(names)
         others = [name for name in names if name not in (*known, TIME)]
         self.measured = select(table, known, request.columns, faults, others)
         if self.measured is not None:
             start, latest = _offsets(request)
             self.early = checks.early_by(self.measured, latest)
-            faults += checks.against_run(self.measured, self.first, start, latest)
+            faults += checks.against_run(self.measured, first, start, latest)
+
+    def _read_test(self, request: RunRequest, test: ForceTest, table: Table, faults: list[Fault]) -> None:
+        """Data of a force test, compared with the law at the start values."""
+        if request.offset != 0.0:
+            words = "a force test has no clock; allowed are force_test: {depth_offset_m: ..., force_offset_N: ...}"
+            faults.append(request.at_data.fault(("time_offset_s",), words))
+        held = force_tests.select(table, test, request.columns, faults)
+        if held is None:
+            return
+        self.motion = motion_of(held.given, test)
+        try:
+            body = SteadyBody(self._scene, test.body)
+            self.model = LawAlone(self.template, (), held.columns, test, self.motion).response(()).at(held.time)
+        except (SceneError, ModelFailed) as error:
+            found = error.faults[0].message if isinstance(error, SceneError) else str(error)
+            faults.append(request.at_config.fault((), f"no force test can be made of it: {found}"))
+            return
+        self.zeros = zeros_of(test, held)
+        depths = [low for key, low, _, _ in self.zeros if key == DEPTH_OFFSET]
+        least = depths[0] if depths else known_zero(test.depth_offset_m)
+        size = 2.0 * self._scene.radius(body.body)
+        faults += force_checks.of_test(held, self.model, size, least)
+        self.measured = held
 
 
 def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[Fault]:
@@ -107,7 +151,8 @@ def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[F
     for run, source in zip(runs, sources, strict=True):
         held = source.measured
         assert held is not None  # or there was a fault
-        numbers = (held.columns, held.time.tobytes(), held.values.tobytes())
+        given = tuple(one.tobytes() for one in held.given.values())
+        numbers = (held.columns, held.time.tobytes(), held.values.tobytes(), given)
         if numbers in seen:
             words = f"{held.file} has the numbers of {seen[numbers]} again; a measurement counts once"
             yield run.at_data.fault((), words)
@@ -147,16 +192,11 @@ def _problem(
     runs = []
     for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         assert source.measured is not None  # or there was a fault
-        acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key != OFFSET)
-        simulator = Simulator(source.template, [parameters[j].key for j in acting], source.measured.columns)
-        offset_index, offset = None, 0.0
-        if isinstance(one.offset, tuple):
-            offset_index = len(parameters)
-            parameters.append(Parameter(OFFSET, (i,), *one.offset, log=False, label=f"{OFFSET[0]} @ {one.name}"))
+        acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key not in NO_KEYS)
+        if source.test is None:
+            runs.append(_run(one, i, source, acting, parameters))
         else:
-            offset = one.offset
-        simulator.early = source.early
-        runs.append(MeasuredRun(one.name, simulator, source.measured, acting, offset, offset_index))
+            runs.append(_force_test(one, i, source, acting, parameters))
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
     return Problem(
         request.name,
@@ -169,10 +209,40 @@ def _problem(
     )
 
 
+def _run(one: RunRequest, i: int, source: _Source, acting: tuple[int, ...], parameters: list[Parameter]) -> MeasuredRun:
+    """A run of the scene; parameters: gets the offset of its clock, if that is looked for."""
+    assert source.measured is not None  # or there was a fault
+    simulator = Simulator(source.template, [parameters[j].key for j in acting], source.measured.columns)
+    offset_index, offset = None, 0.0
+    if isinstance(one.offset, tuple):
+        offset_index = len(parameters)
+        parameters.append(Parameter(OFFSET, (i,), *one.offset, log=False, label=f"{OFFSET[0]} @ {one.name}"))
+    else:
+        offset = one.offset
+    simulator.early = source.early
+    return MeasuredRun(one.name, simulator, source.measured, acting, offset, offset_index)
+
+
+def _force_test(
+    one: RunRequest, i: int, source: _Source, acting: tuple[int, ...], parameters: list[Parameter]
+) -> MeasuredRun:
+    """A force test; parameters: gets the zeros that are looked for."""
+    assert source.measured is not None  # or there was a fault
+    assert source.test is not None
+    keys = [parameters[j].key for j in acting]
+    for key, low, high, start in source.zeros:
+        acting = (*acting, len(parameters))
+        parameters.append(Parameter(key, (i,), low, high, start, log=False, label=f"{key[0]} @ {one.name}"))
+    zeros = [key for key, *_ in source.zeros]
+    simulator = LawAlone(source.template, keys, source.measured.columns, source.test, source.motion, zeros)
+    return MeasuredRun(one.name, simulator, source.measured, acting)
+
+
 def _noise(request: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:
     said: dict[str, str] = {}
     for name, (value, at) in request.noise.items():
-        hit = recognise(name, columns)
+        own = recognise_force(name)
+        hit = own if own is not None and own[0] in columns else recognise(name, columns)
         if hit is None:
             faults.append(at.fault(("noise", name), f"no data have such a column; allowed are {in_words(columns)}"))
         elif hit[0] in said:

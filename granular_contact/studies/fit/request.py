@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from granular_contact.config.overrides import Override
-from granular_contact.config.schema.fit import Bounds
+from granular_contact.config.schema.fit import Bounds, ForceTest
 from granular_contact.config.tree import Position
 from granular_contact.studies.fit.problem import Loss
 
@@ -28,9 +28,10 @@ class ParameterRequest:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """A requested run. columns: measured name -> header and place.
+    """A requested run. columns: measured name -> header and place; rows: header -> number and place.
 
-    offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found.
+    offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found. force_test: how the
+    body was moved; None: as the columns say.
     """
 
     name: str
@@ -42,6 +43,8 @@ class RunRequest:
     columns: Mapping[str, tuple[str, Position]] = field(default_factory=dict)
     offset: float | tuple[float, float, float] = 0.0
     parameters: tuple[ParameterRequest, ...] = ()
+    rows: Mapping[str, tuple[float, Position]] = field(default_factory=dict)
+    force_test: ForceTest | None = None
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,8 @@ def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) 
             _columns(root, file) if run.columns is None else _columns(node, run),
             _offset(clock),
             _parameters(node, path, run.parameters, faults),
+            {header: (value, _at(node, "rows", header)) for header, value in (run.rows or {}).items()},
+            file.force_test if run.force_test is None else run.force_test,
         )
 
 

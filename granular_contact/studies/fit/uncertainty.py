@@ -77,7 +77,7 @@ def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
         *_bound_words(estimates, covariance),
         *_words(directions),
         *(f"{e.parameter.label} is not determined by these data" for e in estimates if _unmoved(e)),
-        *_close_words(problem, correlation, directions),
+        *_close_words(problem, deviation, correlation, directions),
     )
     return Uncertainty(estimates, covariance, correlation, directions, tuple(dict.fromkeys(words)), quantile)
 
@@ -209,13 +209,20 @@ def _listed(words: Sequence[str]) -> str:
     return f"{', '.join(words[:-1])} and {words[-1]}"
 
 
-def _close_words(problem: Problem, correlation: Vector, directions: Directions) -> Iterator[str]:
-    """Pairs of well determined but highly correlated parameters."""
+def _close_words(problem: Problem, deviation: Vector, correlation: Vector, directions: Directions) -> Iterator[str]:
+    """Pairs of well determined but highly correlated parameters; of single runs also those that are not determined."""
     named = [set(_members(direction)) for direction in directions]
+    low, high = problem.bounds
+    open_by = deviation / (high - low)
     for i, one in enumerate(problem.parameters):
         for j, other in enumerate(problem.parameters[:i]):
             close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= HIGH_CORRELATION
-            if close and not any({one.label, other.label} <= names for names in named):
+            if close and not one.shared and not other.shared and min(open_by[i], open_by[j]) > 1.0:
+                yield (
+                    f"{other.label} and {one.label} can't be told apart by these data: any value of one goes with one "
+                    "of the other; give one of them a number"
+                )
+            elif close and not any({one.label, other.label} <= names for names in named):
                 yield f"{other.label} and {one.label} are hard to tell apart: correlation {correlation[i, j]:+.3f}"
 
 

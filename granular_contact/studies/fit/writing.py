@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, yaml_text
 from granular_contact.results.summary import versions
 from granular_contact.studies.fit.fitting import Fit
+from granular_contact.studies.fit.force_columns import DEPTH, RATE, SPEED
+from granular_contact.studies.fit.law_alone import LawAlone
 from granular_contact.studies.fit.medium import media
-from granular_contact.studies.fit.problem import Parameter
+from granular_contact.studies.fit.problem import MeasuredRun, Parameter
 
 SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
 
@@ -96,6 +99,7 @@ def summary(fit: Fit) -> dict[str, Any]:
                 "rows": len(run.measured.time),
                 "columns": list(run.measured.columns),
                 "unused_columns": list(run.measured.unused),
+                **_force_test(run),
             }
             for run in problem.runs
         ],
@@ -109,21 +113,39 @@ def summary(fit: Fit) -> dict[str, Any]:
     }
 
 
+def _force_test(run: MeasuredRun) -> dict[str, Any]:
+    """What is kept of a force test; nothing of a run."""
+    model = run.simulator
+    if not isinstance(model, LawAlone):
+        return {}
+    spans = {name: [float(one.min()), float(one.max())] for name, one in run.measured.given.items()}
+    return {"force_test": model.test.model_dump(exclude_defaults=True) | {"prescribed": spans}}
+
+
 def _residual_lines(fit: Fit) -> Iterator[str]:
-    """One line for each measured value: run, column, time, data, model, residual in units of the noise."""
-    yield "run,column,time_s,data,model,residual_over_noise\n"
+    """One line for each measured value: run, column, time, data, model, residual in units of the noise.
+
+    In force tests what was prescribed stands behind it, and there is no time.
+    """
+    prescribed = list(dict.fromkeys(name for run in fit.problem.runs for name in run.measured.given))
+    yield f"{','.join(['run,column,time_s,data,model,residual_over_noise', *prescribed])}\n"
     sigma = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True))
     for run, residuals in zip(fit.problem.runs, fit.residuals, strict=True):
         name = run.name if not set(run.name) & set(',"\n') else '"' + run.name.replace('"', '""') + '"'
-        for k, column in enumerate(run.measured.columns):
-            rows = np.column_stack([run.measured.time, run.measured.values[:, k], residuals[:, k]]).tolist()
-            for time, data, residual in rows:
-                yield f"{name},{column},{time!r},{data!r},{data - residual!r},{residual / sigma[column]:.4f}\n"
+        held = run.measured
+        given = [held.given.get(one) for one in prescribed]
+        for k, column in enumerate(held.columns):
+            rows = np.column_stack([held.time, held.values[:, k], residuals[:, k]]).tolist()
+            for i, (time, data, residual) in enumerate(rows):
+                clock = "" if held.given else repr(time)
+                more = "".join("," if one is None else f",{float(one[i])!r}" for one in given)
+                scaled = f"{residual / sigma[column]:.4f}{more}"
+                yield f"{name},{column},{clock},{data!r},{data - residual!r},{scaled}\n"
 
 
 def figure_data(fit: Fit) -> Any:
     """What the figures show, as plain arrays."""
-    from granular_contact.report.figures.fits import ColumnPicture, FitPicture, RunPicture
+    from granular_contact.report.figures.fits import ColumnPicture, FitPicture
 
     sigma = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True))
     runs = []
@@ -140,7 +162,7 @@ def figure_data(fit: Fit) -> Any:
             )
             for k, column in enumerate(run.measured.columns)
         ]
-        runs.append(RunPicture(run.name, run.measured.time, curve.time, tuple(columns)))
+        runs.append(_picture(run, curve.time, tuple(columns)))
     shared = [j for j, p in enumerate(fit.problem.parameters) if p.shared]
     estimates = [fit.uncertainty.estimates[j] for j in shared]
     return FitPicture(
@@ -151,6 +173,23 @@ def figure_data(fit: Fit) -> Any:
         correlation=fit.uncertainty.correlation[np.ix_(shared, shared)],
         misfit=fit.goodness.status == "misfit",
     )
+
+
+_AXES = ((DEPTH, "depth in the table", "m"), (SPEED, "speed", "m/s"), (RATE, "rate", "rad/s"))
+
+
+def _picture(run: MeasuredRun, time: NDArray[np.float64], columns: tuple[Any, ...]) -> Any:
+    """A run over time, or a force test over what was varied most."""
+    from granular_contact.report.figures.fits import RunPicture
+
+    held = run.measured
+    for name, label, unit in _AXES if held.given else ():
+        given = held.given.get(name)
+        if given is not None and np.ptp(given) > 0.0:
+            fine = np.interp(time, held.time, given)
+            return RunPicture(run.name, given, fine, columns, label, unit)
+    label, unit = ("row", "") if held.given else ("time of the measurement", "s")
+    return RunPicture(run.name, held.time, time, columns, label, unit)
 
 
 def _short(parameter: Parameter) -> str:

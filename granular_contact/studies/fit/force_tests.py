@@ -1,0 +1,219 @@
+"""Cells of a CSV file of forces against depth or speed -> Measured, or every fault of them at its line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.config.csv_table import Table, few, form_faults, number
+from granular_contact.config.messages import unknown
+from granular_contact.config.schema.fit import DIRECTIONS, ForceTest
+from granular_contact.config.tree import Position
+from granular_contact.errors import Fault
+from granular_contact.studies.fit import force_columns as columns
+from granular_contact.studies.fit.columns import TIME
+from granular_contact.studies.fit.columns import recognise as recognise_motion
+from granular_contact.studies.fit.force_columns import DEPTH, PRESSURE
+from granular_contact.studies.fit.measurements import Measured, column_numbers
+
+Vector = NDArray[np.float64]
+Chosen = dict[str, tuple[str, float]]  # header -> column of a force test, factor to its unit
+
+FEWEST_ROWS = 4
+SAME = 1e-9  # relative difference of numbers that choose rows
+TURNING_BACK = 0.02  # share of the range of depths: less is noise of the depth
+
+
+def angle_of(test: ForceTest) -> float:
+    """Direction of the motion below the horizontal (deg)."""
+    return DIRECTIONS[test.direction] if isinstance(test.direction, str) else test.direction
+
+
+def meant(table: Table, mapping: Mapping[str, tuple[str, Position]]) -> bool:
+    """Whether a table is one of a force test by its columns: it tells forces, and no times."""
+    names = list(mapping) or list(table.header)
+    return columns.tells_forces(names) and not any(recognise_motion(name, [TIME]) for name in names)
+
+
+def rows_of(table: Table, rows: Mapping[str, tuple[float, Position]], faults: list[Fault]) -> Table:
+    """The rows that have these numbers in these columns."""
+    kept = list(zip(table.rows, table.lines, strict=True))
+    for header, (value, at) in rows.items():
+        if header not in table.header:
+            words = f"{table.file} has no such column; {unknown(header, table.header)}"
+            faults.append(at.fault(("rows", header), words))
+            return table
+        i = table.header.index(header)
+        cells = [(number(row[i]) if i < len(row) else None) for row, _ in kept]
+        chosen = [k for k, held in enumerate(cells) if held is not None and abs(held - value) <= SAME * abs(value)]
+        if not chosen:
+            there = sorted({held for held in cells if held is not None})[:6]
+            words = f"got {value:g}, but no row of {table.file} has it; there are {', '.join(f'{x:g}' for x in there)}"
+            faults.append(at.fault(("rows", header), words))
+            return table
+        kept = [kept[k] for k in chosen]
+    return Table(
+        table.file, table.header, table.header_line, tuple(row for row, _ in kept), tuple(line for _, line in kept)
+    )
+
+
+def select(
+    table: Table,
+    test: ForceTest,
+    mapping: Mapping[str, tuple[str, Position]],
+    faults: list[Fault],
+) -> Measured | None:
+    """What was prescribed and measured, as numbers; None, with faults, where that is not possible."""
+    if odd := form_faults(table):
+        faults += odd
+        return None
+    before = len(faults)
+    chosen = _mapped(table, mapping, faults) if mapping else _named(table, faults)
+    if len(faults) == before:
+        _complete(table, chosen, test, faults)
+    if len(faults) > before:
+        return None
+    numbers = {header: column_numbers(table, header, faults) for header in chosen}
+    if len(table.rows) < FEWEST_ROWS:
+        words = f"has {len(table.rows)} rows; at least {FEWEST_ROWS} are needed"
+        faults.append(Fault(table.file, table.header_line, "", words))
+    if len(faults) > before:
+        return None
+    values = {column: numbers[header] * factor for header, (column, factor) in chosen.items()}
+    back = _unloading(values[DEPTH], test) if DEPTH in values else np.zeros(len(table.rows), bool)
+    if test.unloading == "refuse" and np.any(back):
+        faults += few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)])
+        return None
+    return _measured(table, test, values, ~back, [name for name in table.header if name not in chosen])
+
+
+def _measured(
+    table: Table, test: ForceTest, values: dict[str, Vector], kept: NDArray[np.bool_], unused: list[str]
+) -> Measured:
+    names = tuple(column for column in values if columns.is_measured(column))
+    count = int(kept.sum())
+    constants = {DEPTH: test.depth_m, columns.SPEED: test.speed_m_s, columns.RATE: test.rate_rad_s}
+    given = {name: np.full(count, value) for name, value in constants.items() if value is not None}
+    given |= {name: column[kept] for name, column in values.items() if name not in names}
+    notes = [
+        f"{table.file}: lines {table.lines[a]} to {table.lines[b]}, in which the body goes back, are left out"
+        for a, b in _spans(~kept)
+    ]
+    return Measured(
+        table.file,
+        np.arange(count, dtype=float),
+        names,
+        np.column_stack([values[name][kept] for name in names]),
+        tuple(np.array(table.lines)[kept].tolist()),
+        tuple(unused),
+        given,
+        tuple(notes),
+    )
+
+
+# ---- columns ----
+
+
+def _named(table: Table, faults: list[Fault]) -> Chosen:
+    """Columns by their own names; others are left out, unless they look like a misspelt one."""
+    found: Chosen = {}
+    for name in table.header:
+        hit = columns.recognise(name)
+        if hit is not None:
+            found[name] = hit
+        elif near := get_close_matches(name, columns.spellings(), 1, cutoff=0.85):
+            faults.append(Fault(table.file, table.header_line, name, f"unknown column; did you mean {near[0]}?"))
+    return found
+
+
+def _mapped(table: Table, mapping: Mapping[str, tuple[str, Position]], faults: list[Fault]) -> Chosen:
+    found: Chosen = {}
+    for name, (header, at) in mapping.items():
+        hit = columns.recognise(name)
+        if hit is None:
+            known = columns.in_words((*columns.GIVEN, *columns.MEASURED))
+            faults.append(at.fault(("columns", name), f"is no column of a force test; allowed are {known}"))
+        elif header not in table.header:
+            words = f"got {header!r}, but {table.file} has no such column; {unknown(header, table.header)}"
+            faults.append(at.fault(("columns", name), words))
+        elif header in found:
+            words = f"got {header!r}, which is {found[header][0]} already; each needs a column of its own"
+            faults.append(at.fault(("columns", name), words))
+        else:
+            found[header] = hit
+    return found
+
+
+def _complete(table: Table, chosen: Chosen, test: ForceTest, faults: list[Fault]) -> None:
+    """Faults of what is missing, or there twice."""
+    names, line = [column for column, _ in chosen.values()], table.header_line
+    if not any(map(columns.is_measured, names)):
+        words = f"has no force, torque or pressure; allowed are {columns.in_words(columns.MEASURED)}"
+        faults.append(Fault(table.file, line, "", words))
+    if DEPTH not in names and test.depth_m is None:
+        words = f"has no column of depths; allowed is {columns.in_words(['depth'])}, or force_test: {{depth_m: ...}}"
+        faults.append(Fault(table.file, line, "", words))
+    if PRESSURE in names and test.area_m2 is None:
+        words = "is a pressure, of an area that is not said: force_test: {area_m2: ...}"
+        faults.append(Fault(table.file, line, PRESSURE, words))
+    for column in sorted({column for column in names if names.count(column) > 1}):
+        words = "is measured by two columns; choose one of them by name"
+        faults.append(Fault(table.file, line, column, words))
+
+
+# ---- rows in which the body goes back ----
+
+
+def _unloading(depth: Vector, test: ForceTest) -> NDArray[np.bool_]:
+    """Rows (n,) in which the body moves against its direction: between a greatest depth and the next least one.
+
+    A step back in a single row is another trial that begins, and steps below TURNING_BACK of the range are noise.
+    """
+    downward = np.sin(np.radians(angle_of(test)))
+    back = np.zeros(len(depth), bool)
+    if abs(downward) < 0.5:
+        return back
+    way = depth * np.sign(downward)
+    least = TURNING_BACK * float(np.ptp(way))
+    for a, b in _falls(way, least):
+        back[a + 1 : b] = True
+    if len(way) and (falls := _falls(way, least)) and falls[-1][1] == len(way) - 1 and back.any():
+        back[-1] = True
+    return back
+
+
+def _falls(way: Vector, least: float) -> list[tuple[int, int]]:
+    """From each greatest to the next least value (indices), where it falls by more than `least`."""
+    found: list[tuple[int, int]] = []
+    top = bottom = 0
+    falling = False
+    for i in range(1, len(way)):
+        if not falling:
+            top = i if way[i] >= way[top] else top
+            if way[top] - way[i] > least:
+                falling, bottom = True, i
+        elif way[i] <= way[bottom]:
+            bottom = i
+        elif way[i] - way[bottom] > least:
+            found.append((top, bottom))
+            falling, top = False, i
+    return [*found, (top, bottom)] if falling else found
+
+
+def _spans(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of each run of marked rows."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], marked.astype(int), [0]])))
+    return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
+
+
+def _refused(table: Table, depth: Vector, span: tuple[int, int]) -> Fault:
+    a, b = span
+    words = (
+        f"to line {table.lines[b]} the depth goes back from {1e3 * depth[max(a - 1, 0)]:.4g} to {1e3 * depth[b]:.4g} "
+        "mm: on the way back the medium does not resist as on the way in; leave these rows out, or say "
+        "force_test: {unloading: leave_out}"
+    )
+    return Fault(table.file, table.lines[a], DEPTH, words)
