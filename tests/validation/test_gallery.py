@@ -46,7 +46,8 @@ def test_a_sweep_comes_to_its_end(name: str) -> None:
 
 
 def test_the_page_shows_what_there_is_and_no_more() -> None:
-    assert set(SHOWN) == {name for kind in (is_run, is_sweep, is_optimise, is_fit) for name in gallery.names(kind)}, ADVICE
+    kinds = (is_run, is_sweep, is_optimise, is_fit)
+    assert set(SHOWN) == {name for kind in kinds for name in gallery.names(kind)}, ADVICE
     assert {name: SHOWN[name] for name in gallery.names(is_optimise)} == {
         name: gallery.runs(name) for name in gallery.names(is_optimise)
     }
