@@ -1,4 +1,4 @@
-"""The command line in a process of its own: what it prints, its exit codes, and what it must not import."""
+"""The command line: what it prints, its exit codes, and what it must not import."""
 
 from __future__ import annotations
 
@@ -22,9 +22,22 @@ CONFIG = str(ROOT / "configs" / "pendulum.yaml")
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
-def command(*arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+def in_process_of_its_own(*arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
     process = [sys.executable, "-m", "granular_contact", *arguments]
     return subprocess.run(process, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=120)
+
+
+@pytest.fixture
+def command(monkeypatch, capsys):
+    """As `in_process_of_its_own`, without a start of a second each."""
+
+    def run(*arguments: str, folder: Path = ROOT) -> SimpleNamespace:
+        monkeypatch.chdir(folder)
+        code = main(list(arguments))
+        said = capsys.readouterr()
+        return SimpleNamespace(returncode=code, stdout=said.out, stderr=said.err)
+
+    return run
 
 
 def imported(code: str) -> set[str]:
@@ -35,7 +48,7 @@ def imported(code: str) -> set[str]:
     return set(done.stdout.splitlines()[-1].split())
 
 
-def test_check_names_each_good_file():
+def test_check_names_each_good_file(command):
     names = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "configs").glob("*.yaml"))
     done = command("check", *names)
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (0, [f"{name}: ok" for name in names], "")
@@ -44,7 +57,7 @@ def test_check_names_each_good_file():
 def test_check_reports_the_bad_and_the_good(tmp_path):
     (tmp_path / "bad.yaml").write_text("model: compound_pendulum\ninitial: {impact_angle_deg: 95}\ngravity: 1\n")
     (tmp_path / "good.yaml").write_text("model: compound_pendulum\ninitial: {impact_angle_deg: 9}\n")
-    done = command("check", "bad.yaml", "good.yaml", "no.yaml", folder=tmp_path)
+    done = in_process_of_its_own("check", "bad.yaml", "good.yaml", "no.yaml", folder=tmp_path)
     assert done.returncode == 2
     assert done.stdout == "good.yaml: ok\n"
     assert done.stderr.splitlines() == [
@@ -54,7 +67,7 @@ def test_check_reports_the_bad_and_the_good(tmp_path):
     ]
 
 
-def test_a_fault_of_the_geometry_gets_its_line(tmp_path):
+def test_a_fault_of_the_geometry_gets_its_line(command, tmp_path):
     """A pendulum that is welded to the ground and yet turns passes the schema; only the scene sees it."""
     text = """\
 model:
@@ -87,7 +100,7 @@ initial:
     ],
     ids=lambda value: " ".join(value)[-30:] if isinstance(value, list) else "",
 )
-def test_bad_input_ends_with_2_and_no_traceback(arguments, words, tmp_path):
+def test_bad_input_ends_with_2_and_no_traceback(command, arguments, words, tmp_path):
     done = command(*arguments, folder=tmp_path)
     assert done.returncode == 2
     assert words in done.stderr
@@ -105,7 +118,7 @@ def test_a_folder_that_may_be_written_is_left_as_it_was(tmp_path):
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["old", "summary.json"]
 
 
-def test_schema_is_json():
+def test_schema_is_json(command):
     done = command("schema")
     assert (done.returncode, done.stderr) == (0, "")
     assert "solver" in json.loads(done.stdout)["properties"]
