@@ -23,7 +23,7 @@ MAY = {
     "kernels": {"kernels"},
     "values": {"values"},
     "laws": {"laws", "kernels", "values"},
-    "config": {"config", "config.csv_table", "values", "laws", "errors", "examples", "geometry"},
+    "config": {"config", "config.csv_table", "robot", "values", "laws", "errors", "examples", "geometry"},
     "scene": {"scene", "scene.space", "config", "laws", "errors", "geometry"},
     # Shapes and meshes are made by the bed, once.
     "scene.space": {"scene.space", "scene", "config", "config.csv_table", "bed.space", "laws", "errors", "geometry"},

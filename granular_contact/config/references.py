@@ -11,6 +11,7 @@ from pathlib import Path
 from granular_contact.config.messages import got, kind_of
 from granular_contact.config.provenance import restated
 from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
+from granular_contact.config.urdf import is_of_robot, mechanism
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
 from granular_contact.laws.catalogue import LAWS
@@ -55,7 +56,10 @@ class Resolver:
         if isinstance(node, Scalar) and node.value is None:
             return node
         if isinstance(node, Mapping | Scalar) and not (isinstance(node, Scalar) and not isinstance(node.value, str)):
-            return self._expand(node, library, self._config, ())
+            found = self._expand(node, library, self._config, ())
+            if library is MODELS and isinstance(found, Mapping) and is_of_robot(found):
+                return mechanism(found, self._faults)
+            return found
         if isinstance(node, Broken):
             return node
         return self._refuse(node.position, (library.key,), f"got {got(node)}; allowed is {_forms(library)}")

@@ -7,9 +7,9 @@ links, joints, urdf   XML -> a robot
 structure   whether links and joints form one tree
 inertia     whether a tensor is that of a body; turning and moving it
 massless    links without mass become part of what they are fixed to
+support     joints that no mechanism here can have, joints that are held
 files       where a mesh file is, `package://` too
 inspection  what is wrong with the meshes and bodies of a robot, as a table and sentences
 mending     a copy of a robot file with closed meshes
-
-How a robot becomes a mechanism of a config: `config/urdf.py`.
+mechanism   a robot -> what a config says of a mechanism in space; `config/urdf.py` puts it in place
 """

@@ -14,7 +14,8 @@ from granular_contact.errors import ConfigError, Fault
 from granular_contact.geometry.mesh_quality import Quality, quality, share_inside
 from granular_contact.robot.elements import Reader
 from granular_contact.robot.files import find
-from granular_contact.robot.massless import has_world, merged
+from granular_contact.robot.massless import merged
+from granular_contact.robot.support import mimicking, unsupported
 from granular_contact.robot.surfaces import Surfaces
 from granular_contact.robot.types import Link, Robot, Shape, Vector
 from granular_contact.robot.urdf import read_all
@@ -142,17 +143,9 @@ def _check_bodies(reader: Reader, notes: Reader, robot: Robot, shapes: list[Insp
     root_only = [fault for fault in massless.faults if fault.key == f"link.{robot.root}"]
     notes.faults += root_only
     reader.faults += [fault for fault in massless.faults if fault not in root_only]
-    for joint in robot.joints.values():
-        if joint.kind == "planar" or (
-            joint.kind == "floating" and not (joint.parent == robot.root and has_world(robot))
-        ):
-            allowed = "revolute, continuous, prismatic and fixed, floating below the link world"
-            reader.fault(
-                joint.line, f"joint.{joint.name}.type", f"{joint.kind} is not supported; allowed are {allowed}"
-            )
-        if joint.mimic:
-            words = f"follows {joint.mimic}, which is not supported: give it a drive of its own, or name it in fix"
-            notes.fault(joint.lines["mimic"], f"joint.{joint.name}.mimic", words)
+    for one, found in ((reader, unsupported(robot)), (notes, mimicking(robot))):
+        for joint, key, words in found:
+            one.fault(joint.lines.get(key, joint.line), f"joint.{joint.name}.{key}", words)
     for link in robot.links.values():
         notes.faults += _doubtful(notes.file, link, [one for one in shapes if one.shape.link == link.name])
 

@@ -1,0 +1,138 @@
+"""A model that names a robot file -> the tree of a mechanism in space, each key at its line in that file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granular_contact.config.messages import validated
+from granular_contact.config.schema.robot import RobotFile
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, made, merge
+from granular_contact.errors import ConfigError
+from granular_contact.values.strict import did_you_mean, no_such
+
+if TYPE_CHECKING:
+    from granular_contact.errors import Fault
+    from granular_contact.robot.mechanism import Wishes
+    from granular_contact.robot.types import Robot
+
+URDF = "urdf"
+# Keys of a mechanism in space that may stand beside those of a robot file, and are put over what it gives.
+_OVER = ("in_space", "name", "description", "bodies", "joints", "closures", "chain")
+
+
+def is_of_robot(node: Node) -> bool:
+    """Whether a model names a robot file."""
+    return isinstance(node, Mapping) and URDF in node.nodes
+
+
+def mechanism(node: Mapping, faults: list[Fault]) -> Node:
+    """The mechanism in the robot file that a model names; `Broken`, with faults, if there is none."""
+    before = len(faults)
+    asked = _asked(node, faults)
+    if asked is None or len(faults) > before:
+        return Broken(node.position)
+    at = node.nodes[URDF].position
+    folder = Path(at.file).parent if at.line is not None else Path()
+    try:
+        found = _translated(node, asked, folder, faults)
+    except ConfigError as error:  # of the file as a whole; without a line of its own it is a fault of its name
+        shown = error.faults[0].file
+        told = [at.fault(("model", URDF), f"{shown} {one.message}") for one in error.faults]
+        faults += [one if one.line is not None else new for one, new in zip(error.faults, told, strict=True)]
+        found = None
+    if found is None or len(faults) > before:
+        return Broken(node.position)
+    return merge(found, _part(node, _OVER))
+
+
+def _part(node: Mapping, keys: Any) -> Mapping:
+    return Mapping(node.position, {key: held for key, held in node.nodes.items() if key in keys}, node.keys)
+
+
+def _asked(node: Mapping, faults: list[Fault]) -> RobotFile | None:
+    """The keys of a robot file."""
+    known = [*RobotFile.model_fields, *_OVER]
+    for key in node.nodes:
+        if key not in known:
+            words = f"unknown key; {did_you_mean(key, known) or 'allowed are ' + ', '.join(known)}"
+            faults.append(node.keys[key].fault(("model", key), words))
+    told = list[Fault]()
+    asked = validated(RobotFile, _part(node, RobotFile.model_fields), told)
+    faults += [replace(fault, key=f"model.{fault.key}".rstrip(".")) for fault in told]
+    return asked
+
+
+def _translated(node: Mapping, asked: RobotFile, folder: Path, faults: list[Fault]) -> Node | None:
+    """Raises ConfigError if the file can't be read as XML."""
+    from granular_contact.config.references import shown
+    from granular_contact.robot.massless import has_world, merged
+    from granular_contact.robot.mechanism import mechanism_of
+    from granular_contact.robot.support import held
+    from granular_contact.robot.urdf import read_all
+
+    robot, reader = read_all(shown(folder / asked.urdf))
+    if not reader.faults:
+        faults += _unmatched(node, asked, robot)
+        if has_world(robot) and asked.base is not None:
+            words = f"got {asked.base}, but the root link {robot.root} of {robot.file} is the ground; leave it out"
+            faults.append(node.keys["base"].fault(("model", "base"), words))
+        bodies = merged(held(robot, asked.fix), reader, asked.base == "fixed")
+    if not reader.faults:
+        said = mechanism_of(bodies, reader, _wishes(asked, robot, folder))
+    faults += reader.faults
+    return None if reader.faults else _placed(said, Position(robot.file, 1))
+
+
+def _wishes(asked: RobotFile, robot: Robot, folder: Path) -> Wishes:
+    from granular_contact.robot.mechanism import Wishes
+    from granular_contact.robot.support import matching
+
+    sand = None
+    if asked.in_sand is not None:
+        sand = frozenset(name for pattern in asked.in_sand for name in matching(pattern, robot.links))
+    return Wishes(
+        which=asked.shapes,
+        sand=sand,
+        facet_size=asked.facet_size_m,
+        base_fixed=asked.base == "fixed",
+        mimic_free=asked.mimic == "ignore",
+        stiffness=(asked.stops.stiffness_Nm_per_rad, asked.stops.stiffness_N_per_m),
+        dissipation=(asked.stops.dissipation_s_per_rad, asked.stops.dissipation_s_per_m),
+        packages={name: folder / path for name, path in asked.packages.items()},
+    )
+
+
+def _unmatched(node: Mapping, asked: RobotFile, robot: Robot) -> list[Fault]:
+    """Faults of patterns that mean no joint or link, or no link with a shape."""
+    from granular_contact.robot.support import matching
+
+    found = []
+    for key, what, patterns, names in (
+        ("fix", "joint", asked.fix, list(robot.joints)),
+        ("in_sand", "link", asked.in_sand or (), list(robot.links)),
+    ):
+        for index, pattern in enumerate(patterns):
+            meant = matching(pattern, names)
+            path, at = ("model", key, index), node.keys.get(key, node.position)
+            if not meant:
+                found.append(at.fault(path, no_such(what, pattern, names)))
+            elif key == "in_sand" and not any(robot.links[name].shapes(asked.shapes) for name in meant):
+                words = f"{', '.join(meant[:6])}: no {asked.shapes} shape for the medium to act on"
+                found.append(at.fault(path, f"{words}; allowed are links with one"))
+    return found
+
+
+def _placed(said: Any, at: Position) -> Node:
+    """The tree of a mechanism of `robot.mechanism`."""
+    from granular_contact.robot.mechanism import Said
+
+    if isinstance(said, Said):
+        return _placed(said.value, Position(at.file, said.line))
+    if isinstance(said, dict):
+        nodes = {key: _placed(held, at) for key, held in said.items()}
+        return Mapping(at, nodes, {key: node.position for key, node in nodes.items()})
+    if isinstance(said, list):
+        return Items(at, tuple(_placed(held, at) for held in said))
+    return made(said, at)
