@@ -11,6 +11,7 @@ from pydantic.json_schema import models_json_schema
 
 from granular_contact.config.schema.fit import FitFile
 from granular_contact.config.schema.optimise import OptimiseFile
+from granular_contact.config.schema.robot import RobotFile
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.config.tree import Path
@@ -22,7 +23,7 @@ _FORMS: dict[Any, str] = {"text": "string", "number": "number", "list": "array",
 
 def definitions() -> dict[str, Schema]:
     """JSON Schemas of all classes of files, by their names; in a scenario model and medium are resolved."""
-    return _definitions((Scenario, *Scenario.__subclasses__(), SweepFile, FitFile, OptimiseFile))
+    return _definitions((Scenario, *Scenario.__subclasses__(), SweepFile, FitFile, OptimiseFile, RobotFile))
 
 
 @cache

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 from granular_contact.config.messages import validated
 from granular_contact.config.schema.robot import RobotFile
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, made, merge
-from granular_contact.errors import ConfigError
+from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean, no_such
 
 if TYPE_CHECKING:
-    from granular_contact.errors import Fault
     from granular_contact.robot.mechanism import Wishes
     from granular_contact.robot.types import Robot
 
@@ -31,7 +30,7 @@ def mechanism(node: Mapping, faults: list[Fault]) -> Node:
     """The mechanism in the robot file that a model names; `Broken`, with faults, if there is none."""
     before = len(faults)
     asked = _asked(node, faults)
-    if asked is None or len(faults) > before:
+    if asked is None:
         return Broken(node.position)
     at = node.nodes[URDF].position
     folder = Path(at.file).parent if at.line is not None else Path()
@@ -73,6 +72,7 @@ def _translated(node: Mapping, asked: RobotFile, folder: Path, faults: list[Faul
     from granular_contact.robot.urdf import read_all
 
     robot, reader = read_all(shown(folder / asked.urdf))
+    reader.use(asked.shapes)
     if not reader.faults:
         faults += _unmatched(node, asked, robot)
         if has_world(robot) and asked.base is not None:

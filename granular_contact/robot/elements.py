@@ -18,6 +18,12 @@ class Reader:
     def __init__(self, file: str) -> None:
         self.file = file
         self.faults: list[Fault] = []
+        self.of_shapes: dict[str, list[Fault]] = {"collision": [], "visual": []}
+
+    def use(self, which: str) -> None:
+        """Count the faults of shapes of one kind, "collision" or "visual", as the others are not used."""
+        self.faults += self.of_shapes[which]
+        self.of_shapes[which] = []
 
     def fault(self, at: Element | int | None, key: str, message: str) -> None:
         """Note a fault of an element or line, under a dotted key."""

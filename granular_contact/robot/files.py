@@ -1,4 +1,8 @@
-"""Where a mesh of a robot file is. Nothing is fetched; `package://NAME/` is looked up in the folders above the file."""
+"""Where a mesh of a robot file is. Nothing is fetched; `package://NAME/` is looked up in the folders above the file.
+
+A package is a folder of its name, or with a `package.xml` of its name; if there is none, what the file names is looked
+for in each of these folders themselves.
+"""
 
 from __future__ import annotations
 
@@ -24,17 +28,17 @@ def find(name: str, robot: Path, packages: Mapping[str, Path] | None = None) -> 
         return f"got {_short(name)}; allowed are paths and package://, nothing is fetched"
     package, _, rest = url[2].partition("/")
     looked = []
-    for folder in _folders(package, robot.resolve(), packages or {}):
+    folders = _folders(package, robot.resolve(), packages or {})
+    for folder in (*folders, *([] if folders else robot.resolve().parents)):  # which may have another name than it
         if _is_file(folder / rest):
             return folder / rest
-        looked.append(str(folder / rest))
+        looked += [str(folder / rest)] if folder in folders else []
     if looked:
         return f"got {_short(name)}, but there is no file {' or '.join(looked[:3])}"
     above = robot.resolve().parent
-    return (
-        f"got {_short(name)}, but no folder {package}, nor a package.xml of this name, was found in {above} and the "
-        f"{len(above.parents)} folders above it; give its place, as packages: {{{package}: PATH}}"
-    )
+    lost = f"neither a folder {package}, nor a package.xml of this name, nor {rest[:80]}"
+    where = f"in {above} or the {len(above.parents)} folders above it"
+    return f"got {_short(name)}, but there is {lost} {where}; give its place, as packages: {{{package}: PATH}}"
 
 
 def _folders(package: str, robot: Path, packages: Mapping[str, Path]) -> list[Path]:

@@ -72,6 +72,7 @@ def inspect(
     robot, reader = read_all(path)
     if which is None:
         which = "collision" if any(link.collision for link in robot.links.values()) else "visual"
+    reader.use(which)
     notes = Reader(str(path))
     surfaces = Surfaces()
     shapes = [
@@ -118,14 +119,19 @@ def _inspected(
 
 
 def _note_overlaps(notes: Reader, shapes: list[Inspected]) -> None:
-    """Note shapes of one link that lie in each other: the medium acts on both surfaces."""
+    """Note links with shapes that lie in each other: the medium acts on both surfaces."""
+    of_link: dict[str, list[tuple[float, Inspected, Inspected]]] = {}
     for one, other in combinations(shapes, 2):
         if one.shape.link != other.shape.link or one.corners is None or other.corners is None:
             continue
         share = max(share_inside(one.corners, other.corners), share_inside(other.corners, one.corners))
         if share > OVERLAP:
-            words = f"overlaps {other.name} of the same link: about {100 * share:.0f} % of a surface lies inside"
-            notes.fault(one.shape.line, one.shape.key, f"{one.name} {words}, where the medium acts, too")
+            of_link.setdefault(one.shape.link, []).append((share, one, other))
+    for link, found in of_link.items():
+        share, one, other = max(found, key=lambda pair: pair[0])
+        what = "two of its shapes overlap" if len(found) == 1 else f"{len(found)} pairs of its shapes overlap"
+        words = f"{what}, where the medium acts on both: {one.name} and {other.name}, about {100 * share:.0f} % of one"
+        notes.fault(one.shape.line, f"link.{link}", words)
 
 
 def _note_shapeless(notes: Reader, robot: Robot, which: str) -> None:

@@ -81,5 +81,5 @@ def _check_range(reader: Reader, limit: Element, found: dict[str, Any], key: str
         if found[name] is None and limit.get(name) is None:
             found[name] = 0.0
     if None not in (found["lower"], found["upper"]) and found["lower"] >= found["upper"]:
-        message = f"got {found['lower']:g}; allowed is below upper, {found['upper']:g}, or a joint of the type fixed"
-        reader.fault(limit, f"{key}.lower", message)
+        words = f"got {found['lower']:g}; allowed is below upper, {found['upper']:g}"
+        reader.fault(limit, f"{key}.lower", f"{words}, or a joint of the type fixed or continuous")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from granular_contact.robot.elements import Reader
@@ -18,15 +20,18 @@ KINDS = ("box", *_PRIMITIVES, "mesh")
 def read_link(reader: Reader, element: Element, name: str) -> Link:
     """A link of this name; what is faulty in it is left out."""
     key = f"link.{name}"
-    shapes = {
-        which: tuple(
-            shape
-            for index, one in enumerate(found)
-            if (shape := _shape(reader, one, _numbered(f"{key}.{which}", index, len(found)), name)) is not None
-        )
-        for which, found in ((which, element.findall(which)) for which in ("visual", "collision"))
-    }
+    shapes = {which: tuple(_shapes(reader, element, which, name)) for which in reader.of_shapes}
     return Link(name, element.sourceline, _inertial(reader, element, key), shapes["visual"], shapes["collision"])
+
+
+def _shapes(reader: Reader, link: Element, which: str, name: str) -> Iterator[Shape]:
+    """Shapes of a kind; their faults are kept apart, as only one kind is used."""
+    apart, found = Reader(reader.file), link.findall(which)
+    for index, one in enumerate(found):
+        shape = _shape(apart, one, _numbered(f"link.{name}.{which}", index, len(found)), name)
+        if shape is not None:
+            yield shape
+    reader.of_shapes[which] += apart.faults
 
 
 def _numbered(key: str, index: int, count: int) -> str:

@@ -18,22 +18,23 @@ from granular_contact.robot.types import Joint, Link, Robot
 _TAGS = ("link", "joint")
 
 
-def read(path: str | PathLike[str]) -> Robot:
-    """The robot in a URDF file.
+def read(path: str | PathLike[str], which: str = "collision") -> Robot:
+    """The robot in a URDF file, of which the shapes for "collision" or "visual" are used.
 
     Raises
     ------
     ConfigError
         With every fault of the file, each with its line; elements of simulators (`gazebo`, `transmission`) are ignored.
     """
-    robot, faults = read_all(path)
-    if faults.faults:
-        raise ConfigError(sorted(faults.faults, key=lambda fault: fault.line or 0))
+    robot, reader = read_all(path)
+    reader.use(which)
+    if reader.faults:
+        raise ConfigError(sorted(reader.faults, key=lambda fault: fault.line or 0))
     return robot
 
 
 def read_all(path: str | PathLike[str]) -> tuple[Robot, Reader]:
-    """The robot as far as it can be read, and the reader with its faults.
+    """The robot as far as it can be read, and the reader with its faults; those of shapes once they are used.
 
     Raises
     ------
