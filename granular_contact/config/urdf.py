@@ -27,11 +27,11 @@ def is_of_robot(node: Node) -> bool:
 
 
 def mechanism(node: Mapping, faults: list[Fault]) -> Node:
-    """The mechanism in the robot file that a model names; `Broken`, with faults, if there is none."""
+    """The mechanism in the robot file that a model names; with faults, one whose parts are `Broken`."""
     before = len(faults)
     asked = _asked(node, faults)
     if asked is None:
-        return Broken(node.position)
+        return _lost(node)
     at = node.nodes[URDF].position
     folder = Path(at.file).parent if at.line is not None else Path()
     try:
@@ -42,8 +42,15 @@ def mechanism(node: Mapping, faults: list[Fault]) -> Node:
         faults += [one if one.line is not None else new for one, new in zip(error.faults, told, strict=True)]
         found = None
     if found is None or len(faults) > before:
-        return Broken(node.position)
+        return _lost(node)
     return merge(found, _part(node, _OVER))
+
+
+def _lost(node: Mapping) -> Node:
+    """A model in space of which nothing is known, so that the rest of the config is checked as one in space."""
+    at = node.position
+    parts: dict[str, Node] = {"in_space": made(True, at), "name": made("robot", at), "bodies": Broken(at)}
+    return Mapping(at, parts | {"joints": Broken(at)}, dict.fromkeys((*parts, "joints"), at))
 
 
 def _part(node: Mapping, keys: Any) -> Mapping:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,13 @@ def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         raise scene_error(str(path), f"there is no such file (looked for {path.resolve()})")
     if path.stat().st_size > MOST_BYTES:
         raise scene_error(str(path), f"is larger than {MOST_BYTES // 10**6} MB, the most that is read")
+    return _read(path, path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=64)  # many bodies share a mesh, and the runs of a sweep share all
+def _read(path: Path, changed: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """As `read`; changed: when the file was, for the cache. The arrays can't be written to."""
+    del changed
     try:
         import trimesh
     except ImportError:
@@ -41,7 +49,10 @@ def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     if len(faces) == 0 or not np.isfinite(points).all():
         what = "has no triangles" if len(faces) == 0 else "has vertices that are not finite numbers"
         raise scene_error(str(path), f"can't be read: it {what}")
-    return points * _unit(found), faces
+    points, faces = points * _unit(found), faces.copy()
+    points.setflags(write=False)
+    faces.setflags(write=False)
+    return points, faces
 
 
 def _unread(path: Path, error: Exception) -> str:

@@ -181,8 +181,10 @@ class Mesh(Shape):
         Corners (m), times `scale`.
     faces : (m, 3) array of int
         Triangles by the numbers of their corners, counter-clockwise seen from outside.
-    scale : float, optional
-        Length of the vertices' unit in m. Unless given they are in m, and a mesh of more than 3 m is refused.
+    scale : float or (3,) array, optional
+        Length of the vertices' unit in m, or one along each axis; a negative one mirrors the mesh, and its triangles
+        are turned so that they go on looking outward. Unless given they are in m, and a mesh of more than 3 m is
+        refused.
     thin : bool
         Whether it is a sheet of which either face can lead; it need not be closed then.
     name : str
@@ -199,14 +201,16 @@ class Mesh(Shape):
         vertices: ArrayLike,
         faces: ArrayLike,
         *,
-        scale: float | None = None,
+        scale: float | ArrayLike | None = None,
         thin: bool = False,
         name: str = "Mesh",
     ) -> None:
         points, numbers = np.asarray(vertices, float), np.asarray(faces)
         if found := list(_arrays(points, numbers)):
             raise _refused(name, found)
-        self.vertices, self.faces = points * (1.0 if scale is None else scale), numbers.astype(np.int64)
+        factors = np.broadcast_to(np.asarray(1.0 if scale is None else scale, float), (3,))
+        numbers = numbers[:, ::-1] if np.prod(factors) < 0.0 else numbers
+        self.vertices, self.faces = points * factors, numbers.astype(np.int64)
         self.thin = thin
         found = list(mesh.faults(self.vertices, self.faces, thin))
         sides = np.ptp(self.vertices[self.faces].reshape(-1, 3), axis=0)
@@ -217,7 +221,7 @@ class Mesh(Shape):
             raise _refused(name, found)
 
     @classmethod
-    def read(cls, path: str | Path, *, scale: float | None = None, thin: bool = False) -> Mesh:
+    def read(cls, path: str | Path, *, scale: float | ArrayLike | None = None, thin: bool = False) -> Mesh:
         """Mesh of a file, STL, OBJ or PLY; it is read by trimesh, of the extra `[robot]`.
 
         Raises

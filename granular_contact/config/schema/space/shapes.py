@@ -5,11 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
-from granular_contact.values.strict import Listed, LocalFault, Point, Positive, Strict, Tagged, Text, refusal
+from granular_contact.values.strict import Listed, LocalFault, OneOrMore, Point, Positive, Strict, Tagged, Text, refusal
 
 Pair = Annotated[tuple[Positive, Positive], Listed]
 Triple = Annotated[tuple[Positive, Positive, Positive], Listed]
@@ -170,14 +170,24 @@ class SpatialBar(Strict):
         return self
 
 
+def _scales(scale: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    if isinstance(scale, tuple):
+        if len(scale) != 3 or 0.0 in scale:
+            raise refusal([((), f"got {list(scale)}; allowed is a number above 0, or three that are not 0")])
+    elif scale <= 0.0:
+        raise refusal([((), f"got {scale:g}; allowed is a number above 0, or three that are not 0")])
+    return scale
+
+
 class SpatialMesh(_Shape):
     """Triangles from a file, STL, OBJ or PLY."""
 
     type: Literal["mesh"]
     file: Text
     """A path from the folder of the file that names it."""
-    scale: Positive | None = None
-    """Length of the file's unit in m; null: it is in metres, and one of more than 3 m is refused."""
+    scale: Annotated[tuple[float, ...], OneOrMore(), AfterValidator(_scales)] | None = None
+    """Length of the file's unit in m, or one along each axis, of which a negative one mirrors; null: it is in metres,
+    and one of more than 3 m is refused."""
     thin: bool = False
     """Whether it is a sheet, of which either face can lead; it need not be closed then."""
     thickness_m: Positive | None = None
