@@ -29,7 +29,7 @@ class Browser:
         assert self._driver.stdout is not None
         started = next(m for line in self._driver.stdout if (m := re.search(r"successfully on port (\d+)", line)))
         self._root = f"http://127.0.0.1:{started[1]}"
-        wanted = {"goog:chromeOptions": {"args": ARGUMENTS}}
+        wanted = {"goog:chromeOptions": {"args": ARGUMENTS}, "goog:loggingPrefs": {"browser": "WARNING"}}
         self._session = self._post("/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
         return self
 
@@ -54,6 +54,11 @@ class Browser:
     def run(self, script: str) -> Any:
         """What the body of a JavaScript function returns in the page."""
         return self._post(f"/session/{self._session}/execute/sync", {"script": script, "args": []})
+
+    def faults(self) -> list[str]:
+        """What scripts and the browser complained of since this was asked last."""
+        told = self._post(f"/session/{self._session}/se/log", {"type": "browser"})
+        return [str(one["message"]) for one in told]
 
     def pdf(self) -> bytes:
         """The page as printed."""

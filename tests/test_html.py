@@ -6,18 +6,23 @@ import dataclasses
 import json
 import re
 import shutil
+import time
+import zlib
+from base64 import b64decode, b64encode
 from collections import Counter
 from collections.abc import Iterator
+from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support_browser import DRIVER, Browser
 from support_results import make
 from support_runs import CONFIGS, scenario_of
 
 from granular_contact import cli, report
-from granular_contact.report.pages import FolderError, html
+from granular_contact.report.pages import FolderError, html, rendering
 from granular_contact.report.pages import write as write_page
 from granular_contact.report.units import column, label, quantity
 from granular_contact.run import run
@@ -94,7 +99,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 class Outline(HTMLParser):
     """Elements of a page in order, and whether every one of them was closed in turn."""
 
-    VOID = ("meta", "img", "source", "!doctype")
+    VOID = ("meta", "img", "source", "input", "!doctype")
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -113,7 +118,7 @@ class Outline(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] != "style":
+        if self.open and self.open[-1] not in ("style", "script"):
             self.text.append(data)
 
     def all(self, name: str) -> list[dict[str, str | None]]:
@@ -128,7 +133,8 @@ def test_pages_are_well_formed_and_need_nothing_else(kind: str, pages: dict[str,
     outline = Outline(pages[kind].read_text(encoding="utf-8"))
     assert not outline.open
     names = Counter(name for name, _ in outline.elements)
-    assert not {"script", "link", "iframe", "object"} & set(names)
+    assert not {"link", "iframe", "object"} & set(names)
+    assert not any("src" in attributes for attributes in outline.all("script"))
     for _, attributes in outline.elements:
         for key in ("src", "srcset", "href"):
             assert (attributes.get(key) or "#").startswith(("data:", "#"))
@@ -289,6 +295,31 @@ def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:
 # ---- how it is built ----
 
 
+def test_only_our_scripts_run_and_plotly_is_in_the_page(pages: dict[str, Path]) -> None:
+    """The policy names the hashes of what is there; a page without curves does without plotly."""
+    for kind, count in (("run", 2), ("compare", 1)):
+        page = pages[kind].read_text(encoding="utf-8")
+        policy = re.search(r"default-src 'none'; [^\"]*script-src ([^\"]*)\"", page)
+        assert policy is not None
+        found = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
+        texts = [text for attributes, text in found if not attributes]
+        texts += [zlib.decompress(b64decode(text)).decode() for attributes, text in found if "plotly" in attributes]
+        hashes = [f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in texts]
+        assert policy[1].split() == hashes
+        assert len(hashes) == count
+    assert "unsafe-eval" not in page
+
+
+def test_a_page_without_plotly_has_its_figures_and_says_so(
+    monkeypatch: pytest.MonkeyPatch, pages: dict[str, Path]
+) -> None:
+    monkeypatch.setattr(rendering, "plotly", lambda: None)
+    page = html(pages["run"].parent)
+    assert 'id="plotly"' not in page
+    assert "pip install plotly" in page
+    assert page.count("data:image/png") == pages["run"].read_text(encoding="utf-8").count("data:image/png")
+
+
 def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
     evil = "</p><script>alert('x')</script>\"&amp;"
     one = make()
@@ -298,7 +329,7 @@ def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
     report.write(results, tmp_path / "r", figures=False)
     page = html(tmp_path / "r")
     outline = Outline(page)
-    assert not outline.all("script")
+    assert [one.get("id") for one in outline.all("script")] == ["data", "plotly", None]
     assert "".join(outline.text).count(evil) >= len(columns) + 4
 
 
@@ -528,6 +559,81 @@ def test_pages_print(kind: str, pages: dict[str, Path], browser: Browser) -> Non
     pdf = browser.pdf()
     assert pdf.startswith(b"%PDF")
     assert len(pdf) > 20_000
+
+
+def opened(browser: Browser, page: Path) -> None:
+    """A page whose scripts have done their work."""
+    browser.media()
+    browser.faults()
+    browser.open(page, 1300)
+    for _ in range(200):
+        if browser.run(
+            "return document.documentElement.classList.contains('draws') && !document.querySelector('#plotly')"
+        ):
+            break
+        time.sleep(0.05)
+    assert browser.faults() == []
+
+
+@IN_BROWSER
+def test_the_player_moves_mechanism_cursor_and_numbers_together(pages: dict[str, Path], browser: Browser) -> None:
+    opened(browser, pages["run"])
+    table = np.genfromtxt(pages["run"].parent / "timeseries.csv", delimiter=",", names=True)
+    told = json.loads((pages["run"].parent / "motion.json").read_text(encoding="utf-8"))
+    for share in (0.0, 0.37, 1.0):
+        at = told["time_s"][0] + share * (told["time_s"][-1] - told["time_s"][0])
+        seen = browser.run(
+            f"""const slider = document.querySelector('input[type=range]');
+            slider.value = {at}; slider.dispatchEvent(new Event('input'));
+            return [document.querySelectorAll('#stage .part')[1].getAttribute('transform'),
+                    [...document.querySelectorAll('.panel')].map(p => [p.querySelector('h3').textContent,
+                        p.querySelector('.key b').textContent.replace('\N{MINUS SIGN}', '-')])]"""
+        )
+        x = np.interp(at, told["time_s"], [poses[1][0] for poses in told["poses"]])
+        assert float(re.findall(r"-?\d[-\d.e]*", seen[0])[0]) == pytest.approx(x, abs=1e-6)
+        numbers = dict(seen[1])
+        angle = np.interp(at, table["time_s"], table["pivot_angle_deg"])
+        assert float(numbers["angle of joints (deg)"]) == pytest.approx(angle, rel=1e-3)
+    # Where the pointer is over a curve is the instant of all.
+    last = browser.run(
+        """const plot = document.querySelector('.plot.js-plotly-plot'), box = plot.getBoundingClientRect();
+        const clientX = box.left + 62 + (box.width - 74) / 2; // the middle, between its margins
+        plot.dispatchEvent(new PointerEvent('pointermove', {clientX, bubbles: true}));
+        return Number(document.querySelector('input[type=range]').value)"""
+    )
+    assert last == pytest.approx(0.5 * (table["time_s"][0] + table["time_s"][-1]), rel=0.02)
+
+
+@IN_BROWSER
+def test_tables_sort_and_the_whole_series_is_saved(pages: dict[str, Path], browser: Browser) -> None:
+    opened(browser, pages["run"])
+    saved = browser.run(
+        """let kept; URL.createObjectURL = blob => (kept = blob, 'blob:'); HTMLAnchorElement.prototype.click = () => {};
+        [...document.querySelectorAll('#files button')].find(b => b.textContent === 'timeseries.csv').click();
+        return kept.text()"""
+    )
+    original = (pages["run"].parent / "timeseries.csv").read_text(encoding="utf-8")
+    assert saved.splitlines()[0] == original.splitlines()[0]
+    numbers = [np.array([line.split(",") for line in text.splitlines()[1:]], float) for text in (saved, original)]
+    np.testing.assert_allclose(*numbers, rtol=6e-7)
+    sort = """const head = [...document.querySelectorAll('th')].find(h => h.textContent.startsWith('value'));
+    head.querySelector('button').click();
+    return [...head.closest('table').tBodies[0].rows].map(r => r.cells[1].textContent)"""
+    scale = {"J": 1.0, "mJ": 1e-3, "µJ": 1e-6, "nJ": 1e-9}
+    up, down = (
+        [float(text.replace("\N{MINUS SIGN}", "-").split()[0]) * scale[text.split()[1]] for text in browser.run(sort)]
+        for _ in range(2)
+    )
+    assert up == sorted(up)
+    assert down == up[::-1]
+
+
+@IN_BROWSER
+def test_a_foreign_script_is_not_run(pages: dict[str, Path], browser: Browser) -> None:
+    opened(browser, pages["run"])
+    add = "const s = document.createElement('script'); s.textContent = 'window.evil = 1'; document.body.append(s);"
+    assert browser.run(f"{add} return window.evil === undefined") is True
+    assert any("Content Security Policy" in one for one in browser.faults())
 
 
 @IN_BROWSER

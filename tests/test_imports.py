@@ -41,7 +41,7 @@ MAY = {
     "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
     "simulation": {"run", "config", "scene", "results", "multibody", "laws", "errors"},  # (types only: multibody, laws)
     "gym": {"gym", "simulation", "config", "examples", "report.figures", "results", "errors"},
-    "report": {"results", "report.figures"},
+    "report": {"report", "results", "report.figures"},
     "report.figures": {"report.figures", "report", "results"},
     "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},
     "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.results import series
 from granular_contact.results.energy import work
 from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
+from granular_contact.results.strides import drive_numbers, stride_numbers
+from granular_contact.scene.signals import period
 from granular_contact.scene.types import Connection, Scene, Vector
 
 LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
@@ -49,10 +52,10 @@ def drive_columns(scene: Scene, driven: Driven) -> series.Series:
     return columns
 
 
-def body_columns(motion: Kinematics, forces: Mapping[str, Vector]) -> series.Series:
+def body_columns(motion: Kinematics, forces: Mapping[str, Vector], depths: Mapping[str, list[Track]]) -> series.Series:
     """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it.
 
-    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m).
+    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m); depths (m) of its points.
     """
     columns: series.Series = {}
     for body in motion.scene.bodies if motion.scene.body_columns else ():
@@ -61,6 +64,8 @@ def body_columns(motion: Kinematics, forces: Mapping[str, Vector]) -> series.Ser
         columns |= series.body(label(body.name), center, -angle, velocity, -rate)
         if body.name in forces:
             columns |= series.body_force(label(body.name), forces[body.name], center)
+            if tracks := depths.get(body.name):
+                columns |= series.body_depth(label(body.name), np.max([track.values for track in tracks], axis=0))
     return columns
 
 
@@ -144,6 +149,28 @@ def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
         "forward_speed_second_half_m_s": later / (0.5 * lasted) if lasted > 0.0 else None,
         "cost_of_transport": put_in / (weight * abs(distance)) if weight * abs(distance) > 0.0 else None,
     }
+
+
+def drives(motion: Kinematics, driven: Driven) -> dict[str, dict[str, float]]:
+    """Torque or force, rate, power and work of every drive, by its joint."""
+    found = {}
+    for name, (force, _) in driven.items():
+        joint = _joint(motion.scene, name)
+        rate = motion.coordinate(joint)[1]
+        found[name] = drive_numbers(motion.trajectory.time, force, rate, turns=joint.kind == "hinge")
+    return found
+
+
+def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
+    """Means over whole strides of what travels, where all drives that repeat have one period; else None."""
+    scene, time = motion.scene, motion.trajectory.time
+    periods = [one for drive in scene.drives if (one := period(drive.signal)) is not None]
+    if not periods or max(periods) > (1.0 + 1e-9) * min(periods):
+        return None
+    torques = [force for name, (force, _) in driven.items() if _joint(scene, name).kind == "hinge"]
+    powers = [power for _, power in driven.values()]
+    weight = scene.mass * abs(scene.gravity)
+    return stride_numbers(time, motion.common_center[0][:, 0], powers, torques, weight, periods[0])
 
 
 def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:

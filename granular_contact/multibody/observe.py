@@ -38,7 +38,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
             status=trajectory.status,
             cost=trajectory.cost,
             time=trajectory.time,
-            motion=columns | mechanism.body_columns(motion, forces),
+            motion=columns | mechanism.body_columns(motion, forces, depths),
             mean_rate=None if scene.pivot is None else motion.mean_rate()[0],
             tip=motion.position(*scene.tip)[0],
             deflection=motion.bend(list(system.links)[-1]) if system.links else None,
@@ -157,6 +157,10 @@ def _key_numbers(
         numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
     if scene.drives and any(mechanism.travels(joint) for joint in scene.connections):
         numbers |= mechanism.travel(motion, driven)
+        if (strides := mechanism.strides(motion, driven)) is not None:
+            numbers["strides"] = strides
+    if driven:
+        numbers["drives"] = mechanism.drives(motion, driven)
     numbers |= mechanism.largest_torque(scene, driven)
     if scene.solver.accuracy is not None and load is not None:  # which chose its strips by their error
         chosen = {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}

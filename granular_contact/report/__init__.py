@@ -24,7 +24,7 @@ import numpy as np
 import yaml
 
 from granular_contact.results import Results
-from granular_contact.results.motion import motion_of, plain
+from granular_contact.results.motion import Motion, motion_of, plain
 
 try:
     import fcntl
@@ -104,7 +104,7 @@ def write(results: Results, directory: Path, figures: bool = True, film: str | N
         (making / SCENARIO).write_text(scenario_text(results), encoding="utf-8")
         _write_series(results, making / SERIES)
         if (motion := motion_of(results)) is not None:
-            (making / MOTION).write_text(json.dumps(_plain(plain(motion))) + "\n", encoding="utf-8")
+            (making / MOTION).write_text(_motion(motion, results), encoding="utf-8")
         if figures:
             from granular_contact.report.figures import draw
 
@@ -181,6 +181,17 @@ def _summary(results: Results) -> str:
         content = dict(results.summary)
     content["columns"] = {column.name: column.description for column in results.columns}
     return json_text(content)
+
+
+def _motion(motion: Motion, results: Results) -> str:
+    """Text of motion.json: how it moved, and what its bed looks like."""
+    surface = results.surface
+    bed = {
+        "surface_m": surface.tolist() if isinstance(surface, np.ndarray) else surface,
+        "layers_m": list(results.layers),
+        "floor_m": results.floor,
+    }
+    return json.dumps(_plain({**plain(motion), "bed": bed}), ensure_ascii=False) + "\n"
 
 
 def json_text(content: dict[str, Any]) -> str:

@@ -111,7 +111,8 @@ def quantity(key: str, value: Any) -> str:
     if suffix in _SCALED:
         unit = unit_for(np.array([value], float), _SCALED[suffix])
         return minus(f"{value * unit.factor:.4g}") + f" {unit.name}"
-    return plain(value) + (f" {_FIXED[suffix]}" if suffix else "")
+    exact = not math.isfinite(value) or (value == int(value) and abs(value) < 1e6)
+    return (plain(value) if exact else minus(f"{value:.4g}")) + (f" {_FIXED[suffix]}" if suffix else "")
 
 
 def plain(value: Any) -> str:

@@ -73,6 +73,11 @@ def body_force(name: str, force: Vector, center: Vector) -> Series:
     }
 
 
+def body_depth(name: str, depth: Vector) -> Series:
+    """Depth (n,) m of a body's deepest point, negative above the surface."""
+    return {f"{name}_depth_m": (f"depth of the deepest point of {name} below the surface", depth)}
+
+
 def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, depth: Vector | None) -> Series:
     """Mean rate (n,) rad/s, tip (n, 2) m, deflection of the last flexible link (n,) m, depth (n,) m.
 

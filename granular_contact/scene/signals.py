@@ -264,3 +264,12 @@ def piecewise(times: NDArray[np.float64], values: NDArray[np.float64], cubic: bo
     d = (slope[:-1] + slope[1:] - 2.0 * secant) / step**2
     table = np.column_stack([values[:-1], slope[:-1], c, d])
     return Piecewise(tuple(times.tolist()), tuple(map(tuple, table.tolist())))
+
+
+def period(signal: Signal) -> float | None:
+    """Time (s) after which a signal repeats itself, a turn further or not; None of one that does not."""
+    if isinstance(signal, Smoothed):
+        return period(signal.signal)
+    if isinstance(signal, Sine):
+        return 2.0 * math.pi / abs(signal.omega) if signal.omega and signal.amplitude else None
+    return 1.0 / abs(signal.frequency) if isinstance(signal, Buehler) and signal.frequency else None

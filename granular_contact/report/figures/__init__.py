@@ -3,19 +3,21 @@
 looks    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
 series   panels, events, hinges     panels over time, what is marked in them, what the hinges are called
          motion, series             their figures
+         robots                     figures of what travels: first body, joints, contacts
 picture  outlines, views            edges and depths; windows on the plane
          mechanism                  their figure
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from granular_contact.report.figures.mechanism import mechanism
 from granular_contact.report.figures.motion import motion
+from granular_contact.report.figures.robots import contacts, groups_of, in_contact, joints, over_time
 from granular_contact.report.figures.series import deflection, energy, forces
 from granular_contact.report.figures.style import DPI, style
 from granular_contact.results import Results
@@ -23,25 +25,45 @@ from granular_contact.results import Results
 __all__ = ["draw", "figures", "style"]
 
 
-def draw(results: Results, directory: Path) -> None:
-    """Write every figure that `results` has the columns for to `directory` as NAME.png; OSError as the disk has it."""
+FORMATS = ("png", "pdf", "svg")
+# Of each format what would change from run to run, left out.
+_UNDATED: dict[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+
+
+def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -> None:
+    """Write every figure that `results` has the columns for to `directory` as NAME.png, and in the other formats asked
+    for, of `FORMATS`; OSError as the disk has it.
+    """
     with style():
         for name, figure in figures(results).items():
-            figure.savefig(directory / f"{name}.png", dpi=DPI, metadata={"Software": None})
+            layout = figure.get_layout_engine()
+            if layout is not None:  # once, and not again for each file
+                layout.execute(figure)
+                figure.set_layout_engine("none")
+            for one in dict.fromkeys(("png", *formats)):
+                figure.savefig(directory / f"{name}.{one}", dpi=DPI, metadata=_UNDATED[one])
 
 
 def figures(results: Results) -> dict[str, Figure]:
     """The figures of `results` by name, on Agg canvases; to be made and drawn within `style()`."""
     has = {column.name for column in results.columns}
     made: dict[str, Callable[[Results], Figure]] = {}
-    if len(results.table):
+    told = groups_of(results) if len(results.table) > 1 else {}
+    if "travel" in told:
+        made["travel"] = lambda one: over_time(one, list(told["travel"].panels))
+        if "joints" in told:
+            made["joints"] = lambda one: joints(one, told["joints"])
+    elif len(results.table):
         made["motion"] = motion
+    if len(results.table):
         if "deflection_m" in has:
             made["deflection"] = deflection
         if results.terms:
             made["forces"] = forces
         if "kinetic_J" in has:
             made["energy"] = energy
+    if told and len(in_contact(results)) > 1:
+        made["contacts"] = lambda one: contacts(one, told.get("depth"))
     if results.snapshots:
         made["mechanism"] = mechanism
     return {name: make(results) for name, make in made.items()}

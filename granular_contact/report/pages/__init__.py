@@ -24,6 +24,8 @@ from granular_contact.report.pages.rendering import GENERATOR, rendered
 
 __all__ = ["FolderError", "html", "write"]
 
+MOST_BYTES = 5_000_000  # of a file that can be saved from a page
+
 _ODD = (
     *(ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError),
     *(struct.error, TemplateError),
@@ -40,20 +42,31 @@ def html(directory: Path) -> str:
     """
     folder = open_folder(directory)
     contents: dict[str, Callable[[Folder], dict[str, Any]]] = {
-        "run": run.content,
         "compare": comparison.content,
         "fit": fit.content,
         "optimise": optimise.content,
     }
     try:
+        if folder.kind == "run":
+            return run.page(folder)
+        files: dict[str, Any] = {"files": _files(folder)}
         if folder.kind != "sweep":
-            return rendered(folder.kind, contents.get(folder.kind, _tables)(folder))
+            return rendered(folder.kind, contents.get(folder.kind, _tables)(folder), files)
         with tempfile.TemporaryDirectory() as place:
-            return rendered(folder.kind, sweep.content(folder, Path(place)))
+            cases = sweep.data(folder)
+            told = files | ({"cases": cases} if cases else {})
+            return rendered("sweep", sweep.content(folder, Path(place)), told, draws=bool(cases))
     except _ODD as error:  # what is written here has other types somewhere
         held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
-        files = " or ".join(name for name in held if Path(name).is_file())
-        raise FolderError(f"{files} holds what no {folder.kind} of this program writes ({error!r})") from error
+        named = " or ".join(name for name in held if Path(name).is_file())
+        raise FolderError(f"{named} holds what no {folder.kind} of this program writes ({error!r})") from error
+
+
+def _files(folder: Folder) -> dict[str, str]:
+    """Texts that can be saved from the page, by their names; none of a size that would make the page unwieldy."""
+    names = [name for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv", ".yaml"))]
+    small = [name for name in names if folder.has(name) and (folder.path / name).stat().st_size <= MOST_BYTES]
+    return {name: text for name in small if (text := folder.text(name)) is not None}
 
 
 def _tables(folder: Folder) -> dict[str, Any]:

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from granular_contact.config.csv_table import ragged, table_of
 from granular_contact.errors import Fault, ResultsError
 from granular_contact.report import ANIMATION, ENTRIES, FIGURES, MOTION, kind_of
@@ -18,12 +21,24 @@ class FolderError(ResultsError):
 
 
 Rows = list[list[Any]]
+Array = NDArray[np.float64]
 # Entries of JSON files that pages look into.
 _OBJECT, _LIST = (dict, "an object"), (list, "a list")
 _TYPES: dict[str, tuple[type, str]] = {
     "warnings": _LIST,
     **dict.fromkeys(("energy", "contacts", "columns", "cost", "versions"), _OBJECT),
 }
+
+
+@dataclass(frozen=True)
+class Bed:
+    """What the medium looks like: surface (m, or corners (k, 2) m; None in vacuum), depths of layers and height of the
+    floor (m).
+    """
+
+    surface: float | Array | None = None
+    layers: tuple[float, ...] = ()
+    floor: float | None = None
 
 
 @dataclass(frozen=True)
@@ -60,6 +75,20 @@ class Folder:
             raise FolderError(str(faults[0]))
         return list(table.header), [[_value(cell) for cell in row] for row in table.rows]
 
+    def numbers(self, name: str) -> tuple[list[str], Array]:
+        """Head and rows (n, columns) of a CSV file that holds numbers alone."""
+        file = self.path / name
+        try:
+            with file.open(encoding="utf-8") as lines:
+                head = lines.readline().rstrip("\n").split(",")
+                table = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
+        except (OSError, ValueError) as error:  # of text that is no number, of rows that are cut short
+            words = str(getattr(error, "strerror", None) or error).partition("\n")[0]
+            raise FolderError(f"{file}: can't be read as a table: {words}") from None
+        if table.size and table.shape[1] != len(head):
+            raise FolderError(f"{file}: has {table.shape[1]} columns below {len(head)} headings")
+        return head, table.reshape(-1, len(head))
+
     def text(self, name: str) -> str | None:
         """A text file as it is; None if there is none."""
         try:
@@ -69,11 +98,18 @@ class Folder:
 
     def motion(self) -> Motion | None:
         """How the mechanism moved; None if that was not saved."""
+        return None if (found := self.played()) is None else found[0]
+
+    def played(self) -> tuple[Motion, Bed] | None:
+        """How the mechanism moved, and the bed in which it did; None if that was not saved."""
         if not self.has(MOTION):
             return None
         told = self.read(MOTION)
         try:
-            return of_plain(told)
+            bed = told.get("bed") or {}
+            surface = bed.get("surface_m")
+            corners = np.array(surface, float) if isinstance(surface, list) else surface
+            return of_plain(told), Bed(corners, tuple(bed.get("layers_m") or ()), bed.get("floor_m"))
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise FolderError(f"{self.path / MOTION}: is no motion, as this program writes it ({error!r})") from None
 

@@ -15,6 +15,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from granular_contact.report.pages.folder import picture
+from granular_contact.report.pages.script import data_block, own, plotly
+from granular_contact.report.pages.stage import turned
 from granular_contact.report.units import column, is_number, label, plain, quantity
 
 GENERATOR = "granular-contact"
@@ -22,21 +24,32 @@ WIDE = 2.4  # width to height of pictures that get a row of their own
 _HEADING = re.compile(r'<h2 id="([^"]*)">(.*?)</h2>')
 _QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
 _TYPES = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4", ".svg": "image/svg+xml"}
+_SCRIPTS = {
+    "run": ("tables", "data", "player", "histories", "run"),
+    "sweep": ("tables", "data", "histories", "cases"),
+}
 Rows = Iterable[Sequence[Any]]
 
 
-def rendered(kind: str, content: dict[str, Any]) -> str:
-    """The page of results of a kind by its template, or by that of tables and figures. It runs no script."""
+def rendered(kind: str, content: dict[str, Any], data: dict[str, Any], *, draws: bool = False) -> str:
+    """The page of results of a kind by its template, or by that of tables and figures.
+
+    It runs our scripts alone, on the data given, and is readable without them; draws: whether they need plotly's.
+    """
     template = _templates().select_template([f"{kind}.html", "fallback.html"])
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
-    return template.render(content, results=kind, generator=GENERATOR, made=made)
+    script, drawing = own(*_SCRIPTS.get(kind, ("tables", "files"))), plotly() if draws else None
+    hashes = [script.hash] if drawing is None else [script.hash, drawing.hash]
+    more = {"script": script.text, "hashes": Markup(" ".join(hashes)), "data_block": data_block(data)}
+    drawn = {"plotly": None if drawing is None else drawing.text, "draws": draws}
+    return template.render(content, results=kind, generator=GENERATOR, made=made, **more, **drawn)
 
 
 @cache
 def _templates() -> Environment:
     found = Environment(loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined)
     found.trim_blocks = found.lstrip_blocks = True
-    own = (label, quantity, plain, flat, cell, keyed, records, headings, squeezed, uri, is_wide)
+    own = (label, quantity, plain, flat, cell, keyed, records, headings, squeezed, uri, is_wide, turned)
     found.filters |= {one.__name__: one for one in own}
     found.tests["deep"] = is_deep
     return found

@@ -7,11 +7,13 @@ from typing import Any
 
 from granular_contact.report import PROGRAM, SCENARIO, SUMMARY
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.units import is_number, quantity
+from granular_contact.report.pages.live import live
+from granular_contact.report.pages.rendering import rendered
+from granular_contact.report.units import is_number, label, quantity
 from granular_contact.results import FINISHED, REST_MEASURE
 
 # Told elsewhere on the page, or of no use as a single number.
-_ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions")
+_ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions", "drives", "strides")
 ENERGIES = {
     "initial_J": "energy at the start",
     "final_J": "energy at the end",
@@ -22,16 +24,26 @@ ENERGIES = {
     "drive_work_J": "work of drives",
     "floor_work_J": "work of the floor",
 }
+NOW = 1e-9  # s: a touch before that is the start
 MOST_CONTACTS = 8  # of a body, that are told one by one
 
 
-def content(folder: Folder) -> dict[str, Any]:
-    """Content for its template."""
+def page(folder: Folder) -> str:
+    """The page."""
     summary = folder.read(SUMMARY)
+    shown = live(folder, summary)
+    data = shown.pop("data")
+    return rendered("run", content(folder, summary) | shown, data, draws=bool(data.get("groups")))
+
+
+def content(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
+    """Content for its template."""
     energy, measure = summary.get("energy") or {}, summary.get("stopping_time_measure")
     status, imbalance = str(summary.get("status", "unknown")), energy.get("imbalance_relative")
     pictures = folder.figures()
     known = {key: value for key, value in summary.items() if key not in _ELSEWHERE and is_number(value)}
+    if known.get("touch_time_s", 1.0) < NOW:  # it starts in the medium, or on it
+        del known["touch_time_s"]
     return {
         "title": summary.get("name") or folder.path.name,
         "version": (summary.get("versions") or {}).get(PROGRAM, ""),
@@ -46,13 +58,39 @@ def content(folder: Folder) -> dict[str, Any]:
         "film": folder.film(),
         "still": next((path for path in pictures if path.stem == "mechanism"), None),
         "energies": [[words, quantity(k, energy[k])] for k, words in ENERGIES.items() if energy.get(k) is not None],
+        "drives": list(_drives(summary.get("drives") or {})),
+        "strides": list(_strides(summary.get("strides") or {})),
+        "stride_count": (summary.get("strides") or {}).get("count"),
+        "stride_period": (summary.get("strides") or {}).get("period_s"),
         "contacts": list(_contacts(summary.get("contacts") or {})),
         "scenario": folder.text(SCENARIO),
     }
 
 
+DRIVE = (
+    *("largest_torque_Nm", "largest_force_N", "rms_torque_Nm", "rms_force_N", "largest_rate_rad_s"),
+    *("largest_rate_m_s", "largest_power_W", "mean_power_W", "work_J"),
+)
+
+
+def _drives(drives: dict[str, dict[str, float]]) -> Iterator[list[Any]]:
+    """Rows of each drive, with headings first."""
+    keys = [key for key in DRIVE if any(key in one for one in drives.values())]
+    if keys:
+        yield ["drive", *(label(key) for key in keys)]
+    for name, one in drives.items():
+        yield [name, *(quantity(key, one.get(key)) for key in keys)]
+
+
+def _strides(strides: dict[str, Any]) -> Iterator[list[Any]]:
+    for key, one in strides.items():
+        if isinstance(one, dict) and "mean" in one:
+            yield [label(key), quantity(key, one["mean"]), quantity(key, one.get("standard_deviation"))]
+
+
 def _contacts(contacts: dict[str, list[list[float]]]) -> Iterator[list[Any]]:
     for body, spans in contacts.items():
+        spans = [[on if on > NOW else 0.0, off] for on, off in spans]
         told = [f"{quantity('t_s', on)} to {quantity('t_s', off)}" for on, off in spans[:MOST_CONTACTS]]
         more = [f"and {len(spans) - MOST_CONTACTS} more"] if len(spans) > MOST_CONTACTS else []
         yield [body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(told + more)]

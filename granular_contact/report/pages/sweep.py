@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,12 @@ from granular_contact.results import FINISHED
 
 MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
-_NOT_KEY = ("cost.", "versions.", "energy.")
-_FIRST = ("stopping_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m")  # are drawn before all others
+_NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.")
+# Are told and drawn before all others, in this order.
+_FIRST = (
+    *("forward_speed_second_half_m_s", "forward_speed_m_s", "cost_of_transport", "penetration_time_s"),
+    *("stopping_time_s", "max_depth_m", "max_deflection_m"),
+)
 _NOT_DRAWN = ("hub_stopping_time_s",)
 MOST_WARNINGS = 10  # kinds
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
@@ -57,7 +61,7 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
     table = _read(folder)
     counts = Counter(str(status) for status in table.column("status"))
     ended = table.finished
-    names = [table.head[0], *table.varied, "status", *table.found[:6]]
+    names = [table.head[0], *table.varied, "status", *_ordered(table.found)[:6]]
     return {
         "title": folder.path.name,
         "version": next(iter(_told(table, "versions.granular-contact")), ""),
@@ -78,6 +82,25 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
         "seconds": float(np.nansum(table.numbers(SECONDS))) if SECONDS in table.head else None,
         "versions": {n[9:]: ", ".join(map(str, _told(table, n))) for n in table.head if n[:9] == "versions."},
     }
+
+
+def data(folder: Folder) -> dict[str, Any]:
+    """Data for the scripts: numbers that differ between the cases that came to an end; nothing where there are none."""
+    table = _read(folder).finished
+    names = [*table.varied, *table.found]
+    differ = [n for n in names if len(set(table.numbers(n)[np.isfinite(table.numbers(n))])) > 1]
+    drawn = [n for n in _drawn(table) if n in differ]
+    along = [n for n in table.varied if n in differ]
+    if not drawn or not along:
+        return {}
+    columns = [_column(n, table.numbers(n)) for n in differ]
+    names_of_cases = [str(name) for name in table.column(table.head[0])]
+    return {"names": names_of_cases, "columns": columns, "x": differ.index(along[0]), "y": differ.index(drawn[0])}
+
+
+def _column(key: str, values: Values) -> dict[str, Any]:
+    words, numbers = column(key, [float(v) if np.isfinite(v) else None for v in values])
+    return {"label": words, "values": [float(v) if is_number(v) else None for v in numbers]}
 
 
 def _read(folder: Folder) -> _Table:
@@ -134,7 +157,7 @@ def _vague(folder: Folder) -> list[str]:
 
 
 def _statistics(table: _Table) -> Iterator[list[Any]]:
-    for name in table.found:
+    for name in _ordered(table.found):
         values = table.numbers(name)
         values = values[np.isfinite(values)]
         spread = (values.min(), np.median(values), values.max())
@@ -163,7 +186,12 @@ def _caption(stem: str) -> str:
 def _drawn(table: _Table) -> list[str]:
     """Numbers that differ between cases, the most important first."""
     differ = [name for name in table.found if np.nanmin(table.numbers(name)) < np.nanmax(table.numbers(name))]
-    return sorted((name for name in differ if name not in _NOT_DRAWN), key=lambda one: one not in _FIRST)
+    return _ordered(name for name in differ if name not in _NOT_DRAWN)
+
+
+def _ordered(names: Iterable[str]) -> list[str]:
+    """Names of numbers, the most telling first."""
+    return sorted(names, key=lambda one: _FIRST.index(one) if one in _FIRST else len(_FIRST))
 
 
 def _axis(key: str, values: Values) -> tuple[str, Values]:

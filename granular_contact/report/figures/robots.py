@@ -1,0 +1,120 @@
+"""Figures of what travels: the motion of the first body, the joints and their drives, contacts and footprints."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from granular_contact.report.figures.panels import blank, curve, finish, fitting_columns, stacked
+from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, PALETTE
+from granular_contact.report.histories import Group, Panel, groups
+from granular_contact.report.units import Array, time_unit, unit_for
+from granular_contact.results import Results
+
+PANEL = 31.0  # mm
+IN_JOINTS = ("angle", "rate", "position", "torque", "force", "power", "work")  # first words of the panels drawn
+MOST_ROWS = 16  # bodies whose contacts are drawn
+
+
+def groups_of(results: Results) -> dict[str, Group]:
+    """Groups of panels of a run, by name."""
+    return {one.name: one for one in groups(results.names, results.terms, results.__getitem__)}
+
+
+def over_time(results: Results, panels: list[Panel]) -> Figure:
+    """Panels under each other, over time; curves of one name have one colour."""
+    figure, axes, time = stacked(results, 9.0 + PANEL * len(panels), (1.0,) * len(panels))
+    colours: dict[str, str] = {}
+    told: set[str] = set()
+    for one, panel in zip(axes, panels, strict=True):
+        one.axhline(0, color=FAINT, linewidth=0.5)
+        labels = [shown.label for shown in panel.curves]
+        new = len(labels) > 1 and not set(labels) <= told
+        for shown in panel.curves:
+            colour = BLUE
+            if len(labels) > 1:
+                colour = colours.setdefault(shown.label.split(", ")[0], PALETTE[len(colours) % len(PALETTE)])
+            values = shown.values(results.__getitem__) * panel.unit.factor
+            curve(one, time, values, colour, shown.label if new else "", linewidth=0.9)
+        told |= set(labels)
+        if not _crosses_zero(one):
+            one.lines[0].remove()
+        words = panel.heading.replace(" of joints", "").replace(" of drives", "")
+        finish(one, words, fitting_columns(labels, 3) if new else 0)
+    return figure
+
+
+def _crosses_zero(axes: Axes) -> bool:
+    """Whether a line at zero is near the curves."""
+    values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines[1:]])
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return low - 0.1 * (high - low) <= 0.0 <= high + 0.1 * (high - low)
+
+
+def joints(results: Results, group: Group) -> Figure:
+    """Angle, rate, torque, power and work of joints."""
+    return over_time(results, [one for one in group.panels if one.title.split()[0] in IN_JOINTS])
+
+
+# ---- contacts and footprints ----
+
+
+def in_contact(results: Results) -> dict[str, list[tuple[float, float]]]:
+    """When (s) each body that met the medium was in it."""
+    told = results.summary.get("contacts") or {}
+    return {body: [(on, off) for on, off in spans] for body, spans in told.items() if spans}
+
+
+def contacts(results: Results, depth: Group | None) -> Figure:
+    """When bodies are in the medium, where along the surface they are then, and their force against depth."""
+    spans = dict(list(in_contact(results).items())[:MOST_ROWS])
+    against = [one for one in (depth.panels if depth else ()) if one.along]
+    figure = blank(DOUBLE, max(52.0, 20.0 + 5.0 * len(spans)), layout="constrained")
+    panels = figure.subplots(1, 3 if against else 2, squeeze=False)[0]
+    unit = time_unit(results)
+    _bars(panels[0], {body: [(a * unit.factor, b * unit.factor) for a, b in ones] for body, ones in spans.items()})
+    panels[0].set(xlabel=f"time ({unit.name})", title="in the medium")
+    places = {body: _places(results, body, ones) for body, ones in spans.items()}
+    length = unit_for(np.array([end for ones in places.values() for one in ones for end in one]), "m")
+    _bars(panels[1], {body: [(a * length.factor, b * length.factor) for a, b in ones] for body, ones in places.items()})
+    panels[1].set(xlabel=f"x ({length.name})", title="footprints")
+    panels[1].set_yticklabels([])
+    if against:
+        _against_depth(panels[2], results, against)
+    return figure
+
+
+def _places(results: Results, body: str, spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Where (m) the centre of a body was at both ends of each contact."""
+    if f"{body}_x_m" not in results.names:
+        return []
+    time, x = results["time_s"], results[f"{body}_x_m"]
+    return [(float(np.interp(on, time, x)), float(np.interp(off, time, x))) for on, off in spans]
+
+
+def _bars(axes: Axes, spans: dict[str, list[tuple[float, float]]]) -> None:
+    """A row of bars for each body, the first on top."""
+    for i, ones in enumerate(spans.values()):
+        bars = [(min(a, b), max(abs(b - a), 1e-12)) for a, b in ones]
+        axes.broken_barh(bars, (-i - 0.36, 0.72), color=PALETTE[i % len(PALETTE)], alpha=0.75, linewidth=0)
+    axes.set_yticks(range(0, -len(spans), -1), list(spans))
+    axes.set_ylim(-len(spans) + 0.4, 0.6)
+    axes.grid(axis="y", visible=False)
+
+
+def _against_depth(axes: Axes, results: Results, panels: list[Panel]) -> None:
+    """Vertical force of the medium against depth, of bodies or of all together."""
+    forces = [panel.curves[0].values(results.__getitem__) for panel in panels]
+    depths = [results[panel.along] for panel in panels]
+    newton, length = unit_for(np.concatenate(forces), "N"), unit_for(_below(depths), "m")
+    for i, (panel, force, depth) in enumerate(zip(panels, forces, depths, strict=True)):
+        under = depth >= 0.0
+        label = panel.along.removesuffix("_depth_m") if panel.along != "depth_m" else ""
+        x, colour = np.where(under, depth, np.nan) * length.factor, PALETTE[i % len(PALETTE)]
+        axes.plot(x, force * newton.factor, color=colour, label=label, linewidth=0.7)
+    axes.set(xlabel=f"depth ({length.name})", ylabel=f"vertical force ({newton.name})", title="force against depth")
+
+
+def _below(depths: list[Array]) -> Array:
+    return np.maximum(np.concatenate(depths), 0.0)

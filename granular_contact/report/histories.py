@@ -1,0 +1,271 @@
+"""What is drawn over time of a run: panels of curves, each a sum of columns, for figures and for the page alike.
+
+What a run has, its columns tell: joints, drives, bodies, terms of the medium's force, energies. Curves that are the
+same are drawn as one, those that are only round-off not at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from granular_contact.report.units import Array, Unit, greatest, label, split, unit_for
+
+ROUND_OFF = 1e-9  # of the largest number of its unit in the table: what is smaller is no motion, force or energy
+SAME = 1e-6  # of the greatest: curves that differ by less are one
+# Numbers whose round-off has another measure than the largest of its unit: a turn, and some lengths of a mechanism.
+_LEAST = {"deg": 1.0, "m": 1e-3}
+_BASES = {"deg": "deg", "m": "m", "m_s": "m/s", "rad_s": "rad/s", "N": "N", "Nm": "N·m", "W": "W", "J": "J"}
+_FIXED = ("deg", "rad/s", "m/s")  # units without prefixes
+
+_SI = Unit(1.0, "")
+
+Values = Callable[[str], Array]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A sum of columns, each with a factor.
+
+    start: counted from its first value; integral: over time, as the work of a power.
+    """
+
+    label: str
+    terms: tuple[tuple[str, float], ...]
+    start: bool = False
+    integral: bool = False
+
+    def values(self, column: Values) -> Array:
+        """Its values (rows,) in SI units or degrees, by the values of columns."""
+        total = np.sum([factor * column(name) for name, factor in self.terms], axis=0)
+        if self.integral:
+            time = column("time_s")
+            total = np.concatenate([[0.0], np.cumsum(0.5 * (total[1:] + total[:-1]) * np.diff(time))])
+        return np.asarray(total - total[0] if self.start else total)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves of one quantity, in a unit that suits them; over time, or over a column `along` (m)."""
+
+    title: str
+    base: str
+    curves: tuple[Curve, ...]
+    unit: Unit = _SI
+    along: str = ""
+
+    @property
+    def heading(self) -> str:
+        """Its title with the unit."""
+        return f"{self.title} ({self.unit.name})"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Panels that belong together: the name of their figure, a heading, and what they show."""
+
+    name: str
+    heading: str
+    caption: str
+    panels: tuple[Panel, ...]
+
+
+def groups(names: Sequence[str], terms: Sequence[str], column: Values) -> list[Group]:
+    """Groups of panels of a table with these columns and terms of force, as far as there is something to see."""
+    found = _Names(names, terms)
+    scales = _scales(names, column)
+    made = [_travel(found), _joints(found), _forces(found), _depths(found), _energy(found)]
+    kept = [replace(one, panels=tuple(_seen(one.panels, column, scales))) for one in made]
+    return [one for one in kept if one.panels]
+
+
+def _scales(names: Iterable[str], column: Values) -> dict[str, float]:
+    """The largest number of each unit in the table."""
+    scales: dict[str, float] = {}
+    for name in names:
+        base = _BASES.get(split(name)[1])
+        if base is not None:
+            scales[base] = max(scales.get(base, 0.0), greatest(column(name)))
+    return scales
+
+
+def _seen(panels: Iterable[Panel], column: Values, scales: dict[str, float]) -> Iterable[Panel]:
+    """Panels in their units, with curves that are not round-off, those that are the same as one."""
+    for panel in panels:
+        least = ROUND_OFF * max(scales.get(panel.base, 0.0), _LEAST.get(panel.base, 0.0))
+        kept: list[tuple[Curve, Array]] = []
+        for curve in panel.curves:
+            values = curve.values(column)
+            if not greatest(values) > least:
+                continue
+            twin = next((i for i, (_, other) in enumerate(kept) if _alike(values, other)), None)
+            if twin is None:
+                kept.append((curve, values))
+            else:
+                joined = replace(kept[twin][0], label=f"{kept[twin][0].label}, {curve.label}")
+                kept[twin] = joined, kept[twin][1]
+        if not kept:
+            continue
+        largest = np.array([max(greatest(values) for _, values in kept)])
+        unit = Unit(1.0, panel.base) if panel.base in _FIXED else unit_for(largest, panel.base)
+        yield replace(panel, curves=tuple(curve for curve, _ in kept), unit=unit)
+
+
+def _alike(one: Array, other: Array) -> bool:
+    return greatest(one - other) <= SAME * max(greatest(one), greatest(other))
+
+
+class _Names:
+    """What the columns of a run are of."""
+
+    def __init__(self, names: Sequence[str], terms: Sequence[str]) -> None:
+        has = set(names)
+        self.has, self.terms = has, tuple(terms)
+
+        def stems(end: str, *others: str) -> list[str]:
+            ones = [name.removesuffix(end) for name in names if name.endswith(end)]
+            return [one for one in ones if all(one + other in has for other in others)]
+
+        self.hinges = stems("_angle_deg", "_rate_rad_s")
+        self.sliders = stems("_position_m", "_speed_m_s")
+        self.torques = stems("_torque_Nm", "_power_W")
+        self.pushes = stems("_force_N", "_power_W")
+        self.bodies = stems("_x_m", "_vx_m_s")
+        self.met = stems("_granular_x_N")
+        self.deep = [one for one in stems("_depth_m") if one in self.bodies]
+        self.in_space = any(f"{one}_vz_m_s" in has for one in self.bodies)
+        self.up = "z" if self.in_space else "y"
+
+    def panel(self, title: str, base: str, curves: Iterable[tuple[str, str]], along: str = "") -> Panel:
+        """A panel of single columns, given by label and name."""
+        kept = tuple(Curve(words, ((name, 1.0),)) for words, name in curves if name in self.has)
+        return Panel(title, base, kept, along=along)
+
+
+def _travel(found: _Names) -> Group:
+    """Where the first body goes, in a model that has several the trunk; of others the path of the tip."""
+    up = "height" if found.in_space or found.bodies else "height of the tip"
+    if not found.bodies:
+        panels = [
+            found.panel("tip, horizontal", "m", [("tip x", "tip_x_m")]),
+            found.panel(up, "m", [("tip y", "tip_y_m"), ("tip z", "tip_z_m")]),
+        ]
+        return Group("path", "Path of the tip", "Where the tip is.", () if found.hinges else tuple(panels))
+    body = found.bodies[0]
+    tilts = [("roll", f"{body}_roll_deg"), ("pitch", f"{body}_pitch_deg"), ("yaw", f"{body}_yaw_deg")]
+    if not found.in_space:
+        tilts = [("pitch, clockwise", f"{body}_orientation_deg")]
+    ahead, upward = f"{body}_vx_m_s", f"{body}_v{found.up}_m_s"
+    sideways = [("sideways", f"{body}_vy_m_s")] if found.in_space else []
+    panels = [
+        found.panel(f"{body}, ahead", "m", [("x", f"{body}_x_m")]),
+        *([found.panel(f"{body}, to the left", "m", [("y", f"{body}_y_m")])] if found.in_space else []),
+        found.panel(f"{body}, height", "m", [(found.up, f"{body}_{found.up}_m")]),
+        found.panel(f"{body}, {'angles' if found.in_space else 'pitch'}", "deg", tilts),
+        found.panel(f"{body}, speed", "m/s", [("ahead", ahead), *sideways, ("upward", upward)]),
+    ]
+    words = f"Path, attitude and speed of {body}, of its centre of mass."
+    return Group("travel", f"Motion of {body}", words, tuple(panels))
+
+
+def _joints(found: _Names) -> Group:
+    """Angle and rate of hinges, position and speed of sliders; torque, power and work of drives."""
+    rates = [(name, f"{name}_rate_rad_s") for name in found.hinges]
+    if "mean_rate_rad_s" in found.has:
+        rates.append(("mean (angular momentum / inertia)", "mean_rate_rad_s"))
+    driven = [*found.torques, *found.pushes]
+    works = tuple(Curve(name, ((f"{name}_power_W", 1.0),), integral=True) for name in driven)
+    panels = [
+        found.panel("angle of joints", "deg", [(name, f"{name}_angle_deg") for name in found.hinges]),
+        found.panel("rate of joints", "rad/s", rates),
+        found.panel("position of sliders", "m", [(name, f"{name}_position_m") for name in found.sliders]),
+        found.panel("speed of sliders", "m/s", [(name, f"{name}_speed_m_s") for name in found.sliders]),
+        found.panel("torque of drives", "N·m", [(name, f"{name}_torque_Nm") for name in found.torques]),
+        found.panel("force of drives", "N", [(name, f"{name}_force_N") for name in found.pushes]),
+        found.panel("power of drives", "W", [(name, f"{name}_power_W") for name in driven]),
+        Panel("work of drives", "J", works),
+        found.panel("deflection of the last flexible link", "m", [("tip", "deflection_m")]),
+    ]
+    words = "Angle, rate, torque, power and work of joints." if driven else "Angle and rate of joints."
+    return Group("joints", "Joints", words, tuple(panels))
+
+
+def _forces(found: _Names) -> Group:
+    """Forces of the medium: of each term and in sum, and upward on each body."""
+    axes = [("horizontal force", "x"), ("vertical force", "y")]
+    if found.in_space:
+        axes = [("force ahead", "x"), ("force to the left", "y"), ("vertical force", "z")]
+    panels = [Panel(title, "N", _terms(found, f"force_{axis}_N")) for title, axis in axes]
+    moments = [("pivot", "moment_Nm"), ("centre of mass", "moment_about_center_of_mass_Nm")]
+    panels += [Panel(f"moment about the {about}", "N·m", _terms(found, end)) for about, end in moments]
+    ends = [(f"force on each body, {'upward' if axis == found.up else 'ahead'}", axis) for axis in ("x", found.up)]
+    panels += [
+        found.panel(title, "N", [(name, f"{name}_granular_{axis}_N") for name in found.met]) for title, axis in ends
+    ]
+    words = "Forces of the medium: each term, their sum, and what each body takes."
+    return Group("forces", "Forces of the medium", words, tuple(panels))
+
+
+def _terms(found: _Names, end: str) -> tuple[Curve, ...]:
+    """Each term of a force and, of several, their sum."""
+    names = [(term, f"{term}_{end}") for term in found.terms if f"{term}_{end}" in found.has]
+    single = tuple(Curve(term.replace("_", " "), ((name, 1.0),)) for term, name in names)
+    return (Curve("sum", tuple((name, 1.0) for _, name in names)), *single) if len(single) > 1 else single
+
+
+def _depths(found: _Names) -> Group:
+    """How deep bodies are, and the vertical force against depth."""
+    depths = [(name, f"{name}_depth_m") for name in found.deep]
+    panels = [found.panel("depth", "m", depths or [("deepest point", "depth_m")])]
+    for name in found.deep[:MOST_BODIES]:
+        vertical = found.panel(
+            f"vertical force on {name} against its depth",
+            "N",
+            [(name, f"{name}_granular_{found.up}_N")],
+            along=f"{name}_depth_m",
+        )
+        panels.append(vertical)
+    upward = tuple((f"{t}_force_{found.up}_N", 1.0) for t in found.terms if f"{t}_force_{found.up}_N" in found.has)
+    if not found.deep and upward and "depth_m" in found.has:
+        panels.append(Panel("vertical force against depth", "N", (Curve("sum", upward),), along="depth_m"))
+    words = "Depth of the deepest point of each body, and the vertical force of the medium against it."
+    return Group("depth", "Depth, and force against depth", words, tuple(panels))
+
+
+MOST_BODIES = 8  # whose force is drawn against their depth
+
+
+ENERGIES = (  # label, column, factor; gravity is counted from the start
+    ("kinetic", "kinetic_J", 1.0),
+    ("gravity, from start", "gravity_J", 1.0),
+    ("elastic", "elastic_J", 1.0),
+    ("springs and stops of joints", "spring_J", 1.0),
+    ("taken by the medium", "granular_work_J", -1.0),
+    ("taken by damping", "damping_work_J", -1.0),
+    ("taken by dampers of joints", "joint_damping_work_J", -1.0),
+    ("taken by dry friction", "friction_work_J", -1.0),
+    ("taken by the floor", "floor_work_J", -1.0),
+    ("less work of drives", "drive_work_J", -1.0),
+)
+
+
+def _energy(found: _Names) -> Group:
+    """Energies and works, and by how much their balance does not close."""
+    curves = [
+        Curve(words, ((name, factor),), start=name == "gravity_J")
+        for words, name, factor in ENERGIES
+        if name in found.has
+    ]
+    panels = [
+        Panel("energy", "J", tuple(curves)),
+        found.panel("energy imbalance", "J", [("imbalance", "energy_imbalance_J")]),
+    ]
+    words = "Where the energy is and went; the sum is constant but for the imbalance."
+    return Group("energy", "Energy", words, tuple(panels))
+
+
+def others(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Every column with a unit, by name and words, to be chosen."""
+    return [(name, label(name)) for name in names if name != "time_s" and split(name)[1] in _BASES]

@@ -1,0 +1,1 @@
+offer(Object.entries(data.files || {}));

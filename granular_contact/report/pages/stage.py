@@ -1,0 +1,149 @@
+"""The stage of the player in the plane: the mechanism, the sand and its surface as SVG, which scripts then move.
+
+Without scripts it stands still at one instant. Lengths in it are m, y upward; a single transform makes px of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from granular_contact.report.pages.folder import Bed
+from granular_contact.report.units import Array, unit_for
+from granular_contact.results.frames import surface_height
+from granular_contact.results.motion import Motion
+
+WIDTH, FLATTEST, TALLEST = 960.0, 0.42, 0.75  # px; height to width
+MARGIN = 0.07  # of the width
+BEYOND = 6.0  # widths of the stage that sand goes on to either side
+USUAL_ARROW, LONGEST_ARROW = 0.2, 0.45  # of the height: of the force that a tenth exceeds, and of any
+
+
+def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
+    """What the template and the scripts need of a motion; shown: the picture (index) that stands without scripts.
+
+    path: (rows, 2) m, of the tip or of a body.
+    """
+    drawn = [motion.points(i) for i in range(len(motion.parts))]
+    reach = [0.5 * part.diameter for part in motion.parts]
+    low = np.min([points.min(axis=(0, 1)) - r for points, r in zip(drawn, reach, strict=True)], axis=0)
+    high = np.max([points.max(axis=(0, 1)) + r for points, r in zip(drawn, reach, strict=True)], axis=0)
+    if bed.surface is not None:
+        size = float(np.max(high - low))
+        top = surface_height(bed.surface, np.linspace(low[0], high[0], 65))
+        if top.max() > low[1] - 2 * size:
+            low[1], high[1] = min(low[1], top.min() - 0.15 * size), max(high[1], top.max())
+    wide, tall = np.maximum(high - low, 1e-9)
+    across = WIDTH * (1 - 2 * MARGIN)
+    height = float(np.clip(across * tall / wide + 2 * MARGIN * WIDTH, FLATTEST * WIDTH, TALLEST * WIDTH))
+    scale = min(across / wide, (height - 2 * MARGIN * WIDTH) / tall)
+    left, bottom = (low[0] + high[0]) / 2 - WIDTH / 2 / scale, (low[1] + high[1]) / 2 - height / 2 / scale
+    usual = _usual(motion)
+    return {
+        "width": WIDTH,
+        "height": height,
+        "scale": scale,
+        "left": left,
+        "top": bottom + height / scale,
+        "parts": [_part(motion, i, points[shown]) for i, points in enumerate(drawn)],
+        "sand": _sand(bed, left, bottom, scale),
+        "path": _line(_thinned(path, 0.3 / scale)) if len(path) else "",
+        "arrow": USUAL_ARROW * height / scale / usual if usual > 0.0 else 0.0,
+        "longest": LONGEST_ARROW * height / scale,
+        "force": _key(usual, USUAL_ARROW * height, height),
+        "bar": _bar(scale),
+    }
+
+
+def _part(motion: Motion, index: int, now: Array) -> dict[str, Any]:
+    """How a part is drawn: as a disc, a bar or an area, in its own frame; one that bends where it is."""
+    part, pose = motion.parts[index], motion.poses
+    bends = index in motion.bent
+    points = now if bends else part.points
+    closed = len(points) > 3 and bool(np.allclose(points[0], points[-1], atol=1e-12))
+    kind = "disc" if len(points) == 1 else "area" if closed else "bar"
+    return {
+        "name": part.name,
+        "kind": kind,
+        "bends": bends,
+        "size": part.diameter,
+        "line": _line(points, closed),
+        "poses": pose[:, index],
+    }
+
+
+def turned(pose: Array) -> str:
+    """The SVG transform of a pose x, y (m), angle (rad)."""
+    return f"translate({pose[0]:.7g} {pose[1]:.7g}) rotate({np.degrees(pose[2]):.6g})"
+
+
+def _line(points: Array, closed: bool = False) -> str:
+    """The SVG path along points (n, 2) m."""
+    words = "L".join(f"{x:.6g} {y:.6g}" for x, y in points.tolist())
+    return f"M{words}{'Z' if closed else ''}"
+
+
+def _thinned(path: Array, least: float) -> Array:
+    """Points of a path that are at least so far (m) apart, its last one among them."""
+    steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    _, first = np.unique(np.floor(steps / least), return_index=True)
+    return np.asarray(path[np.unique([*first, len(path) - 1])])
+
+
+def _sand(bed: Bed, left: float, bottom: float, scale: float) -> dict[str, str]:
+    """Paths of the sand, its surface, layers and floor, far beyond the edges of the stage."""
+    if bed.surface is None:
+        return {}
+    wide = BEYOND * WIDTH / scale
+    ends = np.array([left - wide, left + 2 * wide])
+    x = ends
+    if np.ndim(bed.surface):
+        corners = np.asarray(bed.surface)[:, 0]
+        x = np.unique([*ends, *corners[(corners > ends[0]) & (corners < ends[1])]])
+    line = np.column_stack([x, surface_height(bed.surface, x)])
+    deep = min(bottom, float(line[:, 1].min())) - 2 * wide
+    under = np.vstack([[x[0], deep], line, [x[-1], deep]])
+    layers = [_line(line - (0.0, depth)) for depth in bed.layers]
+    floor = ""
+    if bed.floor is not None:
+        floor = _line(np.array([[x[0], deep], [x[0], bed.floor], [x[-1], bed.floor], [x[-1], deep]]), True)
+    return {"under": _line(under, True), "surface": _line(line), "layers": "".join(layers), "floor": floor}
+
+
+def _round(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-9)) * power)
+
+
+def _words(value: float, base: str) -> str:
+    unit = unit_for(np.array([value]), base)
+    return f"{value * unit.factor:.4g} {unit.name}"
+
+
+def _bar(scale: float) -> dict[str, Any]:
+    """A bar of a round length: px, and words."""
+    length = _round(0.2 * WIDTH / scale)
+    return {"px": length * scale, "words": _words(length, "m")}
+
+
+def _usual(motion: Motion) -> float:
+    """The force (N) that is exceeded in a tenth of all pictures with one: a short shock does not make others small."""
+    sizes = [np.hypot(*force.T) for _, force in motion.forces.values()]
+    found = np.concatenate(sizes) if sizes else np.zeros(0)
+    return float(np.quantile(found[found > 0.0], 0.9)) if np.any(found > 0.0) else 0.0
+
+
+def _key(usual: float, px: float, height: float) -> dict[str, Any]:
+    """A round force as the key of arrows: its arrow near the lower left corner, its length (px), and words."""
+    if not usual > 0.0:
+        return {}
+    newton = _round(usual)
+    length = px * newton / usual
+    head = min(13.0, 0.7 * length)
+    shaft, wing, y = 2.2 * head / 13.0, 0.45 * head, height - 22.0
+    corners = [(0, shaft), (length - head, shaft), (length - head, wing), (length, 0)]
+    corners += [(length - head, -wing), (length - head, -shaft), (0, -shaft)]
+    arrow = _line(np.array([(22.0 + a, y + b) for a, b in corners]), True)
+    return {"arrow": arrow, "px": length, "words": f"{_words(newton, 'N')} from the medium"}

@@ -1,0 +1,86 @@
+"""Key numbers of what is driven: of each drive over the run, and of whole strides with their scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.results.energy import accumulate
+from granular_contact.results.interpolation import positive_part
+
+Vector = NDArray[np.float64]
+
+FEWEST = 2  # strides, of which there is a scatter
+
+
+def drive_numbers(time: Vector, force: Vector, rate: Vector, *, turns: bool) -> dict[str, float]:
+    """Numbers of one drive over a run.
+
+    time: (n,) s; force: (n,) N m of a drive that turns, else N; rate: (n,) rad/s or m/s. Means are over time.
+    """
+    word, unit, of_rate = ("torque", "Nm", "rad_s") if turns else ("force", "N", "m_s")
+    power, lasted = force * rate, float(time[-1] - time[0])
+    work = float(accumulate(time, power)[-1])
+    square = float(accumulate(time, force**2)[-1])
+    return {
+        f"largest_{word}_{unit}": float(np.max(np.abs(force))),
+        f"rms_{word}_{unit}": float(np.sqrt(square / lasted)) if lasted > 0.0 else 0.0,
+        f"largest_rate_{of_rate}": float(np.max(np.abs(rate))),
+        "largest_power_W": float(np.max(power)),
+        "mean_power_W": work / lasted if lasted > 0.0 else 0.0,
+        "work_J": work,
+        "work_put_in_J": positive_part(time, power),
+    }
+
+
+def stride_numbers(
+    time: Vector,
+    place: Vector,
+    powers: Sequence[Vector],
+    torques: Sequence[Vector],
+    weight: float,
+    period: float,
+) -> dict[str, Any] | None:
+    """Means over whole strides, with the standard deviation of single strides; None of fewer than two.
+
+    Strides are counted back from the end. The first period of the run is left out, as a gait sets in, where two whole
+    strides remain without it.
+
+    time: (n,) s; place: (n,) m of the centre of mass, ahead; powers (n,) W and torques (n,) N m of the drives; weight:
+    N; period: s of a stride.
+    """
+    count = int((time[-1] - time[0]) / period * (1.0 + 1e-9))
+    count -= count > FEWEST
+    if count < FEWEST:
+        return None
+    ends = time[-1] - period * np.arange(count, -1, -1)
+    x = np.interp(ends, time, place)
+    found: dict[str, list[float]] = {"distance_m": np.diff(x).tolist(), "speed_m_s": (np.diff(x) / period).tolist()}
+    spans = list(pairwise(ends))
+    put_in = [sum(positive_part(*_within(time, power, *span)) for power in powers) for span in spans]
+    found["drive_work_put_in_J"] = put_in
+    if torques:
+        found["largest_drive_torque_Nm"] = [
+            max(float(np.max(np.abs(_within(time, torque, *span)[1]))) for torque in torques) for span in spans
+        ]
+    if all(way != 0.0 for way in found["distance_m"]) and weight > 0.0:
+        costs = [work / (weight * abs(way)) for work, way in zip(put_in, found["distance_m"], strict=True)]
+        found["cost_of_transport"] = costs
+    told: Mapping[str, Any] = {name: _scatter(values) for name, values in found.items()}
+    return {"count": count, "period_s": period, **told}
+
+
+def _within(time: Vector, values: Vector, begin: float, end: float) -> tuple[Vector, Vector]:
+    """A history between two instants, its ends interpolated."""
+    inside = (time > begin) & (time < end)
+    at = np.concatenate([[begin], time[inside], [end]])
+    ends = np.interp([begin, end], time, values)
+    return at, np.concatenate([ends[:1], values[inside], ends[1:]])
+
+
+def _scatter(values: Sequence[float]) -> dict[str, float]:
+    return {"mean": float(np.mean(values)), "standard_deviation": float(np.std(values, ddof=1))}

@@ -1,0 +1,47 @@
+"""Means over strides and numbers of drives, of histories whose integrals are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from granular_contact.results.strides import drive_numbers, stride_numbers
+from granular_contact.scene.signals import Buehler, Constant, Sine, period
+
+
+def test_strides_that_grow_have_their_mean_and_scatter() -> None:
+    """Strides of 0.5 s, 10 cm more each; power 2 sin(2 pi t / T) W puts 2 T / pi J into each."""
+    time = np.linspace(0.0, 2.2, 4401)
+    ends = 2.2 - 0.5 * np.arange(5)[::-1]  # 0.2, 0.7, ...
+    place = np.interp(time, ends, [0.0, 0.1, 0.3, 0.6, 1.0])
+    power = 2.0 * np.sin(2.0 * np.pi * (time - 0.2) / 0.5)
+    told = stride_numbers(time, place, [power], [0.5 * power], weight=5.0, period=0.5)
+    assert told is not None
+    assert told["count"] == 3  # the first, in which a gait sets in, is left out
+    assert told["distance_m"]["mean"] == pytest.approx(0.3)
+    assert told["speed_m_s"] == pytest.approx({"mean": 0.6, "standard_deviation": 0.2})
+    # Trapezoids of 0.5 ms: the error of a sine is (2 pi h / T)^2 / 12 of it, 3e-6.
+    assert told["drive_work_put_in_J"]["mean"] == pytest.approx(1.0 / np.pi, rel=1e-5)
+    assert told["largest_drive_torque_Nm"]["mean"] == pytest.approx(1.0, rel=1e-4)
+    costs = [1.0 / np.pi / (5.0 * way) for way in (0.2, 0.3, 0.4)]
+    assert told["cost_of_transport"]["mean"] == pytest.approx(np.mean(costs), rel=1e-5)
+    assert told["cost_of_transport"]["standard_deviation"] == pytest.approx(np.std(costs, ddof=1), rel=1e-4)
+    assert stride_numbers(time[:1900], place[:1900], [power[:1900]], [], 5.0, 0.5) is None  # 0.95 s: one whole stride
+
+
+def test_numbers_of_a_drive() -> None:
+    time = np.linspace(0.0, 1.0, 2001)
+    torque, rate = 3.0 * np.sin(2 * np.pi * time), 2.0 * np.sin(2 * np.pi * time)
+    told = drive_numbers(time, torque, rate, turns=True)
+    assert told["largest_torque_Nm"] == pytest.approx(3.0, rel=1e-5)
+    assert told["rms_torque_Nm"] == pytest.approx(3.0 / np.sqrt(2), rel=1e-6)
+    assert told["work_J"] == pytest.approx(3.0, rel=1e-6)
+    assert told["mean_power_W"] == told["work_J"] == pytest.approx(told["work_put_in_J"])
+    assert drive_numbers(time, torque, -rate, turns=False)["work_put_in_J"] == 0.0
+
+
+def test_only_signals_that_repeat_have_a_period() -> None:
+    assert period(Sine(amplitude=1.0, omega=-4.0 * np.pi, phase=0.0, offset=0.0)) == pytest.approx(0.5)
+    assert period(Buehler(frequency=2.0, sweep=1.0, offset=0.0, duty=0.5, phase=0.0, blend=0.1)) == 0.5
+    assert period(Constant(1.0)) is None
+    assert period(Sine(amplitude=0.0, omega=4.0, phase=0.0, offset=1.0)) is None
