@@ -6,13 +6,17 @@ the system is advanced by asking; `accept` drags the bristles to where it is.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import exudyn as exu
 import numpy as np
 
-from granular_contact.multibody.joint_loads import JointLoad
 from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Vector
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.joint_loads import JointLoad
 
 DIFFERENCE_STEP = 1e-5  # m, or rad, of differences
 
@@ -91,8 +95,8 @@ class Balance:
         q = np.ascontiguousarray(q)
         self._time += 1.0
         self._pass_on(q)
-        for load in self.system.loads.values():
-            load.accept(q, self._rest)
+        if self.system.joints is not None:
+            self.system.joints.accept(q, self._rest)
         if self.system.bed is not None:
             self.system.bed.accept_state(self._time, q, self._rest)
         self.data.SetTime(self._time + 1.0)
@@ -108,7 +112,5 @@ class Balance:
         """Generalised forces (size,) of the torque or force of a drive at its current time."""
         assert load.drive is not None  # of those that have one
         force = np.zeros(self.size)
-        place: list[float] = q[load.where].tolist()
-        _, _, slope = load.coordinate.at(place, [0.0] * len(place))
-        np.add.at(force, load.where, load.drive.signal.value(0.0) * np.asarray(slope))
+        np.add.at(force, load.where, load.drive.signal.value(0.0) * load.slope(q))
         return force

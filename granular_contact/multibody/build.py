@@ -10,6 +10,7 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
+from granular_contact.multibody.joint_actions import JointActions
 from granular_contact.multibody.joints import add_joint
 from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.overlay import Overlay
@@ -36,15 +37,33 @@ def build(scene: Scene) -> System:
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
-    system = replace(system, bed=_granular_load(system))
-    if system.bed is not None:
-        system.bed.attach(gravity_loads(system))
-    elif scene.gravity != 0.0:
-        Overlay(mbs).attach(gravity_loads(system))
+    system = _attach(replace(system, bed=_granular_load(system)))
     mbs.Assemble()
-    for load in system.loads.values():
-        load.start(mbs)
+    if system.joints is not None and system.joints.loads is not None:
+        system.joints.loads.start()
     return system
+
+
+def _attach(system: System) -> System:
+    """Put weights, bed and what joints do into the system, through one overlay; the system with its joints."""
+    mbs, bed, weights = system.mbs, system.bed, gravity_loads(system)
+    overlay = Overlay(mbs) if bed is None else bed.overlay
+    joints = None
+    if system.loads:
+        from granular_contact.multibody.joint_loads import JointLoads
+
+        joints = JointActions(mbs, JointLoads(list(system.loads.values()), overlay), system.turning)
+    elif system.turning:
+        joints = JointActions(mbs, None, system.turning)
+    if bed is not None:
+        bed.attach(weights, joints)
+    elif joints is not None:
+        some = next(iter(system.rigid.values()))  # what has a place in the overlay is asked for forces
+        overlay.coordinates([some.node], 3)
+        joints.attach(overlay, weights)
+    elif weights:
+        overlay.attach(weights)
+    return replace(system, joints=joints)
 
 
 def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import exudyn as exu
 import numpy as np
@@ -23,6 +23,9 @@ from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import scene_error
 from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
 from granular_contact.multibody.overlay import Overlay
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.joint_actions import JointActions
 
 Vector = NDArray[np.float64]
 MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
@@ -50,8 +53,9 @@ class Coupling:
     def __init__(self, mbs: Any, load: GranularLoad) -> None:
         self.mbs, self.load = mbs, load
         self.load_calls = 0
-        self.nodes: tuple[int, ...] = ()  # that carry contact lines, once it is attached
-        self._overlay = Overlay(mbs)
+        self.nodes: tuple[int, ...] = ()  # that carry contact lines
+        self.overlay = Overlay(mbs)
+        self._joints: JointActions | None = None
         self._acts = False  # whether forces were sent last
         self._time: float | None = None  # time of the step for which forces were last asked
         self._last = np.zeros(0)  # coordinates of the last accepted state
@@ -65,7 +69,7 @@ class Coupling:
         """
         node, size = (spatial_node if in_space else rigid_node)(self.mbs, number)
         own = self.mbs.GetObject(number)["name"]
-        return Body(own if name is None else name, self._overlay.coordinates([node], size)[0])
+        return Body(own if name is None else name, self._coordinates([node], size)[0])
 
     def cables(self, elements: Sequence[Any], name: str | None = None, **options: Any) -> list[ContactLine]:
         """Lines on ANCFCable2D elements, by the name of the first unless given; options and errors as of `beam`."""
@@ -73,13 +77,20 @@ class Coupling:
         own = self.mbs.GetObject(elements[0])["name"]
         if self.load.resultant:
             options["elements_per_line"] = len(lengths)
-        return beam(own if name is None else name, self._overlay.coordinates(nodes, 4), lengths, **options)
+        return beam(own if name is None else name, self._coordinates(nodes, 4), lengths, **options)
 
-    def attach(self, constant: Mapping[int, ArrayLike]) -> None:
-        """Put the load into the system, and generalised forces (by node number) that act all the time."""
+    def _coordinates(self, nodes: Sequence[int], each: int) -> NDArray[np.int64]:
+        self.nodes += tuple(node for node in nodes if node not in self.nodes)
+        return self.overlay.coordinates(nodes, each)
+
+    def attach(self, constant: Mapping[int, ArrayLike], joints: JointActions | None = None) -> None:
+        """Put the load into the system, generalised forces (by node number) that act all the time, and what joints do.
+
+        joints: on the overlay of this coupling.
+        """
         self.load.close()
-        self.nodes = tuple(self._overlay.nodes)
-        self._overlay.attach(constant, self._force, self._jacobian)
+        self._joints = joints
+        self.overlay.attach(constant, self._force, self._jacobian)
 
     # ---- what the engine calls ----
 
@@ -88,23 +99,39 @@ class Coupling:
         self.load_calls += 1
         if t != self._time:
             self._begin(t)
-        if not self.load.active and not self._acts:
+        joints = self._look(t)
+        acts = self.load.active or joints is not None
+        if not acts and not self._acts:
             return
-        forces = self._overlay.forces
-        forces[:] = self._overlay.constant
+        forces = self.overlay.forces
+        forces[:] = self.overlay.constant
+        if joints is not None:
+            joints.force(self._q, self._v, forces)
         if self.load.active:
             self.load.force(self._q, self._v, forces)
-        self._overlay.send()
-        self._acts = self.load.active
+        self.overlay.send()
+        self._acts = acts
 
     def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
         """Tangent at the system's present state, as the engine's sparse matrix."""
         if t != self._time:
             self._begin(t)
-        if not self.load.active:
-            return self._overlay.empty
+        joints = self._look(t)
         # The engine keeps these on the left-hand side, opposite in sign to the force.
-        return self._overlay.matrix(self.load.tangent(self._q, self._v, -factor_q, -factor_v))
+        state = self._q, self._v, -factor_q, -factor_v
+        parts = [] if joints is None else [joints.tangent(*state)]
+        if self.load.active:
+            parts.append(self.load.tangent(*state))
+        return self.overlay.matrix(np.concatenate(parts)) if parts else self.overlay.empty
+
+    def _look(self, t: float) -> JointActions | None:
+        """What joints do at this time (s); None where no forces act in them."""
+        joints = self._joints
+        if joints is None:
+            return None
+        if t != joints.time:
+            joints.begin(t)
+        return joints if joints.acts else None
 
     def _begin(self, t: float) -> None:
         """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""
@@ -182,5 +209,5 @@ class Coupling:
     def _places(self) -> tuple[NDArray[np.int64], Vector]:
         """Places of the overlay's coordinates in the assembled system, and the system's reference coordinates."""
         data = self.mbs.systemData
-        where = [place for node in self._overlay.nodes for place in data.GetNodeLTGODE2(node)]
+        where = [place for node in self.overlay.nodes for place in data.GetNodeLTGODE2(node)]
         return np.array(where), data.GetODE2Coordinates(exu.ConfigurationType.Reference)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from granular_contact.multibody.joint_laws import drive_force, follow, friction, held, stop, wanted
 from granular_contact.results.energy import work
 from granular_contact.scene.types import Drive, JointLaw, Vector
 
@@ -38,14 +37,17 @@ def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Joint
     if law.damping > 0.0:
         force["damper"] = -law.damping * rate
     if law.has_stops:
-        both = [stop(law, *state) for state in zip(s.tolist(), rate.tolist(), strict=True)]
+        from granular_contact.kernels.joint_laws import stops
+
+        part, whole = stops(_record(law), s, rate)
         for name, depth in (("lower_stop", law.lower - s), ("upper_stop", s - law.upper)):
             there = depth > 0.0
-            elastic[name] = np.where(there, [one for one, _ in both], 0.0)
-            force[name] = np.where(there, [whole.value for _, whole in both], 0.0)
+            elastic[name], force[name] = np.where(there, part, 0.0), np.where(there, whole, 0.0)
             stored[name] = 0.5 * law.stop_stiffness * np.maximum(depth, 0.0) ** 2
     if law.friction > 0.0:
-        force["friction"] = _friction(law, anchor, s, rate)
+        from granular_contact.kernels.joint_laws import frictions
+
+        force["friction"] = frictions(_record(law), s, rate, anchor)
     return JointForces(force, elastic, stored)
 
 
@@ -73,20 +75,24 @@ def joint_history(forces: JointForces, time: Vector, rate: Vector) -> JointHisto
     )
 
 
-def _friction(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Vector:
-    """Dry friction (n,), with its anchor led along as in the run."""
-    forces = []
-    for place, speed in zip(s.tolist(), rate.tolist(), strict=True):
-        forces.append(friction(law, place, speed, anchor).value)
-        anchor = follow(law, place, anchor)
-    return np.array(forces)
-
-
 def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:
     """Torque or force (n,) of a drive that is no prescribed motion; set_to (n,): of one that is set from outside."""
+    from granular_contact.kernels.joint_laws import drive_forces
+    from granular_contact.multibody.joint_loads import held, wanted
+
     if set_to is None:
         targets = [wanted(drive, t) for t in time.tolist()]
     else:
         targets = [held(drive, value) for value in set_to.tolist()]
-    states: Iterable[tuple[float, float]] = zip(s.tolist(), rate.tolist(), strict=True)
-    return np.array([drive_force(drive, *one, *state).value for one, state in zip(targets, states, strict=True)])
+    forces: Vector = drive_forces(_record(JointLaw(), drive), np.array(targets), s, rate)
+    return forces
+
+
+def _record(law: JointLaw, drive: Drive | None = None) -> NDArray[np.void]:
+    """Record (1,) as kernels read it."""
+    from granular_contact.kernels.joint_loads import JOINT
+    from granular_contact.multibody.joint_loads import fill
+
+    record = np.zeros(1, JOINT)
+    fill(record, law, drive)
+    return record

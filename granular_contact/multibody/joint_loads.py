@@ -1,113 +1,154 @@
-"""What acts in a joint by its coordinate: spring, damper, stops, dry friction, and drives but for prescribed motions.
+"""What acts in joints by their coordinates: springs, dampers, stops, dry friction, and drives but for motions.
 
-Laid over the joint's two nodes as a massless `ObjectGenericODE2` with an analytic tangent, as the granular bed is.
+All of it is computed in one compiled call, `kernels.joint_loads`, and reaches the bodies with the bed's forces, see
+`joint_actions`. Signals are asked for once in an instant.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from typing import Any
 
-import exudyn as exu
 import numpy as np
-from exudyn import itemInterface as items
+from numpy.typing import NDArray
 
-from granular_contact.multibody.coordinates import Hinge, Numbers, Slider
-from granular_contact.multibody.joint_laws import Force, drive_force, follow, friction, held, stop, sum_of, wanted
+from granular_contact.kernels import joint_laws, joint_loads
+from granular_contact.kernels.entry import entry
+from granular_contact.multibody.coordinates import Coordinate
+from granular_contact.multibody.overlay import Overlay
 from granular_contact.scene.types import Drive, JointLaw, Vector
+
+
+def fill(record: NDArray[np.void], law: JointLaw, drive: Drive | None) -> None:
+    """Write what acts in a joint into its record (1,)."""
+    for name in joint_loads.LAW:
+        record[name] = getattr(law, name)
+    if drive is not None:
+        control = joint_laws.RATE_CONTROL if drive.of_rate else joint_laws.CONTROL
+        record["drive"] = joint_laws.LOAD if drive.kind == "load" else control
+        for name in joint_loads.DRIVE:
+            record[name] = getattr(drive, name)
+
+
+def wanted(drive: Drive, t: float) -> tuple[float, float]:
+    """Signal of a drive at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
+    if t < 0.0:
+        return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
+    value = drive.signal.value(t)
+    return value, value if drive.of_rate else drive.signal.rate(t) if drive.kind == "control" else 0.0
+
+
+def held(drive: Drive, value: float) -> tuple[float, float]:
+    """What a drive that is set from outside wants while it is set to a value, and the rate that it wants."""
+    return value, value if drive.of_rate else 0.0
 
 
 class JointLoad:
     """What acts in one joint; `nodes` are those of parent and child, without the ground's.
 
-    set_to: what a drive that is set from outside is set to, None of all others.
+    state (5,): see `kernels.joint_loads`, a row of those of all joints once there are such. first_anchor: of its
+    bristle, at the start.
     """
 
-    def __init__(self, coordinate: Hinge | Slider, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
+    def __init__(self, coordinate: Coordinate, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
         self.coordinate, self.nodes, self.law, self.drive = coordinate, nodes, law, drive
+        self.record, self.state = coordinate.record, np.zeros(5)
+        fill(self.record, law, drive)
+        self.state[joint_loads.TURNS :] = coordinate.turns
         self.anchor = self.first_anchor = coordinate.joint.start
-        self._time, self._wanted = math.nan, (0.0, 0.0)
-        self.set_to = drive.signal.value(0.0) if drive is not None and drive.sets else None
-        self._springs = law.stiffness > 0.0 or law.damping > 0.0
-        self._stops, self._rubs = law.has_stops, law.friction > 0.0
-        self._nothing, self._only_drive = Force(0.0), drive is not None and law.is_idle
-        # A hinge of rigid bodies does not change with their places: nor does what its tangent is made of.
-        slope = coordinate.constant_slope
-        self._outer = None if slope is None else np.outer(slope, slope)
+        self.where = np.zeros(0, int)  # places of its nodes' coordinates in the assembled system
+        self._set_to: float | None = None
+        if drive is not None and drive.sets:
+            self.set_to = drive.signal.value(0.0)
 
-    def add(self, mbs: Any) -> None:
-        """Put it into a system, before it is assembled."""
-        mbs.AddObject(
-            items.ObjectGenericODE2(
-                nodeNumbers=[exu.NodeIndex(node) for node in self.nodes],
-                forceUserFunction=self._force,
-                jacobianUserFunction=self._jacobian,
-                visualization=items.VObjectGenericODE2(show=False),
-            )
-        )
+    @property
+    def anchor(self) -> float:
+        """Where the bristle of dry friction is held."""
+        return float(self.state[joint_loads.ANCHOR])
 
-    def total(self, t: float, s: float, rate: float) -> Force:
-        """All that acts along the coordinate."""
-        if self._only_drive and self.drive is not None:
-            return self._of_drive(self.drive, t, s, rate)
-        law = self.law
-        total = self._nothing
-        if self._springs:
-            total = Force(-law.stiffness * (s - law.rest) - law.damping * rate, -law.stiffness, -law.damping)
-        if self._stops:
-            total = sum_of(total, stop(law, s, rate)[1])
+    @anchor.setter
+    def anchor(self, place: float) -> None:
+        self.state[joint_loads.ANCHOR] = place
+
+    @property
+    def turns(self) -> Vector:
+        """Angles (2,) rad of its ends found last."""
+        return self.state[joint_loads.TURNS :]
+
+    @property
+    def set_to(self) -> float | None:
+        """What a drive that is set from outside is set to, None of all others."""
+        return self._set_to
+
+    @set_to.setter
+    def set_to(self, value: float | None) -> None:
+        self._set_to = value
+        if self.drive is not None and value is not None:
+            self.want(held(self.drive, value))
+
+    def want(self, values: tuple[float, float]) -> None:
+        """Let the drive want a value and a rate."""
+        self.state[joint_loads.VALUE], self.state[joint_loads.RATE] = values
+
+    def slope(self, q: Vector) -> Vector:
+        """Gradient of the coordinate by those at `where`, in the system's state q."""
+        place = np.zeros(joint_loads.MOST)
+        place[: len(self.where)] = q[self.where]
+        slope: Vector = joint_loads.gradient(self.record, place)[: len(self.where)]
+        return slope
+
+
+class JointLoads:
+    """What acts in all joints of a system, through an overlay on their nodes; made before that is attached."""
+
+    def __init__(self, loads: Sequence[JointLoad], overlay: Overlay) -> None:
+        self.loads, self.overlay = loads, overlay
+        self.state = np.stack([load.state for load in loads])
+        self.places = np.zeros((len(loads), joint_loads.MOST, 2), np.int64)
+        for load, state, places in zip(loads, self.state, self.places, strict=True):
+            load.state = state  # from now on a row of one table
+            load.coordinate.turns = load.turns
+            sizes = [size for size in (load.record["parent"][0], load.record["child"][0]) if size]
+            each = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, sizes, strict=True)]
+            places[: sum(sizes), 1] = np.concatenate(each)
+        records = np.concatenate([load.record for load in loads])
+        self._arguments = records, self.state, self.places
+        self._rubs = bool(records["friction"].any())
+        self._triplets = np.zeros((sum(load.coordinate.size**2 for load in loads), 3))
+        self._asked: dict[Any, tuple[Drive, list[JointLoad]]] = {}  # drives that want the same are asked once
+        for load in loads:
+            if load.drive is not None and load.set_to is None:
+                same = load.drive.signal, load.drive.kind, load.drive.of_rate
+                self._asked.setdefault(same, (load.drive, []))[1].append(load)
+
+    def start(self) -> None:
+        """Find the nodes' coordinates in the assembled system; kernels are compiled here, the first time."""
+        data = self.overlay.mbs.systemData
+        for load, places in zip(self.loads, self.places, strict=True):
+            load.where = np.array([i for node in load.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
+            places[: len(load.where), 0] = load.where
+        q = np.zeros(data.ODE2Size())
+        self._force = entry(joint_loads.force, q, q, *self._arguments, q)
+        self._tangent = entry(joint_loads.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
         if self._rubs:
-            total = sum_of(total, friction(law, s, rate, self.anchor))
-        if self.drive is not None:
-            force = self._of_drive(self.drive, t, s, rate)
-            total = force if total is self._nothing else sum_of(total, force)
-        return total
+            self._accept = entry(joint_loads.accept, q, q, *self._arguments)
 
-    def _of_drive(self, drive: Drive, t: float, s: float, rate: float) -> Force:
-        if self.set_to is not None:
-            return drive_force(drive, *held(drive, self.set_to), s, rate)
-        if t != self._time:  # all iterations of a step ask for the same instant
-            self._time, self._wanted = t, wanted(drive, t)
-        return drive_force(drive, *self._wanted, s, rate)
+    def begin(self, t: float) -> None:
+        """Forces are asked for at another time (s): learn what the drives want then."""
+        for drive, loads in self._asked.values():
+            values = wanted(drive, t)
+            for load in loads:
+                load.want(values)
+
+    def force(self, q: Vector, v: Vector, out: Vector) -> None:
+        """Add the generalised forces at this state of the whole system to out, the coordinates of the overlay."""
+        self._force(q, v, *self._arguments, out)
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
+        """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3); the next call overwrites them."""
+        return self._triplets[: self._tangent(q, v, *self._arguments, factor_q, factor_v, self._triplets)]
 
     def accept(self, q: Vector, v: Vector) -> None:
         """End of a step at this state (all coordinates of the system, as the engine has them)."""
-        if self.law.friction > 0.0:
-            s, _, _ = self.coordinate.at(q[self.where].tolist(), v[self.where].tolist())
-            self.anchor = follow(self.law, s, self.anchor)
-
-    def start(self, mbs: Any) -> None:
-        """Find the nodes' coordinates in the assembled system."""
-        data = mbs.systemData
-        self.where = np.array([i for node in self.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
-
-    def _force(self, mbs: Any, t: float, item: int, q: Numbers, v: Numbers) -> Numbers:  # noqa: ARG002
-        s, rate, slope = self.coordinate.at(q, v)
-        force = self.total(t, s, rate)[0]
-        return [force * g for g in slope]
-
-    def _jacobian(
-        self,
-        mbs: Any,  # noqa: ARG002
-        t: float,
-        item: int,  # noqa: ARG002
-        q: Numbers,
-        v: Numbers,
-        factor_q: float,
-        factor_v: float,
-    ) -> Any:
-        container = exu.MatrixContainer()
-        # The engine keeps these on the left-hand side, opposite in sign to the force.
-        if self._outer is not None:
-            force = self.total(t, *self.coordinate.at(q, v)[:2])
-            factor = -factor_q * force.by_place - factor_v * force.by_rate
-            container.SetWithDenseMatrix(factor * self._outer, useDenseMatrix=False)
-            return container
-        q, v = list(q), list(v)
-        s, rate, slope = self.coordinate.at(q, v)
-        force, gradient, second = self.total(t, s, rate), np.array(slope), self.coordinate.second(q)
-        by_q = np.outer(gradient, force.by_place * gradient + force.by_rate * (second @ np.array(v)))
-        by_q += force.value * second
-        by_v = force.by_rate * np.outer(gradient, gradient)
-        container.SetWithDenseMatrix(-factor_q * by_q - factor_v * by_v, useDenseMatrix=False)
-        return container
+        if self._rubs:
+            self._accept(q, v, *self._arguments)

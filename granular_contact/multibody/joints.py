@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
-from granular_contact.multibody.coordinates import End, Hinge, Numbers, Slider, coordinate
-from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.multibody.joint_actions import Turning
 from granular_contact.multibody.system import System
 from granular_contact.scene.types import Connection, Drive, Vector, rotation
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.coordinates import Coordinate, End, Numbers
 
 
 def add_joint(system: System, ground: Any, joint: Connection) -> None:
@@ -32,9 +33,9 @@ def add_joint(system: System, ground: Any, joint: Connection) -> None:
     if drive is None and joint.law.is_linear and joint.kind == "hinge" and rigid:
         _add_spring(system, joint)
         return
-    load = JointLoad(_coordinate(system, joint), _nodes(system, joint), joint.law, drive)
-    load.add(system.mbs)
-    system.loads[joint.name] = load
+    from granular_contact.multibody.joint_loads import JointLoad
+
+    system.loads[joint.name] = JointLoad(_coordinate(system, joint), _nodes(system, joint), joint.law, drive)
 
 
 def _constrain(system: System, ground: Any, joint: Connection) -> None:
@@ -94,25 +95,24 @@ def _nodes(system: System, joint: Connection) -> list[int]:
     return [system.node_at(body, point) for body, point in ends if body is not None]
 
 
-def _coordinate(system: System, joint: Connection) -> Hinge | Slider:
-    return coordinate(
-        joint, _end(system, joint.parent, joint.parent_point), _end(system, joint.child, joint.child_point)
-    )
+def _coordinate(system: System, joint: Connection, *, whole: bool = False) -> Coordinate:
+    """Coordinate of a joint; whole: for those who have the reference values in the coordinates already."""
+    from granular_contact.multibody.coordinates import Coordinate
+
+    ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
+    made = Coordinate(joint, *(_end(system, *end, whole=whole) for end in ends))
+    system.turning_ends.append(made)
+    return made
 
 
-def _end(system: System, body: str | None, point: Vector) -> End:
+def _end(system: System, body: str | None, point: Vector, *, whole: bool) -> End:
+    from granular_contact.multibody.coordinates import End
+
     if body is None:
         return End([], point.tolist())
-    reference = system.mbs.GetNode(system.node_at(body, point))["referenceCoordinates"]
+    reference = [float(x) for x in system.mbs.GetNode(system.node_at(body, point))["referenceCoordinates"]]
     at = point.tolist() if body in system.rigid else [0.0, 0.0]
-    system.ends.append(End([float(x) for x in reference], at, system.scene.body(body).motion.angle))
-    return system.ends[-1]
-
-
-def _whole(system: System, end: End) -> End:
-    """The same end for those who have the reference values in the coordinates already."""
-    system.ends.append(End([0.0] * end.size, end.point, end.last))
-    return system.ends[-1]
+    return End([0.0] * len(reference) if whole else reference, at, system.scene.body(body).motion.angle)
 
 
 def _add_spring(system: System, joint: Connection) -> None:
@@ -138,32 +138,18 @@ def _angle_marker(system: System, body: str | None) -> Any:
 
 
 def _add_turning(system: System, joint: Connection, drive: Drive) -> int:
-    """Motion of a hinge of rigid bodies: the engine's own constraint between their angles, asked once per instant."""
-    signal, asked = drive.signal, (math.nan, 0.0)
-
-    def turn(mbs: Any, t: float, item: int, offset: float) -> float:  # noqa: ARG001
-        nonlocal asked
-        if asked[0] != t:
-            # The engine counts angles from the start.
-            asked = t, signal.value(max(t, 0.0)) - joint.start
-        return asked[1]
-
-    def rate(mbs: Any, t: float, item: int, offset: float) -> float:  # noqa: ARG001
-        return signal.rate(t) if t >= 0.0 else 0.0
-
+    """Motion of a hinge of rigid bodies: the engine's own constraint between their angles."""
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
-    return int(
-        system.mbs.AddObject(
-            items.ObjectConnectorCoordinate(markerNumbers=ends, offsetUserFunction=turn, offsetUserFunction_t=rate)
-        )
-    )
+    number = int(system.mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=ends)))
+    system.turning.append(Turning(number, drive.signal, joint.start))
+    return number
 
 
 def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
     """Constraint s(q) = signal(t)."""
-    mbs, s = system.mbs, _coordinate(system, joint)
-    s = coordinate(joint, _whole(system, s.parent), _whole(system, s.child))  # as markers of nodes have them
+    mbs, s = system.mbs, _coordinate(system, joint, whole=True)  # as markers of nodes have them
     nodes = _nodes(system, joint)
+    sizes = [int(s.record[end][0]) for end in ("parent", "child")]
     if joint.parent is None:
         nodes = [mbs.AddNode(items.NodePointGround()), *nodes]
     markers = [mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
@@ -173,8 +159,8 @@ def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
             items.ObjectConnectorCoordinateVector(
                 markerNumbers=markers,
                 # One row each: how the engine learns the number of equations.
-                scalingMarker0=np.zeros((1, s.parent.size or 3)),
-                scalingMarker1=np.zeros((1, s.child.size)),
+                scalingMarker0=np.zeros((1, sizes[0] or 3)),
+                scalingMarker1=np.zeros((1, sizes[1])),
                 constraintUserFunction=constraint,
                 jacobianUserFunction=jacobian,
             )
@@ -182,8 +168,8 @@ def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
     )
 
 
-def _motion_functions(s: Hinge | Slider, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
-    signal, size = drive.signal, s.parent.size + s.child.size
+def _motion_functions(s: Coordinate, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
+    signal, size = drive.signal, s.size
 
     def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
         q, v = list(q), list(v)

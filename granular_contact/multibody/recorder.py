@@ -67,8 +67,8 @@ class Recorder:
             self.reactions.append(data.GetAECoordinates()[self.multipliers])
         if self.external:
             self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
-        for load in self.system.loads.values():
-            load.accept(row[1 : 1 + self.size], v)
+        if self.system.joints is not None:
+            self.system.joints.accept(q, v)
         if self.system.bed is not None:
             self.system.bed.accept_state(t, q, v)
         if self.control is not None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.multibody.coordinates import End, Hinge, RigidHinge, Slider, coordinate
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.system import System
@@ -18,6 +18,7 @@ from granular_contact.scene.types import Connection, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.load import GranularLoad
+    from granular_contact.multibody.coordinates import Coordinate, End
 
 
 Places = NDArray[np.int64]
@@ -45,8 +46,8 @@ class Senses:
             name: [list(system.mbs.systemData.GetNodeLTGODE2(node)) for node in nodes]
             for name, nodes in self._all_nodes().items()
         }
-        self._turning: list[tuple[End, list[int]]] = []  # ends on links, with the places of their coordinates
-        self._joints = [self._joint(joint) for joint in joints]
+        self._turning: list[tuple[Vector, list[int]]] = []  # angles (1,) of ends on links, places of coordinates
+        self._joints = {i: self._joint(joint) for i, joint in enumerate(joints) if not self._turns_rigid(joint)}
         self._rigid = np.array([self._nodes[name][0] for name in system.rigid], int).reshape(-1, 3)
         self._links = [self._link(name) for name in system.links]
         self._hinges = self._rigid_hinges(joints)
@@ -60,58 +61,68 @@ class Senses:
 
     # ---- set up ----
 
+    def _turns_rigid(self, joint: Connection) -> bool:
+        """Whether it is a hinge of rigid bodies."""
+        return joint.kind == "hinge" and not {joint.parent, joint.child} & self.system.links.keys()
+
+    def _places(self, body: str, point: Vector) -> list[int]:
+        """Places of the coordinates of the node at a point of a body."""
+        return self._nodes[body][self.system.links[body].end(point) if body in self.system.links else 0]
+
     def _end(self, body: str | None, point: Vector) -> tuple[End, list[int]]:
         """End of a joint for coordinates with their reference values, and the places of these."""
+        from granular_contact.multibody.coordinates import End
+
         if body is None:
             return End([], point.tolist()), []
-        bends = body in self.system.links
-        places = self._nodes[body][self.system.links[body].end(point) if bends else 0]
-        end = End([0.0] * len(places), [0.0, 0.0] if bends else point.tolist(), self._start(body))
-        if bends:
-            self._turning.append((end, places))
-            self.system.ends.append(end)
-        return end, places
+        places = self._places(body, point)
+        at = [0.0, 0.0] if body in self.system.links else point.tolist()
+        return End([0.0] * len(places), at, self.system.scene.body(body).motion.angle), places
 
-    def _start(self, body: str) -> float:
-        return self.system.scene.body(body).motion.angle
+    def _joint(self, joint: Connection) -> tuple[Coordinate, list[int]]:
+        from granular_contact.multibody.coordinates import Coordinate
 
-    def _joint(self, joint: Connection) -> tuple[Hinge | Slider, list[int]]:
         (parent, first), (child, second) = (
             self._end(joint.parent, joint.parent_point),
             self._end(joint.child, joint.child_point),
         )
-        return coordinate(joint, parent, child), first + second
+        made = Coordinate(joint, parent, child)
+        for i, (body, places) in enumerate(((joint.parent, first), (joint.child, second))):
+            if body in self.system.links:
+                self._turning.append((made.turns[i : i + 1], places))
+        self.system.turning_ends.append(made)
+        return made, first + second
 
-    def _link(self, name: str) -> tuple[Vector, End, list[int]]:
-        """Shares (2, m) of coordinates in a link's centre of mass, the end at its root, and its places."""
+    def _link(self, name: str) -> tuple[Vector, Root, list[int]]:
+        """Shares (2, m) of coordinates in a link's centre of mass, the angle at its root, and its places."""
         mass, nodes = mass_matrix(self.system), np.array(self._nodes[name])
         shares = []
         for axis in (0, 1):
             along = np.zeros(mass.shape[0])
             along[nodes[:, axis]] = 1.0
             shares.append(mass @ along / (along @ mass @ along))
-        return np.array(shares), *self._end(name, np.zeros(2))
+        root, places = Root(np.array([self.system.scene.body(name).motion.angle])), self._places(name, np.zeros(2))
+        self._turning.append((root.turns, places))
+        self.system.turning_ends.append(root)
+        return np.array(shares), root, places
 
-    def _rigid_hinges(self, joints: list[Connection]) -> tuple[Vector, Vector, list[int]]:
-        """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies; the joints that are none."""
+    def _rigid_hinges(self, joints: list[Connection]) -> tuple[Vector, Vector]:
+        """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies."""
         matrix, offsets = np.zeros((len(joints), self.system.mbs.systemData.ODE2Size())), np.zeros(len(joints))
-        others = []
-        for i, (joint, (how, places)) in enumerate(zip(joints, self._joints, strict=True)):
-            if not isinstance(how, RigidHinge):
-                others.append(i)
-                continue
-            offsets[i] = joint.offset
-            matrix[i, places[-1]] = -1.0
-            if joint.parent is not None:
-                matrix[i, places[2]] = 1.0
-        return matrix, offsets, others
+        for i, joint in enumerate(joints):
+            if i not in self._joints:
+                offsets[i] = joint.offset
+                matrix[i, self._places(joint.child, joint.child_point)[2]] = -1.0
+                if joint.parent is not None:
+                    matrix[i, self._places(joint.parent, joint.parent_point)[2]] = 1.0
+        return matrix, offsets
 
     # ---- read ----
 
     def follow(self, q: Vector) -> None:
         """Count the turns of links over rows (n, m) of coordinates that came since it was told some last."""
-        for end, places in self._turning:
-            end.last = float(np.unwrap([end.last, *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1])
+        for turns, places in self._turning:
+            turns[0] = np.unwrap([turns[0], *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1]
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
         """Observations at a time (s) of coordinates (m,), reference values included, and rates.
@@ -126,10 +137,9 @@ class Senses:
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """Coordinates and rates of joints."""
-        matrix, offsets, others = self._hinges
+        matrix, offsets = self._hinges
         coordinates, rates = matrix @ q + offsets, matrix @ v
-        for i in others:
-            how, places = self._joints[i]
+        for i, (how, places) in self._joints.items():
             coordinates[i], rates[i], _ = how.at(q[places].tolist(), v[places].tolist())
         return coordinates, rates
 
@@ -145,8 +155,8 @@ class Senses:
         return poses, velocities
 
     @staticmethod
-    def _of_link(q: Vector, v: Vector, shares: Vector, end: End, places: list[int]) -> tuple[Vector, Vector]:
-        angle, rate, _ = end.angle(q[places].tolist(), v[places].tolist())
+    def _of_link(q: Vector, v: Vector, shares: Vector, root: Root, places: list[int]) -> tuple[Vector, Vector]:
+        angle, rate = root.angle(*q[places][2:], *v[places][2:])
         return np.array([*(shares @ q), angle]), np.array([*(shares @ v), rate])
 
     def medium(self, poses: Vector, row: Vector | None, depths: list[Vector]) -> tuple[Vector, Vector]:
@@ -159,6 +169,19 @@ class Senses:
         for of_lines, (order, starts, bodies) in zip(depths, self._lines, strict=True):
             deepest[bodies] = np.maximum(deepest[bodies], np.maximum.reduceat(of_lines[order], starts))
         return forces, deepest
+
+
+@dataclass
+class Root:
+    """Angle of a link at its root; turns (1,) rad: found last, by which whole turns are counted."""
+
+    turns: Vector
+
+    def angle(self, x: float, y: float, x_rate: float, y_rate: float) -> tuple[float, float]:
+        """Angle and rate of the slope (x, y)."""
+        phi = math.atan2(y, x)
+        self.turns[0] = phi + 2.0 * math.pi * round((self.turns[0] - phi) / (2.0 * math.pi))
+        return float(self.turns[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from granular_contact.results import Cost, Status
 from granular_contact.results.ending import paused
@@ -11,9 +11,17 @@ from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory
-    from granular_contact.multibody.coordinates import End
     from granular_contact.multibody.coupling import Coupling
+    from granular_contact.multibody.joint_actions import JointActions, Turning
     from granular_contact.multibody.joint_loads import JointLoad
+
+
+class TurningEnds(Protocol):
+    """turns (k,) rad: angles of ends of joints found last, by which whole turns are counted."""
+
+    @property
+    def turns(self) -> Vector:
+        """See above."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +50,9 @@ class LinkHandle:
 class System:
     """An assembled Exudyn system and where the scene's bodies are in it.
 
-    bed: the granular load in it, None where none is needed. loads: what acts in joints, by name. motions: constraint
-    objects of prescribed motions, by joint. ends: of joints, which count the turns of flexible links.
+    bed: the granular load in it, None where none is needed. loads: what acts in joints, by name; joints: all of them,
+    None where nothing acts. motions: constraint objects of prescribed motions, by joint; turning: of these those that
+    are between the angles of rigid bodies. turning_ends: what counts the turns of flexible links.
     """
 
     scene: Scene
@@ -54,7 +63,9 @@ class System:
     bed: Coupling | None
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
-    ends: list[End] = field(default_factory=list)
+    turning: list[Turning] = field(default_factory=list)
+    turning_ends: list[TurningEnds] = field(default_factory=list)
+    joints: JointActions | None = None
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""

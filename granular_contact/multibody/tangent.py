@@ -111,10 +111,11 @@ def set_joints(system: System, states: tuple[tuple[float, float | None], ...]) -
 
 def turns(system: System) -> tuple[float, ...]:
     """Angles (rad) by which the ends of joints count the turns of flexible links."""
-    return tuple(end.last for end in system.ends)
+    return tuple(float(angle) for one in system.turning_ends for angle in one.turns)
 
 
 def set_turns(system: System, angles: tuple[float, ...]) -> None:
     """Bring ends to such angles."""
-    for end, angle in zip(system.ends, angles, strict=True):
-        end.last = angle
+    left = iter(angles)
+    for one in system.turning_ends:
+        one.turns[:] = [next(left) for _ in one.turns]

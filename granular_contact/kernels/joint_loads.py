@@ -1,0 +1,110 @@
+"""What acts in all joints of a system, in one call: springs, dampers, stops, dry friction, drives.
+
+Arguments that the functions share:
+
+    system_q, system_v  coordinates (without reference values) and rates of the whole system
+    joints              (k,) records of JOINT
+    state               (k, 5): what of a joint changes: the anchor of its bristle, what its drive wants (a value and
+                        its rate), and the angles of its ends found last, see `joint_coordinates`
+    places              (k, 8, 2) place of each coordinate of a joint's nodes, those of the parent first, in the system
+                        and in the overlay
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels.joint_coordinates import COORDINATE, coordinate, curvature
+from granular_contact.kernels.joint_laws import follow, total
+
+ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
+_STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
+LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
+DRIVE = ("gain", "rate_gain", "limit")
+JOINT = np.dtype([*COORDINATE, ("drive", "i8"), *((name, "f8") for name in (*LAW, *DRIVE))])
+MOST = 8  # coordinates of two nodes
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _gather(system_q, system_v, places, count, q, v):
+    for i in range(count):
+        q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def force(system_q, system_v, joints, state, places, out):
+    """Add the generalised forces to out, the coordinates of the overlay."""
+    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    for k in range(joints.shape[0]):
+        joint, now = joints[k], state[k]
+        count = joint.parent + joint.child
+        _gather(system_q, system_v, places[k], count, q, v)
+        s, rate = coordinate(joint, now[TURNS:], q, v, slope)
+        along, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+        for i in range(count):
+            out[places[k, i, 1]] += along * slope[i]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
+    """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
+
+    Rows and columns are coordinates of the overlay; entries of zero are left out.
+    """
+    number = 0
+    q, v, slope, second = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty((MOST, MOST))
+    for k in range(joints.shape[0]):
+        joint, now = joints[k], state[k]
+        count = joint.parent + joint.child
+        _gather(system_q, system_v, places[k], count, q, v)
+        s, rate = coordinate(joint, now[TURNS:], q, v, slope)
+        along, by_place, by_rate = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+        factor = fq * by_place + fv * by_rate
+        bends = curvature(joint, q, second)
+        for j in range(count):
+            for i in range(count):
+                value = factor * slope[i] * slope[j]
+                if bends:
+                    # The rate is slope . v, so its derivative by q_j is the j-th row of second . v.
+                    turning = 0.0
+                    for m in range(count):
+                        turning += second[j, m] * v[m]
+                    value += fq * (along * second[i, j] + by_rate * slope[i] * turning)
+                if value != 0.0:
+                    triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
+                    triplets[number, 2] = value
+                    number += 1
+    return number
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def accept(system_q, system_v, joints, state, places):
+    """End of a step: the anchors follow."""
+    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    for k in range(joints.shape[0]):
+        joint, now = joints[k], state[k]
+        if joint.friction > 0.0:
+            _gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
+            s, _ = coordinate(joint, now[TURNS:], q, v, slope)
+            now[ANCHOR] = follow(joint, s, now[ANCHOR])
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def gradient(joint, q):
+    """Gradient (8,) of the coordinate of a joint, record (1,), at the coordinates q (8,) of its nodes."""
+    slope = np.empty(MOST)
+    coordinate(joint[0], np.zeros(2), q, np.zeros(MOST), slope)
+    return slope
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def single(joint, turns, q, v, slope):
+    """`coordinate` of one joint, record (1,)."""
+    return coordinate(joint[0], turns, q, v, slope)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def single_curvature(joint, q, second):
+    """`curvature` of one joint, record (1,)."""
+    return curvature(joint[0], q, second)
