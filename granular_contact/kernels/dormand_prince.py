@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from granular_contact.kernels.modal_motion import rates
+from granular_contact.kernels.modal_calls import rates
 
 STAGES = 7
 A = np.array(
@@ -40,10 +40,11 @@ DENSE = np.array(
 def step(y, h, s, w, k, sigma, totals, end):
     """From y, with k[0] = y' there, fill the slopes k (7, size) and the state `end` after h (s)."""
     for stage in range(1, STAGES):
-        end[:] = y
-        for j in range(stage):
-            if A[stage, j] != 0.0:
-                end += (h * A[stage, j]) * k[j]
+        for i in range(y.shape[0]):
+            slope = 0.0
+            for j in range(stage):
+                slope += A[stage, j] * k[j, i]
+            end[i] = y[i] + h * slope
         rates(end, s, w, sigma, totals, k[stage])
 
 
@@ -64,18 +65,19 @@ def error(h, k, allowed):
 @njit(cache=True, no_cfunc_wrapper=True)
 def interpolant(y, h, k, C):
     """Fill C (5, size) with the coefficients of the step as a polynomial in theta = (t - t_0) / h."""
-    C[0] = y
-    C[1:] = 0.0
-    for power in range(4):
-        for stage in range(STAGES):
-            if DENSE[stage, power] != 0.0:
-                C[power + 1] += (h * DENSE[stage, power]) * k[stage]
+    for i in range(y.shape[0]):
+        C[0, i] = y[i]
+        for power in range(4):
+            slope = 0.0
+            for stage in range(STAGES):
+                slope += DENSE[stage, power] * k[stage, i]
+            C[power + 1, i] = h * slope
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def inside(C, theta, y):
     """Fill y with the state at theta in [0, 1] of a step; C (any number, size)."""
-    y[:] = C[-1]
-    for power in range(C.shape[0] - 2, -1, -1):
-        y *= theta
-        y += C[power]
+    for i in range(y.shape[0]):
+        y[i] = 0.0
+        for power in range(C.shape[0] - 1, -1, -1):
+            y[i] = theta * y[i] + C[power, i]

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels.dormand_prince import inside
-from granular_contact.kernels.modal_motion import margins
+from granular_contact.kernels.modal_calls import margins
 from granular_contact.kernels.pendulum import inertia, momentum
 
 TOUCHED, MEAN_SIGN, MEAN_TIME, MEAN_ANGLE, HUB_SIGN, HUB_TIME = 0, 1, 2, 3, 4, 5  # of watch (6,); times NaN until found
@@ -21,7 +21,17 @@ def least_margin(C, theta, s, w, y, margin):
     """Smallest margin at theta of a step; y and margin are filled."""
     inside(C, theta, y)
     margins(y, s, w, margin)
-    return np.min(margin)
+    least = np.inf
+    for c in range(margin.shape[0]):
+        least = min(least, margin[c])
+    return least
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def mark(margin, stopped):
+    """Mark the components that are beyond the end of their regime."""
+    for c in range(margin.shape[0]):
+        stopped[c] = margin[c] < 0.0
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -31,7 +41,8 @@ def regime_end(C, s, w, stopped):
     By the Illinois form of false position; both halves are looked at, as a component may turn and turn back.
     """
     y, margin = np.empty(C.shape[1]), np.empty_like(s)
-    stopped[:] = False
+    for c in range(stopped.shape[0]):
+        stopped[c] = False
     near = w.pendulum[0].still
     low, f_low = 0.0, np.inf
     for high in (0.5, 1.0):
@@ -43,7 +54,7 @@ def regime_end(C, s, w, stopped):
             f_low = least_margin(C, low, s, w, y, margin)
         if f_low < 0.0:
             f_high = least_margin(C, low, s, w, y, margin)
-            stopped[:] = margin < 0.0
+            mark(margin, stopped)
             return low
         side = 0
         for _ in range(HALVINGS):
@@ -60,7 +71,7 @@ def regime_end(C, s, w, stopped):
                 f_low *= 0.5 if side == -1 else 1.0
                 side = -1
         least_margin(C, high, s, w, y, margin)
-        stopped[:] = margin < 0.0
+        mark(margin, stopped)
         return high
     return 2.0
 
@@ -105,4 +116,5 @@ def shorten(C, theta):
     factor = 1.0
     for power in range(1, C.shape[0]):
         factor *= theta
-        C[power] *= factor
+        for i in range(C.shape[1]):
+            C[power, i] *= factor

@@ -100,7 +100,7 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
                 passed[i] = context.cast(builder, passed[i], have, wanted)
             if OWN in kinds:
                 passed.insert(kinds.index(OWN), builder.bitcast(_offset(builder, at, layout, "own"), record.type))
-            else:
+            elif medium in kinds:
                 passed.insert(kinds.index(medium), record)
             types_there = [medium if kind is OWN else kind for kind in kinds]  # any record is a pointer
             address = builder.load(builder.bitcast(_offset(builder, at, layout, name), cgutils.intp_t.as_pointer()))
@@ -195,7 +195,11 @@ def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatu
 
 @cache
 def _address(function: Any, kinds: tuple[Any, ...], own: Any) -> int:
-    arguments = tuple(own if kind is OWN else kind for kind in kinds)
+    return address_of(function, tuple(own if kind is OWN else kind for kind in kinds))
+
+
+def address_of(function: Any, arguments: tuple[Any, ...]) -> int:
+    """Address of a function compiled for arguments of these types; it is compiled where it is not yet."""
     function.compile(arguments)
     compiled = function.overloads[arguments]
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))

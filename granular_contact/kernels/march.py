@@ -11,8 +11,9 @@ from numba import njit
 
 from granular_contact.kernels.dormand_prince import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
+from granular_contact.kernels.modal_calls import rates
 from granular_contact.kernels.modal_load import drag
-from granular_contact.kernels.modal_motion import follow, rates
+from granular_contact.kernels.modal_motion import follow
 from granular_contact.kernels.slip import middle, slip_velocity
 
 # Why `march` came back: its share of steps is done, a regime ended, everything rests, the end, no step is small enough.
@@ -40,7 +41,8 @@ def write_row(t, y, s, w, row):
     dy, sigma, totals = np.empty_like(y), np.zeros_like(s), np.zeros((3, 3))
     rates(y, s, w, sigma, totals, dy)
     row[0] = t
-    row[1 : 1 + size] = y
+    for i in range(size):
+        row[1 + i] = y[i]
     for i in range(9):
         row[1 + size + i] = totals[i // 3, i % 3]
 
@@ -140,7 +142,8 @@ def march(share, y, s, w, control, allowed, clock, rows, counts, watch, stopped)
             shorten(C, theta)
             inside(C, 1.0, end)
         finish(clock[NOW], h, C, s, w, c, rows, counts, watch)
-        y[:] = end
+        for i in range(size):
+            y[i] = end[i]
         clock[NOW] += h
         counts[STEPS] += 1
         if theta <= 1.0:

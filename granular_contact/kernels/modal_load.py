@@ -54,8 +54,11 @@ def aim(P, pivot, modes, sigma, anchors):
 def load(q, v, sigma, w, totals, Q):
     """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
     pendulum = w.pendulum[0]
-    Q[:] = 0.0
-    totals[:] = 0.0
+    for i in range(Q.shape[0]):
+        Q[i] = 0.0
+    for term in range(totals.shape[0]):
+        for i in range(3):
+            totals[term, i] = 0.0
     for r in range(w.runs.shape[0]):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
         anchors = w.anchors[w.starts[r] : w.starts[r + 1]]

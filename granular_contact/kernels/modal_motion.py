@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from granular_contact.kernels import modal_calls
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
-from granular_contact.kernels.slip import hold, slip_bias, slip_rows, slip_velocity
+from granular_contact.kernels.slip import slip_bias, slip_rows, slip_velocity
 
 BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
 
@@ -24,9 +25,10 @@ def rates(y, s, w, sigma, totals, dy):
     f, Q = np.empty(m), np.zeros(m)
     own_forces(q, v, w.pendulum[0], f)
     if w.runs.shape[0] > 0:
-        sigma[:] = s
+        for c in range(s.shape[0]):
+            sigma[c] = s[c]
         if w.pendulum[0].true_sign:
-            hold(q, v, f, s, w, sigma)
+            modal_calls.hold(q, v, f, s, w, sigma)
         load(q, v, sigma, w, totals, Q)
     power = 0.0
     for i in range(m):
@@ -34,7 +36,8 @@ def rates(y, s, w, sigma, totals, dy):
         dy[i] = v[i]
         f[i] += Q[i]
     accelerate(q, f, w.pendulum[0])
-    dy[m : 2 * m] = f
+    for i in range(m):
+        dy[m + i] = f[i]
     dy[2 * m] = power
     dy[2 * m + 1] = damping_power(v, w.pendulum[0])
 
@@ -46,13 +49,16 @@ def margins(y, s, w, margin):
     q, v = y[:m], y[m : 2 * m]
     g = np.empty_like(s)
     if not slip_velocity(q, v, w, g):
-        margin[:] = 1.0
+        for c in range(s.shape[0]):
+            margin[c] = 1.0
         return
-    sigma = np.zeros_like(s)
-    if np.any(s == 0.0):
+    sigma, sticks = np.zeros(s.shape[0]), False
+    for c in range(s.shape[0]):
+        sticks = sticks or s[c] == 0.0
+    if sticks:
         h = np.empty(m)
         own_forces(q, v, w.pendulum[0], h)
-        hold(q, v, h, s, w, sigma)
+        modal_calls.hold(q, v, h, s, w, sigma)
     for c in range(s.shape[0]):
         slipping = s[c] * g[c] + w.pendulum[0].still
         margin[c] = slipping if s[c] != 0.0 else 1.0 + BOUND_SLACK - abs(sigma[c])
@@ -79,7 +85,7 @@ def violation(y, s, open_, w):
     m = w.pendulum[0].modes + 1
     q, v, count = y[:m], y[m : 2 * m], s.shape[0]
     dy, sigma, totals = np.empty_like(y), np.zeros(count), np.zeros((3, 3))
-    rates(y, s, w, sigma, totals, dy)
+    modal_calls.rates(y, s, w, sigma, totals, dy)
     J, bias = np.zeros((count, m)), np.zeros(count)
     slip_rows(q, w, J)
     slip_bias(q, v, w, bias)

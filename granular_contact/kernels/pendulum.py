@@ -22,7 +22,8 @@ from numba import njit
 from granular_contact.kernels.modal import MOST_MODES
 
 # Units: J kg m2; S_e, S_n kg m; b m; m kg; c kg m; p kg; k N/m; d N s/m; g m/s2. true_sign: whether the static law
-# is that of `slip`; still: speed (m/s, rad/s without modes) that counts as none there.
+# is that of `slip`; still: speed (m/s, rad/s without modes) that counts as none there; rates, margins, hold: addresses,
+# see `modal_calls`.
 PENDULUM = np.dtype(
     [
         ("modes", "i8"),
@@ -38,6 +39,9 @@ PENDULUM = np.dtype(
         ("p", "f8", (MOST_MODES,)),
         ("k", "f8", (MOST_MODES,)),
         ("d", "f8", (MOST_MODES,)),
+        ("rates", "i8"),
+        ("margins", "i8"),
+        ("hold", "i8"),
     ]
 )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.kernels import modal_calls, modal_motion, slip
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import LAW, RUN
 from granular_contact.kernels.modal import MODAL_STATION
@@ -38,6 +39,10 @@ def world(reduced: Model) -> World:
     starts = np.cumsum([len(stations) for stations in geometry])
     record = _pendulum(reduced)
     record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
+    parts = {"rates": modal_motion.rates}
+    if record["true_sign"]:
+        parts |= {"margins": modal_motion.margins, "hold": slip.hold}
+    modal_calls.provide(record, parts)
     static = AIMED if reduced.method.static == "true_sign" else scene.static
     medium = medium_record(scene.media[0].record(static, scene.gravity)) if scene.media else np.zeros(1, LAW)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])

@@ -1,0 +1,61 @@
+"""Parts of the march of the modal pendulum that are called by their addresses in its record, as laws are in `law`.
+
+Numba optimises a function together with all that it calls, again for each caller. These are called from many places,
+and a scene without the true sign needs two of the three not at all.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, njit, types
+
+from granular_contact.kernels.law import LAW, RUN, address_of, caller
+from granular_contact.kernels.modal import MODAL_STATION
+from granular_contact.kernels.modal_load import World
+from granular_contact.kernels.pendulum import PENDULUM
+
+_ROW, _ROWS = (types.Array(types.float64, n, "C") for n in (1, 2))
+_RECORDS = {name: types.Array(from_dtype(dtype), 1, "C") for name, dtype in zip(
+    ("pendulum", "geometry", "runs", "medium"), (PENDULUM, MODAL_STATION, RUN, LAW), strict=True
+)}  # fmt: skip
+_STARTS = types.Array(types.int64, 1, "C")
+_KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS}
+_WORLD = types.NamedTuple([_KINDS[name] for name in World._fields], World)
+_ARGUMENTS: dict[str, tuple[Any, ...]] = {
+    "rates": (_ROW, _ROW, _WORLD, _ROW, _ROWS, _ROW),
+    "margins": (_ROW, _ROW, _WORLD, _ROW),
+    "hold": (_ROW, _ROW, _ROW, _ROW, _WORLD, _ROW),
+}
+_rates, _margins, _hold = (caller(name, _ARGUMENTS[name], types.none, PENDULUM) for name in _ARGUMENTS)
+
+
+def provide(pendulum: np.ndarray, functions: dict[str, Any]) -> None:
+    """Put the addresses of compiled functions, by their names here, into a record (1,) of PENDULUM."""
+    for name, function in functions.items():
+        pendulum[name] = _address(function, name)
+
+
+@cache
+def _address(function: Any, name: str) -> int:
+    return address_of(function, _ARGUMENTS[name])
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def rates(y, s, w, sigma, totals, dy):
+    """`modal_motion.rates`."""
+    _rates(w.pendulum[0], (y, s, w, sigma, totals, dy))
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def margins(y, s, w, margin):
+    """`modal_motion.margins`."""
+    _margins(w.pendulum[0], (y, s, w, margin))
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def hold(q, v, h, s, w, sigma):
+    """`slip.hold`."""
+    _hold(w.pendulum[0], (q, v, h, s, w, sigma))
