@@ -89,6 +89,11 @@ def number(value: float | None, factor: float, form: str) -> str:
     return "-" if value is None else format(factor * value, form)
 
 
+def there(shown: Shown, rows: Sequence[Mapping[str, Any]]) -> Shown:
+    """Those of the shown numbers that any of the rows has."""
+    return [one for one in shown if any(row.get(one[0]) is not None for row in rows)]
+
+
 def headings(shown: Shown) -> list[str]:
     """Headings of the shown numbers."""
     return [heading for _, heading, _, _ in shown]

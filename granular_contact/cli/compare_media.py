@@ -15,6 +15,7 @@ from granular_contact.cli.common import (
     output_folder,
     print_table,
     telling,
+    there,
     worst,
 )
 
@@ -24,6 +25,8 @@ SHOWN = (
     ("angle_at_stop_deg", "angle deg", 1.0, ".3f"),
     ("max_depth_m", "depth mm", 1e3, ".2f"),
     ("peak_force_N", "peak force N", 1.0, ".2f"),
+    ("forward_speed_m_s", "speed m/s", 1.0, ".4f"),
+    ("cost_of_transport", "cost", 1.0, ".3f"),
     ("granular_work_J", "dissipated J", -1.0, ".4f"),
     ("energy_imbalance_relative", "imbalance", 1.0, ".1e"),
 )
@@ -53,8 +56,10 @@ def act(chosen: argparse.Namespace) -> int:
         rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        heads = ["ended", *headings(SHOWN)]
-        texts = ((row.name, row.results.status.code, *numbers(cells(row), SHOWN)) for row in rows)
+        told = [cells(row) for row in rows]
+        shown = there(SHOWN, told)
+        heads = ["ended", *headings(shown)]
+        texts = ((row.name, row.results.status.code, *numbers(one, shown)) for row, one in zip(rows, told, strict=True))
         print_table("medium", heads, texts)
         for row in rows:
             for warning in row.results.warnings:

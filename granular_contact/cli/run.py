@@ -41,6 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
+    words = "save figures as PDF or SVG too: pdf, svg or pdf,svg"
+    parser.add_argument("--format", metavar="FORMAT", dest="formats", type=_formats, default=(), help=words)
     films = parser.add_mutually_exclusive_group()
     films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
     words = "save an animation.mp4; needs ffmpeg"
@@ -48,6 +50,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--explain", action="store_true", help="say what the model of the scene leaves out, and why")
     parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
     add_output(parser, "results/NAME_OF_CONFIG")
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    """Formats of figures that were asked for."""
+    from granular_contact.report import FORMATS
+
+    names = tuple(part.strip().lower() for part in text.split(","))
+    if unknown := [name for name in names if name not in FORMATS]:
+        raise argparse.ArgumentTypeError(f"got {unknown[0]!r}; allowed are {', '.join(FORMATS)}, with commas between")
+    return names
 
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
@@ -93,7 +105,7 @@ def act(chosen: argparse.Namespace) -> int:
         explained += _left_out(kept)  # before what is drawn below is imported
     try:
         figures = scenario.output.figures and not chosen.no_plots
-        report.write(results, folder, figures=figures, film=chosen.film)
+        report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
     except OSError as error:
         complain(f"the results can't be saved in {folder}: {error}")
         return FAULTY_INPUT

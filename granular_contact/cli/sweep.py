@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
-from granular_contact.cli.common import FAILED, FINE, complain, headings, numbers, output_folder
+from granular_contact.cli.common import FAILED, FINE, complain, headings, numbers, output_folder, there
 from granular_contact.cli.sweep_progress import progress
 from granular_contact.config import Sweep, load_sweep
 from granular_contact.config.messages import unknown
@@ -32,6 +32,8 @@ _SHOWN = (
     ("stopping_time_s", "stop ms", 1e3, ".2f"),
     ("angle_at_stop_deg", "angle deg", 1.0, ".3f"),
     ("max_depth_m", "depth mm", 1e3, ".2f"),
+    ("forward_speed_m_s", "speed m/s", 1.0, ".4f"),
+    ("cost_of_transport", "cost", 1.0, ".3f"),
     ("energy.imbalance_relative", "imbalance", 1.0, ".1e"),
 )
 
@@ -137,21 +139,25 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     from rich.table import Table
 
     keys = sweep.keys[:MOST_KEYS]
-    shown = Table("case", box=None, pad_edge=False)
-    for name in _short_names(keys):
-        shown.add_column(name, justify="right")
-    shown.add_column("status")
-    for heading in headings(_SHOWN):
-        shown.add_column(heading, justify="right")
+    first: list[Row] = []
     failed: list[str] = []
     count = 0
     for row in rows:
         if row.index < MOST_SHOWN:
-            values = (_value(row.values.get(key)) for key in keys)
-            shown.add_row(row.name, *values, row.summary["status"], *numbers(row.summary, _SHOWN))
+            first.append(row)
         if row.failed:
             count += 1
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
+    columns = there(_SHOWN, [row.summary for row in first])
+    shown = Table("case", box=None, pad_edge=False)
+    for name in _short_names(keys):
+        shown.add_column(name, justify="right")
+    shown.add_column("status")
+    for heading in headings(columns):
+        shown.add_column(heading, justify="right")
+    for row in first:
+        values = (_value(row.values.get(key)) for key in keys)
+        shown.add_row(row.name, *values, row.summary["status"], *numbers(row.summary, columns))
     if not quiet:
         console = Console(markup=False, highlight=False, emoji=False)
         console.width = max(120, console.width)

@@ -34,6 +34,7 @@ except ImportError:  # on Windows, where nothing is locked
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
 MOTION = "motion.json"
+FORMATS = ("png", "pdf", "svg")  # of figures
 ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `report.pages`
 COMPARISON = "compare.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
@@ -86,10 +87,17 @@ def kind_of(directory: Path) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
-def write(results: Results, directory: Path, figures: bool = True, film: str | None = None) -> None:
+def write(
+    results: Results,
+    directory: Path,
+    figures: bool = True,
+    film: str | None = None,
+    formats: Sequence[str] = ("png",),
+) -> None:
     """Write `results` to `directory`, in place of an earlier run's results there.
 
-    film: `gif` or `mp4`, for the frames of results that have some; None for no animation.
+    film: `gif` or `mp4`, for the frames of results that have some; None for no animation. formats: of figures, beside
+    the PNG that pages show (`FORMATS`).
 
     The folder is made beside its place under a hidden name and then exchanged for the old one, so that a full disk or
     Ctrl-C leaves the old folder as it was.
@@ -109,7 +117,7 @@ def write(results: Results, directory: Path, figures: bool = True, film: str | N
             from granular_contact.report.figures import draw
 
             (making / FIGURES).mkdir()
-            draw(results, making / FIGURES)
+            draw(results, making / FIGURES, formats)
         if film is not None:
             from granular_contact.report.figures.film import write as animate
 

@@ -20,11 +20,26 @@ Array = NDArray[np.float64]
 _PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # What the last words of a key say of its unit; those with prefixes (mm, ms) are taken at their best size.
 _SCALED = {"s": "s", "m": "m", "N": "N", "J": "J", "Nm": "N\N{MIDDLE DOT}m", "W": "W"}
-_FIXED = {"m_s": "m/s", "rad_s": "rad/s", "deg": "deg", "kg": "kg", "kg_m3": "kg/m³", "m_s2": "m/s²", "kg_m2": "kg m²"}
+_FIXED = {
+    "m_s": "m/s",
+    "rad_s": "rad/s",
+    "deg": "deg",
+    "Hz": "Hz",
+    "kg": "kg",
+    "kg_m3": "kg/m³",
+    "m_s2": "m/s²",
+    "kg_m2": "kg m²",
+}
 _WORDS = {
     "imbalance_relative": "energy imbalance",
     "max_depth_m": "largest depth",
     "max_deflection_m": "largest deflection",
+    "max_deflection_time_s": "time of largest deflection",
+    "forward_speed_second_half_m_s": "forward speed in the second half",
+    "drive_work_put_in_J": "work put in by drives",
+    "hub_stopping_time_s": "first stop of the hub",
+    "rms_torque_Nm": "rms torque",
+    "rms_force_N": "rms force",
     "solve_s": "solve time",
     "stopping_time_relative": "error of stopping time",
     "travel_relative": "error of travel",
@@ -74,8 +89,18 @@ def instant(results: Results, seconds: float) -> str:
 # ---- keys and their values ----
 
 
+_STATISTICS = {"mean": "mean of a stride", "standard_deviation": "scatter of strides"}
+
+
+def _statistic(key: str) -> tuple[str, str]:
+    """The key of which a (dotted) key tells a statistic, and this in words; of any other key itself."""
+    above, _, last = key.rpartition(".")
+    return (above, _STATISTICS[last]) if above and last in _STATISTICS else (key, "")
+
+
 def split(key: str) -> tuple[str, str]:
     """A key without its unit, and the unit's suffix ("" for none): `tip_speed_m_s` -> `tip_speed`, `m_s`."""
+    key = _statistic(key)[0]
     parts = key.split("_")
     for size in (2, 1):
         suffix = "_".join(parts[-size:])
@@ -86,10 +111,12 @@ def split(key: str) -> tuple[str, str]:
 
 def label(key: str) -> str:
     """What a (dotted) key is called: `initial.impact_angle_deg` -> `impact angle`; a symbol stays one, as `eta_h`."""
-    last = key.rpartition(".")[2]
+    of, statistic = _statistic(key)
+    last = of.rpartition(".")[2]
     words = split(last)[0]
     is_symbol = any(len(word) == 1 for word in words.split("_"))
-    return _WORDS.get(last) or (words if is_symbol else words.replace("_", " "))
+    told = _WORDS.get(last) or (words if is_symbol else words.replace("_", " "))
+    return f"{told}, {statistic}" if statistic else told
 
 
 def is_number(value: Any) -> bool:

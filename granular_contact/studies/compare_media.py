@@ -94,6 +94,7 @@ def cells(row: Row) -> dict[str, str | float | None]:
     return {
         "medium": row.name,
         **{key: summary[key] for key in ("status", "stopping_time_s", "angle_at_stop_deg", "max_depth_m")},
+        **{key: summary.get(key) for key in ("distance_m", "forward_speed_m_s", "cost_of_transport")},
         "peak_force_N": row.peak_force,
         "granular_work_J": summary["energy"]["granular_work_J"],
         "energy_imbalance_relative": summary["energy"]["imbalance_relative"],

@@ -25,14 +25,13 @@ from granular_contact.results import Results
 __all__ = ["draw", "figures", "style"]
 
 
-FORMATS = ("png", "pdf", "svg")
 # Of each format what would change from run to run, left out.
 _UNDATED: dict[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 
 def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -> None:
     """Write every figure that `results` has the columns for to `directory` as NAME.png, and in the other formats asked
-    for, of `FORMATS`; OSError as the disk has it.
+    for, of `report.FORMATS`; OSError as the disk has it.
     """
     with style():
         for name, figure in figures(results).items():

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from granular_contact.report.figures.style import DOUBLE, DPI, PALETTE, style
-from granular_contact.report.units import unit_for
+from granular_contact.report.units import Array, unit_for
 from granular_contact.results import Results
 
 LINES = ("-", "--", "-.", ":")
@@ -22,27 +22,45 @@ def draw_media(runs: Runs, file: Path) -> None:
 
 
 def figure(runs: Runs) -> Figure:
-    """Depth, the medium's resultant, and the energy that it took, until a little after the last stop."""
+    """Depth or distance, the medium's resultant, and the energy that it took, until a little after the last stop."""
     drawn = Figure(figsize=(DOUBLE / 25.4, 150.0 / 25.4), layout="constrained")
     panels = drawn.subplots(3, 1, sharex=True)
     time = unit_for(np.array([_end(runs)]), "s")
-    length = unit_for(np.concatenate([one["depth_m"] for _, one in runs]), "m")
+    paths = [_path(one) for _, one in runs]
+    length = unit_for(np.concatenate(paths), "m")
+    walks = bool(_body(runs[0][1]))
     for i, (name, one) in enumerate(runs):
         look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
         t = one["time_s"] * time.factor
         x, y = (sum(one[f"{term}_force_{xy}_N"] for term in one.terms) for xy in "xy")
-        panels[0].plot(t, one["depth_m"] * length.factor, **look)
+        panels[0].plot(t, paths[i] * length.factor, **look)
         panels[1].plot(t, np.hypot(x, y), **look)
         panels[2].plot(t, -one["granular_work_J"], **look)
     for axes, label in zip(
-        panels, (f"depth ({length.name})", "force of the medium (N)", "energy taken (J)"), strict=True
+        panels,
+        (f"{'distance' if walks else 'depth'} ({length.name})", "force of the medium (N)", "energy taken (J)"),
+        strict=True,
     ):
         axes.set_ylabel(label)
-    panels[0].invert_yaxis()
+    if not walks:
+        panels[0].invert_yaxis()
     panels[0].legend()
     panels[2].set_xlabel(f"time ({time.name})")
     panels[2].set_xlim(0.0, _end(runs) * time.factor)
     return drawn
+
+
+def _body(one: Results) -> str:
+    """What travels: the first body of a run that tells of a distance; empty for what does not."""
+    if one.summary.get("distance_m") is None:
+        return ""
+    return next((name.removesuffix("_vx_m_s") for name in one.names if name.endswith("_vx_m_s")), "")
+
+
+def _path(one: Results) -> Array:
+    """Distance of what travels, of all else its depth (rows,) m."""
+    body = _body(one)
+    return one[f"{body}_x_m"] - one[f"{body}_x_m"][0] if body else one["depth_m"]
 
 
 def _end(runs: Runs) -> float:

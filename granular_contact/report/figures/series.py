@@ -59,11 +59,13 @@ def forces(results: Results) -> Figure:
     for axes, (column, scale, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)
         parts = [cleared(results[f"{term}_{column}"], scale) * unit.factor for term in results.terms]
-        curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
+        if len(parts) > 1:
+            curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
         for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
             curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
         labels = ["sum", *(term.replace("_", " ") for term in results.terms)]
-        finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if axes is panels[0] else 0)
+        told = axes is panels[0] and len(parts) > 1
+        finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if told else 0)
     mark_events(results, panels)
     return figure
 
@@ -85,7 +87,7 @@ def energy(results: Results) -> Figure:
         ("dissipated by dampers", "joint_damping_work_J", -1.0, ORANGE, (0, (4, 1.2))),
         ("dissipated by dry friction", "friction_work_J", -1.0, PURPLE, (0, (2, 1))),
         ("taken by the floor", "floor_work_J", -1.0, FAINT, (0, (4, 1.2))),
-        ("taken from drives", "drive_work_J", -1.0, SKY, (0, (4, 1.2, 1, 1.2))),
+        ("less work of drives", "drive_work_J", -1.0, SKY, (0, (4, 1.2, 1, 1.2))),
     ]
     curves = []
     for label, name, sign, colour, kind in parts:

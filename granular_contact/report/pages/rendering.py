@@ -68,9 +68,13 @@ def squeezed(text: Markup) -> Markup:
 # ---- tables ----
 
 
-def keyed(rows: Rows, keys: Sequence[str]) -> tuple[list[str], list[tuple[Any, ...]]]:
-    """Head and rows of a table whose columns are named by keys: in words, numbers in a unit that suits the column."""
-    columns = [column(key, [row[i] for row in rows]) for i, key in enumerate(keys)]
+def keyed(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> tuple[list[str], list[tuple[Any, ...]]]:
+    """Head and rows of a table whose columns are named by keys: in words, numbers in a unit that suits the column.
+
+    Columns without any value are left out.
+    """
+    cells = [(key, [row[i] for row in rows]) for i, key in enumerate(keys)]
+    columns = [column(key, values) for key, values in cells if any(value is not None for value in values) or not rows]
     return [words for words, _ in columns], list(zip(*(values for _, values in columns), strict=True))
 
 

@@ -19,7 +19,7 @@ from granular_contact.results import FINISHED
 
 MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
-_NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.")
+_NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.", "strips.", "strides.count", "strides.period")
 # Are told and drawn before all others, in this order.
 _FIRST = (
     *("forward_speed_second_half_m_s", "forward_speed_m_s", "cost_of_transport", "penetration_time_s"),
