@@ -21,14 +21,8 @@ _PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3:
 # What the last words of a key say of its unit; those with prefixes (mm, ms) are taken at their best size.
 _SCALED = {"s": "s", "m": "m", "N": "N", "J": "J", "Nm": "N\N{MIDDLE DOT}m", "W": "W"}
 _FIXED = {
-    "m_s": "m/s",
-    "rad_s": "rad/s",
-    "deg": "deg",
-    "Hz": "Hz",
-    "kg": "kg",
-    "kg_m3": "kg/m³",
-    "m_s2": "m/s²",
-    "kg_m2": "kg m²",
+    **{"m_s": "m/s", "rad_s": "rad/s", "deg": "deg", "Hz": "Hz"},
+    **{"kg": "kg", "kg_m3": "kg/m³", "m_s2": "m/s²", "kg_m2": "kg m²"},
 }
 _WORDS = {
     "imbalance_relative": "energy imbalance",
