@@ -87,6 +87,8 @@ def uninterrupted(results: Results) -> Results:
 def kernels_of(scene: Scene) -> str:
     """What is compiled for a scene, in words: its laws and its kinds of bodies."""
     laws = ", ".join(dict.fromkeys(medium.law for medium in scene.media))
+    if scene.in_space:
+        return f"the law {laws} for bodies in space" if laws else "the equations of motion"
     kinds = {shape.kind for body in scene.rigid for shape in body.shapes if shape.in_sand}
     kinds |= {link.kind for link in scene.links}
     shapes = " and ".join(words.partition(" (")[0] for kind, words in WORDS.items() if kind in kinds)
@@ -142,9 +144,21 @@ def begin(scene: Scene, progress: Progress | None, compiling: Compiling | None, 
 
 
 def _by_engine(scene: Scene, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
+    if scene.in_space:
+        return _in_space(scene, progress, compiling, pauses)
     from granular_contact.multibody.build import build
     from granular_contact.multibody.observe import observe
     from granular_contact.multibody.solve import Solve
+
+    system = build(scene)
+    with announced(compiling, kernels_of(scene)):
+        return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
+
+
+def _in_space(scene: Any, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
+    from granular_contact.multibody.solve import Solve
+    from granular_contact.multibody.space.build import build
+    from granular_contact.multibody.space.observe import observe
 
     system = build(scene)
     with announced(compiling, kernels_of(scene)):
@@ -189,7 +203,7 @@ def _observed(
     begun, trajectory = _solved(scene, progress, compiling)
     if begun.system is None:
         return begun, begun.observe(trajectory)
-    if trajectory.load is not None:
+    if trajectory.load is not None and not scene.in_space:
         from granular_contact.multibody.kinematics import Kinematics
         from granular_contact.multibody.strip_error import finer
 

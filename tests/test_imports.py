@@ -36,9 +36,31 @@ MAY = {
     # The coordinates of the engine's door and its observer, without the engine.
     "minimal": {"minimal", "bed", "multibody", "scene", "laws", "kernels", "results"},
     "multibody": {"multibody", "bed", "bed.space", "results", "scene", "laws", "kernels", "geometry", "errors"},
+    "multibody.space": {
+        "multibody.space",
+        "multibody",
+        "bed",
+        "bed.space",
+        "results",
+        "scene",
+        "scene.space",
+        "laws",
+        "kernels",
+    },
     "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
     # (kernels tell when they are compiled)
-    "run": {"config", "kernels", "scene", "laws", "multibody", "minimal", "reduced", "results", "errors"},
+    "run": {
+        "config",
+        "kernels",
+        "scene",
+        "laws",
+        "multibody",
+        "multibody.space",
+        "minimal",
+        "reduced",
+        "results",
+        "errors",
+    },
     "simulation": {"run", "config", "scene", "results", "multibody", "laws", "errors"},  # (types only: multibody, laws)
     "gym": {"gym", "simulation", "config", "examples", "report.figures", "results", "errors"},
     "report": {"report", "results", "report.figures"},
@@ -136,7 +158,7 @@ def test_imports_go_one_way(path: Path) -> None:
 def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
     libraries = {name.split(".")[0] for name in imports(path, when_run=True)}
     homes = {
-        "exudyn": ("multibody",),
+        "exudyn": ("multibody", "multibody.space"),
         "numba": ("kernels",),
         "pydantic": ("config", "laws", "values"),
         "matplotlib": ("report.figures",),

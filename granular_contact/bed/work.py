@@ -14,8 +14,17 @@ if TYPE_CHECKING:
     from granular_contact.bed.history import LoadHistory
 
 Vector = NDArray[np.float64]
-# Of a body at the instants of a history: centre of mass (n, 2) m, its velocity (n, 2) m/s, and the rate (n,) rad/s.
+# Of a body at the instants of a history: centre of mass (n, 2) m, its velocity (n, 2) m/s, and the rate (n,) rad/s; in
+# space (n, 3) each.
 Motion = tuple[Vector, Vector, Vector]
+
+
+def about(wrench: Vector, center: Vector) -> Vector:
+    """Wrenches (n, 3) about points (n, 2) m, in space (n, 6) about (n, 3), of those about the origin; moment last."""
+    if center.shape[1] == 3:
+        return np.column_stack([wrench[:, :3], wrench[:, 3:] - np.cross(center, wrench[:, :3])])
+    (x, y), (fx, fy, about_origin) = center.T, wrench.T
+    return np.column_stack([fx, fy, about_origin - x * fy + y * fx])
 
 
 def beyond(load: LoadHistory, motions: Mapping[str, Motion]) -> Vector:
@@ -27,7 +36,6 @@ def beyond(load: LoadHistory, motions: Mapping[str, Motion]) -> Vector:
     """
     more = np.zeros_like(load.time)
     for i, name in enumerate(load.body_names):
-        (x, y), (fx, fy, about_origin) = motions[name][0].T, load.bodies[:, i].T
-        force, twist = np.column_stack([fx, fy, about_origin - x * fy + y * fx]), np.column_stack(motions[name][1:])
+        force, twist = about(load.bodies[:, i], motions[name][0]), np.column_stack(motions[name][1:])
         more += work(load.time, force, twist) - accumulate(load.time, np.sum(force * twist, axis=1))
     return more

@@ -16,7 +16,6 @@ import numpy as np
 from granular_contact.bed.strip_error import travelled
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
-from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.scene.types import Vector
@@ -72,7 +71,7 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
 
 
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    lever = levers(motion.system)
+    lever = motion.lever
     time, v, fastest = motion.trajectory.time, motion.trajectory.v, motion.speeds
     if motion.trajectory.load is not None:
         # Only what meets the medium, or a short impact would drown in a long flight.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import exudyn as exu
 import numpy as np
@@ -20,6 +20,8 @@ from granular_contact.scene.workspace import can_be_immersed, can_get_below
 
 if TYPE_CHECKING:
     from granular_contact.multibody.coupling import Coupling
+
+AnySystem = TypeVar("AnySystem", bound=System)
 
 
 def build(scene: Scene) -> System:
@@ -37,15 +39,19 @@ def build(scene: Scene) -> System:
     )
     for joint in scene.connections:
         add_joint(system, ground, joint)
-    system = _attach(replace(system, bed=_granular_load(system)))
-    mbs.Assemble()
+    return assembled(replace(system, bed=_granular_load(system)))
+
+
+def assembled(system: AnySystem) -> AnySystem:
+    """The system with weights, bed and what joints do in it, through one overlay, and ready to be solved."""
+    system = _attach(system)
+    system.mbs.Assemble()
     if system.joints is not None and system.joints.loads is not None:
         system.joints.loads.start()
     return system
 
 
-def _attach(system: System) -> System:
-    """Put weights, bed and what joints do into the system, through one overlay; the system with its joints."""
+def _attach(system: AnySystem) -> AnySystem:
     mbs, bed, weights = system.mbs, system.bed, gravity_loads(system)
     overlay = Overlay(mbs) if bed is None else bed.overlay
     joints = None
@@ -59,7 +65,7 @@ def _attach(system: System) -> System:
         bed.attach(weights, joints)
     elif joints is not None:
         some = next(iter(system.rigid.values()))  # what has a place in the overlay is asked for forces
-        overlay.coordinates([some.node], 3)
+        overlay.coordinates([some.node], len(some.body.levers(0.0)))  # one for each coordinate
         joints.attach(overlay, weights)
     elif weights:
         overlay.attach(weights)

@@ -5,13 +5,16 @@ Used with engine coordinates: without reference values.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from granular_contact.kernels import joint_coordinates as kernels
+from granular_contact.kernels import joint_loads
 from granular_contact.kernels.entry import entry
-from granular_contact.kernels.joint_loads import JOINT, MOST, single, single_curvature
+from granular_contact.kernels.joint_coordinates import SLIDER
+from granular_contact.kernels.joint_loads import JOINT, MOST, single_curvature
 from granular_contact.scene.types import Connection, Vector
 
 Numbers = list[float]
@@ -37,8 +40,12 @@ class End:
 class Coordinate:
     """Coordinate of a hinge or slider; a slider's parent is rigid, or the ground.
 
-    record (1,): of `kernels.joint_loads.JOINT`; turns (2,) rad: angles of the ends found last.
+    kernels: module that computes it and what acts along it; record (1,): its `JOINT`; turns (2,) rad: angles of the
+    ends found last.
     """
+
+    kernels: Any = joint_loads
+    _at: Callable[..., tuple[float, float]] | None = None
 
     def __init__(self, joint: Connection, parent: End, child: End) -> None:
         self.joint, self.size = joint, parent.size + child.size
@@ -49,14 +56,16 @@ class Coordinate:
         record["child_reference"][: child.size] = child.reference
         if joint.kind == "slider":
             assert joint.axis is not None
-            record["kind"], record["axis"] = kernels.SLIDER, joint.axis
+            record["kind"], record["axis"] = SLIDER, joint.axis
             record["seat"], record["arm"] = joint.axis @ joint.parent_point, child.point
         self._slope = np.zeros(MOST)
 
     def at(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
         """Coordinate, its rate and gradient, by the coordinates of the parent's node and then the child's."""
         arguments = self.record, self.turns, np.array(q), np.array(v), self._slope
-        s, rate = entry(single, *arguments)(*arguments)
+        if self._at is None:
+            self._at = entry(self.kernels.single, *arguments)
+        s, rate = self._at(*arguments)
         return s, rate, self._slope[: self.size].tolist()
 
     def second(self, q: Numbers) -> Vector:

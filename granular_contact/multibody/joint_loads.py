@@ -92,9 +92,10 @@ class JointLoad:
 
     def slope(self, q: Vector) -> Vector:
         """Gradient of the coordinate by those at `where`, in the system's state q."""
-        place = np.zeros(joint_loads.MOST)
+        kernels = self.coordinate.kernels
+        place = np.zeros(kernels.MOST)
         place[: len(self.where)] = q[self.where]
-        slope: Vector = joint_loads.gradient(self.record, place)[: len(self.where)]
+        slope: Vector = kernels.gradient(self.record, place)[: len(self.where)]
         return slope
 
 
@@ -103,8 +104,9 @@ class JointLoads:
 
     def __init__(self, loads: Sequence[JointLoad], overlay: Overlay) -> None:
         self.loads, self.overlay = loads, overlay
+        self._kernels = loads[0].coordinate.kernels
         self.state = np.stack([load.state for load in loads])
-        self.places = np.zeros((len(loads), joint_loads.MOST, 2), np.int64)
+        self.places = np.zeros((len(loads), self._kernels.MOST, 2), np.int64)
         for load, state, places in zip(loads, self.state, self.places, strict=True):
             load.state = state  # from now on a row of one table
             load.coordinate.turns = load.turns
@@ -128,10 +130,11 @@ class JointLoads:
             load.where = np.array([i for node in load.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
             places[: len(load.where), 0] = load.where
         q = np.zeros(data.ODE2Size())
-        self._force = entry(joint_loads.force, q, q, *self._arguments, q)
-        self._tangent = entry(joint_loads.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
+        kernels = self._kernels
+        self._force = entry(kernels.force, q, q, *self._arguments, q)
+        self._tangent = entry(kernels.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
         if self._rubs:
-            self._accept = entry(joint_loads.accept, q, q, *self._arguments)
+            self._accept = entry(kernels.accept, q, q, *self._arguments)
 
     def begin(self, t: float) -> None:
         """Forces are asked for at another time (s): learn what the drives want then."""

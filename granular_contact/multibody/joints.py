@@ -147,10 +147,14 @@ def _add_turning(system: System, joint: Connection, drive: Drive) -> int:
 
 def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
     """Constraint s(q) = signal(t)."""
-    mbs, s = system.mbs, _coordinate(system, joint, whole=True)  # as markers of nodes have them
-    nodes = _nodes(system, joint)
+    s = _coordinate(system, joint, whole=True)  # as markers of nodes have them
+    return add_constraint(system.mbs, s, _nodes(system, joint), drive)
+
+
+def add_constraint(mbs: Any, s: Coordinate, nodes: list[int], drive: Drive) -> int:
+    """Constraint of a coordinate to a signal; nodes: of parent and child, without the ground's."""
     sizes = [int(s.record[end][0]) for end in ("parent", "child")]
-    if joint.parent is None:
+    if len(nodes) == 1:
         nodes = [mbs.AddNode(items.NodePointGround()), *nodes]
     markers = [mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
     constraint, jacobian = _motion_functions(s, drive)

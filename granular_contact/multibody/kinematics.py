@@ -52,6 +52,10 @@ class Kinematics:
         turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # the turn that the slope can't tell
         return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
+    def spin(self, name: str) -> Vector:
+        """Rate (n,) rad/s of a rigid body, counter-clockwise."""
+        return self.angle(name, np.zeros(2))[1]
+
     def coordinate(self, joint: Connection) -> tuple[Vector, Vector]:
         """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
@@ -96,9 +100,19 @@ class Kinematics:
         return place, velocity
 
     @cached_property
+    def lever(self) -> Vector:
+        """Factors (m,) from the rates of the trajectory to speeds of points (m/s)."""
+        return levers(self.system)
+
+    @cached_property
     def speeds(self) -> Vector:
         """Greatest speed (n,) m/s of any point."""
-        return np.asarray(np.abs(self.trajectory.v * levers(self.system)).max(axis=1))
+        return np.asarray(np.abs(self.trajectory.v * self.lever).max(axis=1))
+
+    def lifted(self) -> Vector:
+        """First moment of the masses (n,) kg m about the height of the origin."""
+        moment: Vector = self.trajectory.q @ (self.trajectory.mass @ self.upward)
+        return moment
 
     @property
     def way(self) -> float:

@@ -29,9 +29,9 @@ def _scales(length: float) -> Vector:
 
 
 def body_mass(body: RigidBody | FlexibleLink) -> Vector:
-    """Mass matrix: of a rigid body (x, y, phi), of one element of a link its 8 coordinates (r_x, r_y, r'_x, r'_y)."""
-    if isinstance(body, RigidBody):
-        return np.diag([body.mass, body.mass, body.inertia])
+    """Mass matrix: of a rigid body as it says, of one element of a link its 8 coordinates (r_x, r_y, r'_x, r'_y)."""
+    if not isinstance(body, FlexibleLink):
+        return body.mass_matrix()
     length = body.length / body.elements
     scales = _scales(length)
     return np.asarray(np.kron(body.mass_per_length * length * _MASS * np.outer(scales, scales), np.eye(2)), float)
@@ -39,8 +39,8 @@ def body_mass(body: RigidBody | FlexibleLink) -> Vector:
 
 def gravity_load(body: RigidBody | FlexibleLink, gravity: float) -> Vector:
     """Generalised forces of the weight, for the coordinates of `body_mass`."""
-    if isinstance(body, RigidBody):
-        return np.array([0.0, -gravity * body.mass, 0.0])
+    if not isinstance(body, FlexibleLink):
+        return body.weight(gravity)
     length = body.length / body.elements
     return np.asarray(np.kron(body.mass_per_length * length * _FIRST * _scales(length), [0.0, -gravity]), float)
 

@@ -39,8 +39,9 @@ def joint_columns(motion: Kinematics) -> series.Series:
     columns: series.Series = {}
     for joint in motion.scene.connections:
         if joint.has_coordinate:
-            made = series.joint if joint.kind == "hinge" else series.slider
-            columns |= made(joint.name, joint.child, joint.parent, *motion.coordinate(joint))
+            of_joint = joint.name, joint.child, joint.parent, *motion.coordinate(joint)
+            hinge = joint.kind == "hinge"
+            columns |= series.joint(*of_joint, in_space=motion.scene.in_space) if hinge else series.slider(*of_joint)
     return columns
 
 
@@ -48,7 +49,8 @@ def drive_columns(scene: Scene, driven: Driven) -> series.Series:
     """Torque or force, and power of every drive."""
     columns: series.Series = {}
     for name, (force, power) in driven.items():
-        columns |= series.drive(name, _joint(scene, name).kind == "hinge", force, power)
+        hinge = _joint(scene, name).kind == "hinge"
+        columns |= series.drive(name, hinge, force, power, in_space=scene.in_space)
     return columns
 
 

@@ -47,13 +47,13 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
             term_forces=np.zeros((len(trajectory.time), len(terms), 3)) if load is None else load.terms,
             moments_about=motion.common_center[0] if scene.pivot is None else scene.pivot.parent_point,
             body_forces=forces,
-            energies=_energies(motion, driven),
+            energies=energies(motion, driven),
             reach=_reach(motion),
-            stop=lambda touch: _stop(motion, touch),
+            stop=lambda touch: stop(motion, touch),
             outlines=motion.outlines,
             pictures=lambda at: pictures(lambda sampled: Kinematics(system, sampled).outlines, trajectory, at),
-            more=_key_numbers(motion, driven, depths, found),
-            accuracy=_accuracy(motion),
+            more=key_numbers(motion, driven, depths, found),
+            accuracy=accuracy(motion),
         )
 
 
@@ -72,11 +72,11 @@ def _reach(motion: Kinematics) -> Reach | None:
     )
 
 
-def _energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
+def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
     """Columns of what was stored, and of the work done so far."""
     t, scene, links = motion.trajectory, motion.scene, motion.system.links
     kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
-    gravity = scene.gravity * (t.q @ (t.mass @ motion.upward))
+    gravity = scene.gravity * motion.lifted()
     elastic, damping, work = (np.zeros_like(kinetic) for _ in range(3))
     for name, handle in links.items():
         link, nodes = handle.link, np.array(motion.nodes(name))
@@ -94,7 +94,7 @@ def _energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
 # ---- stopping ----
 
 
-def _stop(motion: Kinematics, touch: Touch) -> Stop | None:
+def stop(motion: Kinematics, touch: Touch) -> Stop | None:
     """When the mechanism stopped after the touch; None where it did not, or is driven."""
     scene, time = motion.scene, motion.trajectory.time
     if _never_stops(motion):
@@ -105,7 +105,7 @@ def _stop(motion: Kinematics, touch: Touch) -> Stop | None:
     if instant is None:
         return None
     angle = None
-    if len(scene.bodies) == 1:
+    if len(scene.bodies) == 1 and not scene.in_space:
         angle = float(np.interp(instant, time, -motion.angle(*scene.tip)[0]))
     return Stop(instant, angle, None)
 
@@ -136,8 +136,9 @@ def _penetration_time(motion: Kinematics, depths: list[Track]) -> float | None:
     touch = find_touch(time, depths)
     if touch is None:
         return None
-    angle, rate = motion.angle(*scene.tip)
-    histories = time, motion.position(*scene.tip)[1][:, 1], -angle, -rate
+    falling = motion.position(*scene.tip)[1][:, -1]
+    angle, rate = (0.0 * falling, 0.0 * falling) if scene.in_space else motion.angle(*scene.tip)
+    histories = time, falling, -angle, -rate
     turn = find_turn(*(values[touch.index :] for values in histories))
     return None if turn is None else turn - touch.time
 
@@ -145,7 +146,7 @@ def _penetration_time(motion: Kinematics, depths: list[Track]) -> float | None:
 # ---- key numbers and warnings ----
 
 
-def _key_numbers(
+def key_numbers(
     motion: Kinematics, driven: mechanism.Driven, by_body: dict[str, list[Track]], depths: list[Track]
 ) -> dict[str, Any]:
     """Contacts of bodies whose motion is reported; of what is driven and can travel, how far and at what cost."""
@@ -162,13 +163,14 @@ def _key_numbers(
     if driven:
         numbers["drives"] = mechanism.drives(motion, driven)
     numbers |= mechanism.largest_torque(scene, driven)
-    if scene.solver.accuracy is not None and load is not None:  # which chose its strips by their error
+    # What chooses its steps by their error does so with its strips.
+    if scene.solver.accuracy is not None and load is not None and not scene.in_space:
         chosen = {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}
         numbers["strips"] = chosen
     return numbers
 
 
-def _accuracy(motion: Kinematics) -> list[AccuracyWarning]:
+def accuracy(motion: Kinematics) -> list[AccuracyWarning]:
     """What the steps of the engine say of their accuracy; nothing of minimal coordinates, whose steps are chosen."""
     if motion.scene.method is not None:
         return []

@@ -150,7 +150,7 @@ def levers(system: System) -> Vector:
     data = system.mbs.systemData
     lever = np.zeros(data.ODE2Size())
     for rigid in system.rigid.values():
-        lever[data.GetNodeLTGODE2(rigid.node)] = 1.0, 1.0, system.scene.radius(rigid.body)
+        lever[data.GetNodeLTGODE2(rigid.node)] = rigid.body.levers(system.scene.radius(rigid.body))
     for link in system.links.values():
         for node in link.nodes:
             lever[data.GetNodeLTGODE2(node)] = 1.0, 1.0, 0.0, 0.0

@@ -66,7 +66,8 @@ def settings(scene: Scene) -> Any:
     prescribed = any(drive.kind == "motion" for drive in scene.drives)
     if prescribed or (solver.accuracy is not None and moving > 1):
         radius = OF_CHANGING_STEPS
-    if solver.accuracy is not None and (moving > 1 or prescribed):
+    # In space the constraint of the Euler parameters, a number without unit, shares the tolerance too.
+    if scene.in_space or (solver.accuracy is not None and (moving > 1 or prescribed)):
         newton.absoluteTolerance = max(CLOSER * newton.absoluteTolerance, _noise(scene))
     if unresolved(scene):
         newton.residualMode = 1

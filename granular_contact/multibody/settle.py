@@ -67,8 +67,9 @@ class _Descent:
         self.mass: Vector = mass if isinstance(mass, np.ndarray) else mass.toarray()
         self.size, self.gravity = max(scene.length, 1e-3), max(abs(scene.gravity), 0.1)
         self.lever = recorder.lever.copy()
-        angles = [system.mbs.systemData.GetNodeLTGODE2(rigid.node)[2] for rigid in system.rigid.values()]
-        self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
+        for rigid in system.rigid.values():
+            angles = np.array(system.mbs.systemData.GetNodeLTGODE2(rigid.node))[list(rigid.body.turning_places)]
+            self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
         self.share, self.steps, self.rests = FIRST_WEIGHT, 0, False
         self.pace = self.pace_taken = 0.25 * LONGEST_STEP * self.size / (FIRST_WEIGHT * self.gravity)
         self.q: Vector = system.mbs.systemData.GetODE2Coordinates()

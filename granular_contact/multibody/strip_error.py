@@ -24,7 +24,7 @@ MOST = 128, 32  # strips of a rigid part and of an element, to which they are ch
 def strip_error(observer: Kinematics) -> float:
     """Estimated error of positions by the strips, as a part of the distance that the fastest point travels."""
     t = observer.trajectory
-    if t.load is None or len(t.time) < 3:
+    if t.load is None or len(t.time) < 3 or observer.scene.in_space:  # where facets are of the size asked for
         return 0.0
     scene, error, motion = observer.scene, 0.0, (t.v, t.mass, observer.speeds)
     if not any(drive.kind == "motion" for drive in scene.drives):

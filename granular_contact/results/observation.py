@@ -58,6 +58,10 @@ class Observation:
     more: dict[str, Any]
     accuracy: Sequence[AccuracyWarning] = ()
 
+    def film(self, most: int) -> dict[str, Any]:
+        """Pictures evenly spaced in time, at most so many, as `Results` has them."""
+        return {"frames": _frames(self, most)}
+
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
         depth = np.max([track.values for track in self.depths], axis=0) if self.depths else None
@@ -108,7 +112,7 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
         snapshots=tuple(Snapshot(label, float(time[i]), seen.outlines(i)) for label, i in moments.items()),
         **bed_of(scene),
         warnings=tuple(summary["warnings"]),
-        frames=_frames(seen, most_frames) if most_frames else (),
+        **(seen.film(most_frames) if most_frames else {}),
         terms=seen.terms,
         sizes=() if seen.reach is None else tuple(sorted({size for _, size in seen.reach.sizes})),
     )

@@ -21,11 +21,14 @@ def tabulate(series: Series) -> tuple[tuple[Column, ...], Vector]:
     return columns, np.column_stack([values for _, values in series.values()])
 
 
-def joint(name: str, child: str, parent: str | None, angle: Vector, rate: Vector) -> Series:
-    """Angle (n,) rad and rate (n,) rad/s of a hinge, clockwise; parent None is the ground."""
+def joint(name: str, child: str, parent: str | None, angle: Vector, rate: Vector, *, in_space: bool = False) -> Series:
+    """Angle (n,) rad and rate (n,) rad/s of a hinge, clockwise, in space right-handed; parent None is the ground."""
     what = "below the horizontal" if parent is None else f"relative to {parent}"
+    told = f"angle of {child} at {name}, {what}, clockwise positive"
+    if in_space:
+        told = f"angle of {child} at {name} relative to {parent or 'the ground'}, right-handed about its axis"
     return {
-        f"{name}_angle_deg": (f"angle of {child} at {name}, {what}, clockwise positive", np.degrees(angle)),
+        f"{name}_angle_deg": (told, np.degrees(angle)),
         f"{name}_rate_rad_s": (f"rate of {name}_angle", rate),
     }
 
@@ -39,9 +42,10 @@ def slider(name: str, child: str, parent: str | None, position: Vector, speed: V
     }
 
 
-def drive(joint: str, hinge: bool, force: Vector, power: Vector) -> Series:
+def drive(joint: str, hinge: bool, force: Vector, power: Vector, *, in_space: bool = False) -> Series:
     """Torque (n,) N m or force (n,) N of a drive, and its power (n,) W."""
     column, what = ("torque_Nm", "torque, clockwise") if hinge else ("force_N", "force, along the axis")
+    what = "torque, right-handed about the axis" if hinge and in_space else what
     return {
         f"{joint}_{column}": (f"{what}, of the drive of {joint} on the child", force),
         f"{joint}_power_W": (f"power of the drive of {joint}", power),

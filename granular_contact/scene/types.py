@@ -94,6 +94,23 @@ class RigidBody:
     motion: InitialMotion
     workspace: WorkspaceBound
 
+    @property
+    def turning_places(self) -> tuple[int, ...]:
+        """Which of its coordinates (x, y, phi) turn it."""
+        return (2,)
+
+    def levers(self, radius: float) -> tuple[float, ...]:
+        """Factors from the rates of its coordinates to speeds (m/s) of points within a radius (m)."""
+        return 1.0, 1.0, radius
+
+    def mass_matrix(self) -> Vector:
+        """Mass matrix (3, 3) of its coordinates."""
+        return np.diag([self.mass, self.mass, self.inertia])
+
+    def weight(self, gravity: float) -> Vector:
+        """Generalised forces (3,) of the weight."""
+        return np.array([0.0, -gravity * self.mass, 0.0])
+
 
 @dataclass(frozen=True)
 class FlexibleLink:

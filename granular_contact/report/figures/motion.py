@@ -26,9 +26,10 @@ def motion(results: Results) -> Figure:
         _angles(upper, results, time, hinges, colours)
         _rates(lower, results, time, hinges, colours)
     else:
-        both = np.concatenate([results["tip_x_m"], results["tip_y_m"]])
+        up = "z" if "tip_z_m" in results.names else "y"
+        both = np.concatenate([results["tip_x_m"], results[f"tip_{up}_m"]])
         unit, scale = unit_for(both, "m"), greatest(both)
-        for axes, letter in ((upper, "x"), (lower, "y")):
+        for axes, letter in ((upper, "x"), (lower, up)):
             curve(axes, time, cleared(results[f"tip_{letter}_m"], scale) * unit.factor, BLUE)
             finish(axes, f"tip {letter} ({unit.name})")
     mark_events(results, [upper, lower])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import cycle
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.events import mark_events
 from granular_contact.report.figures.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
 from granular_contact.report.figures.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
-from granular_contact.report.units import Array, greatest, instant, minus, time_unit, unit_for
+from granular_contact.report.units import Array, Unit, greatest, instant, minus, time_unit, unit_for
 from granular_contact.results import CENTRAL_MOMENT, MOMENT, Results
 
 _LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
@@ -42,20 +43,33 @@ def deflection(results: Results) -> Figure:
 
 
 def forces(results: Results) -> Figure:
-    """The terms of the granular force and their sum over time: horizontal, vertical, and their moment."""
+    """The terms of the granular force and their sum over time: horizontal, vertical and their moment; in space the
+    force along x, y and z.
+    """
     figure, panels, time = stacked(results, 118.0, (1, 1, 1))
-    force = greatest(np.concatenate([results[f"{term}_force_{axis}_N"] for term in results.terms for axis in "xy"]))
+    axes_of = "xyz" if f"{results.terms[0]}_force_z_N" in results.names else "xy"
+    force = greatest(np.concatenate([results[f"{term}_force_{axis}_N"] for term in results.terms for axis in axes_of]))
+    newton = unit_for(np.array([force]), "N")
+    if axes_of == "xyz":  # the moments are columns of the table
+        directions = zip(axes_of, ("ahead", "to the left", "upward"), strict=True)
+        _terms(results, panels, time, [(f"force_{axis}_N", force, newton, f"force {way}") for axis, way in directions])
+        return figure
     lever = force * size_of(results)
     pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
     column, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
     turning = greatest(np.concatenate([results[f"{term}_{column}"] for term in results.terms]))
-    newton = unit_for(np.array([force]), "N")
     moment = unit_for(np.array([turning if turning > ROUND_OFF * lever else lever]), "N·m")
-    rows = (
+    rows = [
         ("force_x_N", force, newton, "horizontal force"),
         ("force_y_N", force, newton, "vertical force"),
         (column, lever, moment, f"moment about {about}"),
-    )
+    ]
+    _terms(results, panels, time, rows)
+    return figure
+
+
+def _terms(results: Results, panels: list[Axes], time: Array, rows: Sequence[tuple[str, float, Unit, str]]) -> None:
+    """A panel for each column of the terms: its end, its scale, its unit, and words for it."""
     for axes, (column, scale, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)
         parts = [cleared(results[f"{term}_{column}"], scale) * unit.factor for term in results.terms]
@@ -67,7 +81,6 @@ def forces(results: Results) -> Figure:
         told = axes is panels[0] and len(parts) > 1
         finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if told else 0)
     mark_events(results, panels)
-    return figure
 
 
 def energy(results: Results) -> Figure:

@@ -71,6 +71,15 @@ class SpatialBed:
         level: Vector = self.origin + self.rise[0] * np.asarray(x) + self.rise[1] * np.asarray(y)
         return level if self.heights is None else level + self.heights.at(x, y)
 
+    def slope(self, x: Vector, y: Vector) -> tuple[Vector, Vector]:
+        """Rise of the surface per length along x and y, at x, y (m)."""
+        nothing = np.zeros_like(np.asarray(x, float))
+        if self.heights is None:
+            return nothing + self.rise[0], nothing + self.rise[1]
+        h = 1e-3 * self.heights.cell
+        along = (self.height(x + h, y) - self.height(x - h, y)) / (2.0 * h)
+        return along, (self.height(x, y + h) - self.height(x, y - h)) / (2.0 * h)
+
     @property
     def corners(self) -> Vector:
         """Corners (k, 2) m, x and z, of the section through the surface at y = 0, its first and last pieces without

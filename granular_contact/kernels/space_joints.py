@@ -1,0 +1,183 @@
+"""What acts in hinges and sliders between rigid bodies in space, in one call; called as `joint_loads`.
+
+A joint's frame lies at a point of the parent P and of the child C; its z is the axis a, which turns with the parent.
+
+    hinge   s = angle about a from the parent's x to the child's, in the turn that was found last
+    slider  s = a . (x_C + arm_C - x_P - arm_P)
+
+x: position of a body's node, arm: from it to the joint's point. A torque or force tau along s is tau ds/dq on the
+coordinates: with w = G e' (see `space_bodies`) of a hinge ds/dt = a . (w_C - w_P). Forces along s are those of
+`joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT and places (k, 14, 2).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from granular_contact.kernels.joint_coordinates import HINGE
+from granular_contact.kernels.joint_laws import follow, total
+from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE
+from granular_contact.kernels.lines import difference
+from granular_contact.kernels.space_bodies import turning
+
+MOST = 14  # coordinates of two nodes
+# parent, child: how many coordinates their nodes have, none of the ground; points (m) and axes of the joint's frame in
+# the frames of parent and child; reference: values of the coordinates.
+JOINT = np.dtype(
+    [
+        ("kind", "i8"),
+        ("parent", "i8"),
+        ("child", "i8"),
+        ("parent_point", "f8", (3,)),
+        ("parent_turn", "f8", (3, 3)),
+        ("child_point", "f8", (3,)),
+        ("child_turn", "f8", (3, 3)),
+        ("reference", "f8", (MOST,)),
+        ("drive", "i8"),
+        *((name, "f8") for name in (*LAW, *DRIVE)),
+    ]
+)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _frames(joint, q, frames, places, turns):
+    """Fill rotations (2, 3, 3) and positions (2, 3) of parent and child, and the G (2, 3, 4) of `space_bodies`."""
+    q0 = np.empty(7)
+    for side in range(2):
+        count = joint.parent if side == 0 else joint.child
+        first = 0 if side == 0 else joint.parent
+        for i in range(7):
+            q0[i] = q[first + i] + joint.reference[first + i] if count > 0 else (1.0 if i == 3 else 0.0)
+        turning(q0, 7, frames[side], turns[side])
+        for i in range(3):
+            places[side, i] = q0[i]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def coordinate(joint, last, q, v, slope):
+    """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
+    R, x, G = np.empty((2, 3, 3)), np.empty((2, 3)), np.empty((2, 3, 4))
+    _frames(joint, q, R, x, G)
+    slope[:] = 0.0
+    a, by_turn, n = np.empty(3), np.empty((2, 3)), joint.parent  # the axis; by what w_P and w_C count
+    P, C = joint.parent_turn, joint.child_turn
+    for i in range(3):
+        a[i] = R[0, i, 0] * P[0, 2] + R[0, i, 1] * P[1, 2] + R[0, i, 2] * P[2, 2]
+    if joint.kind == HINGE:
+        sine = cosine = 0.0
+        for i in range(3):
+            u = R[1, i, 0] * C[0, 0] + R[1, i, 1] * C[1, 0] + R[1, i, 2] * C[2, 0]
+            cosine += u * (R[0, i, 0] * P[0, 0] + R[0, i, 1] * P[1, 0] + R[0, i, 2] * P[2, 0])
+            sine += u * (R[0, i, 0] * P[0, 1] + R[0, i, 1] * P[1, 1] + R[0, i, 2] * P[2, 1])
+            by_turn[0, i], by_turn[1, i] = -a[i], a[i]
+        s = math.atan2(sine, cosine)
+        s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
+    else:
+        d, arm, s = np.empty(3), np.empty(3), 0.0  # from the parent's node to the joint's point on the child
+        for i in range(3):
+            arm[i], on_parent = 0.0, 0.0
+            for j in range(3):
+                arm[i] += R[1, i, j] * joint.child_point[j]
+                on_parent += R[0, i, j] * joint.parent_point[j]
+            d[i] = x[1, i] + arm[i] - x[0, i]
+            s += a[i] * (d[i] - on_parent)
+        # The arm of the parent turns with it as the axis does: w . (a x (d - arm_P)) - a . (w x arm_P) = w . (a x d).
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            by_turn[0, i] = a[j] * d[k] - a[k] * d[j]
+            by_turn[1, i] = arm[j] * a[k] - arm[k] * a[j]
+            if n > 0:
+                slope[i] = -a[i]
+            slope[n + i] = a[i]
+    last[0] = s
+    rate = 0.0
+    for i in range(3):
+        for k in range(4):
+            if n > 0:
+                slope[3 + k] += by_turn[0, i] * G[0, i, k]
+            slope[n + 3 + k] += by_turn[1, i] * G[1, i, k]
+    for i in range(n + joint.child):
+        rate += slope[i] * v[i]
+    return s, rate
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _gather(system_q, system_v, places, count, q, v):
+    for i in range(count):
+        q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _along(joint, now, q, v, slope):
+    """Torque or force of a joint; slope (14,) is filled."""
+    s, rate = coordinate(joint, now[TURNS:], q, v, slope)
+    force, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+    return force
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def force(system_q, system_v, joints, state, places, out):
+    """Add the generalised forces to out, the coordinates of the overlay."""
+    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        count = joint.parent + joint.child
+        _gather(system_q, system_v, places[k], count, q, v)
+        tau = _along(joint, state[k], q, v, slope)
+        for i in range(count):
+            out[places[k, i, 1]] += tau * slope[i]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
+    """As `joint_loads.tangent`, by differences."""
+    q, v, slope, moved = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    number = 0
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        count = joint.parent + joint.child
+        _gather(system_q, system_v, places[k], count, q, v)
+        tau = _along(joint, state[k], q, v, slope)
+        d = difference(q[:count], fq, fv)
+        for j in range(count):
+            at_q, at_v = q[j], v[j]
+            q[j] += d * fq
+            v[j] += d * fv
+            other = _along(joint, state[k], q, v, moved)
+            q[j], v[j] = at_q, at_v
+            for i in range(count):
+                change = other * moved[i] - tau * slope[i]
+                if change != 0.0:
+                    triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
+                    triplets[number, 2] = change / d
+                    number += 1
+    return number
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def accept(system_q, system_v, joints, state, places):
+    """End of a step: the anchors follow."""
+    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    for k in range(joints.shape[0]):
+        joint, now = joints[k], state[k]
+        if joint.friction > 0.0:
+            _gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
+            s, _ = coordinate(joint, now[TURNS:], q, v, slope)
+            now[ANCHOR] = follow(joint, s, now[ANCHOR])
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def gradient(joint, q):
+    """Gradient (14,) of the coordinate of a joint, record (1,), at the coordinates q (14,) of its nodes."""
+    slope = np.empty(MOST)
+    coordinate(joint[0], np.zeros(2), q, np.zeros(MOST), slope)
+    return slope
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def single(joint, last, q, v, slope):
+    """`coordinate` of one joint, record (1,)."""
+    return coordinate(joint[0], last, q, v, slope)

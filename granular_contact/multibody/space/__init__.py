@@ -1,0 +1,9 @@
+"""Mechanisms in space in the engine: rigid bodies with Euler parameters and joints between them.
+
+build         Scene -> System: bodies, joints, what acts in them, the granular load
+coordinates   coordinates of hinges and sliders, along which springs, stops, friction and drives act
+kinematics    positions, orientations, rates of bodies and joints along a trajectory
+observe       Trajectory -> Observation, with columns of three dimensions
+
+The solve itself, its choice of steps, what is recorded and finding rest are those of the plane.
+"""

@@ -1,0 +1,125 @@
+"""Scene in space -> SpatialSystem: the mechanism in Exudyn, with the granular load on its parts in sand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+
+from granular_contact.bed.space.load import SpatialLoad
+from granular_contact.kernels.space_bodies import turning
+from granular_contact.multibody.build import assembled
+from granular_contact.multibody.coupling import Coupling
+from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.multibody.joints import add_constraint
+from granular_contact.multibody.space.coordinates import SpatialCoordinate
+from granular_contact.multibody.space.system import SpatialHandle, SpatialSystem
+from granular_contact.scene.space import rotations
+from granular_contact.scene.space.loops import CONSTRAINED
+from granular_contact.scene.space.types import SpatialConnection, SpatialRigidBody, SpatialScene, Vector
+
+WHOLE = {
+    "hinge": items.ObjectJointRevoluteZ,
+    "slider": items.ObjectJointPrismaticX,
+    "ball": items.ObjectJointSpherical,
+}
+
+
+def build(scene: SpatialScene) -> SpatialSystem:
+    """Set the scene up in Exudyn and assemble it, once."""
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    ground = mbs.AddObject(items.ObjectGround())
+    rigid = {body.name: _add(mbs, body) for body in scene.rigid}
+    system = SpatialSystem(scene=scene, container=container, mbs=mbs, rigid=rigid, links={}, bed=None)
+    for joint in scene.connections:
+        _constrain(system, ground, joint)
+        if joint.has_coordinate:
+            _let_act(system, joint)
+    return assembled(replace(system, bed=_granular_load(system)))
+
+
+def _let_act(system: SpatialSystem, joint: SpatialConnection) -> None:
+    """Spring, damper, stops, friction and drive of a joint."""
+    handles = [system.rigid[name] for name in (joint.parent, joint.child) if name is not None]
+    nodes = [handle.node for handle in handles]
+    drive = system.scene.drive(joint.name)
+    if drive is not None and drive.kind == "motion":
+        s = SpatialCoordinate(joint, [0.0] * 7 * len(nodes))  # markers of nodes have the reference values already
+        system.motions[joint.name] = add_constraint(system.mbs, s, nodes, drive)
+        system.turning_ends.append(s)
+        drive = None
+    if drive is None and joint.law.is_idle:
+        return
+    references = [float(x) for node in nodes for x in system.mbs.GetNode(node)["referenceCoordinates"]]
+    s = SpatialCoordinate(joint, references)
+    system.loads[joint.name] = JointLoad(s, nodes, joint.law, drive)
+    system.turning_ends.append(s)
+
+
+def _add(mbs: Any, body: SpatialRigidBody) -> SpatialHandle:
+    motion, J = body.motion, body.inertia
+    e = rotations.quaternion_of(motion.rotation)
+    G = np.empty((3, 4))
+    turning(np.concatenate([motion.position, e]), 7, np.empty((3, 3)), G)
+    node = mbs.AddNode(
+        items.NodeRigidBodyEP(
+            referenceCoordinates=[*motion.position, *e],
+            initialVelocities=[*motion.velocity, *(0.25 * G.T @ motion.rate)],
+        )
+    )
+    obj = mbs.AddObject(
+        items.ObjectRigidBody(
+            mass=body.mass,
+            inertia=[J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]],
+            nodeNumber=node,
+            name=body.name,
+        )
+    )
+    return SpatialHandle(body, node, obj)
+
+
+def _constrain(system: SpatialSystem, ground: Any, joint: SpatialConnection) -> None:
+    """Constraint of a joint: the engine's own of its kind, or of what is left of it where it closes a loop."""
+    if joint.kind == "free":
+        return
+    mbs = system.mbs
+    # The engine's slider has its axis along x.
+    order = np.eye(3)[:, [2, 0, 1]] if joint.kind == "slider" and all(joint.constrained[3:]) else np.eye(3)
+    ends = (
+        (ground if joint.parent is None else system.rigid[joint.parent].object, joint.parent_point, joint.parent_turn),
+        (system.rigid[joint.child].object, joint.child_point, joint.child_turn),
+    )
+    markers = [_marker(mbs, body, point, turn @ order) for body, point, turn in ends]
+    held = [int(one) for one in joint.constrained]
+    if joint.kind in WHOLE and joint.constrained == CONSTRAINED[joint.kind]:
+        mbs.AddObject(WHOLE[joint.kind](markerNumbers=markers))
+    elif any(held):
+        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=held))
+
+
+def _marker(mbs: Any, body: Any, point: Vector, turn: Vector) -> Any:
+    frame = exu.HT(rotation=turn, translation=point)
+    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=frame))
+
+
+def _granular_load(system: SpatialSystem) -> Coupling | None:
+    """Load on all parts in sand, to be attached; None when there are none."""
+    scene = system.scene
+    bed = scene.bed
+    parts = [(h, part) for h in system.rigid.values() for part in h.body.parts if part.in_sand]
+    if bed is None or not scene.media or not parts:
+        return None
+    slope = np.array([*bed.rise, 0.0])
+    load = SpatialLoad(
+        bed.media, bed.origin, slope=slope, gravity=scene.gravity, static=scene.static, end_cap=scene.load.end_cap
+    )
+    coupling = Coupling(system.mbs, load)
+    for handle, part in parts:
+        on = coupling.body(handle.object, in_space=True)
+        size = part.facet_size
+        load.add_shape(on, part.shape, part.position, part.rotation, facet_size=size, mass=handle.body.mass)
+    return coupling

@@ -1,0 +1,31 @@
+"""Coordinates of hinges and sliders in space, by the compiled functions of `kernels.space_joints`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from granular_contact.kernels import space_joints
+from granular_contact.kernels.joint_coordinates import HINGE, SLIDER
+from granular_contact.multibody.coordinates import Coordinate
+from granular_contact.scene.space.types import SpatialConnection
+
+
+class SpatialCoordinate(Coordinate):
+    """As `Coordinate`; turns (2,): the coordinate found last, by which turns are counted, and nothing."""
+
+    kernels: Any = space_joints
+
+    def __init__(self, joint: SpatialConnection, references: Sequence[float]) -> None:
+        """references: values of the coordinates of parent and child, none of the ground."""
+        self.joint, self.size = joint, len(references)  # type: ignore[assignment]
+        self.record, self.turns = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
+        record = self.record[0]
+        record["kind"] = HINGE if joint.kind == "hinge" else SLIDER
+        record["parent"], record["child"] = len(references) - 7, 7
+        for name in ("parent_point", "parent_turn", "child_point", "child_turn"):
+            record[name] = getattr(joint, name)
+        record["reference"][: self.size] = references
+        self._slope = np.zeros(space_joints.MOST)

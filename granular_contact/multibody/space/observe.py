@@ -1,0 +1,110 @@
+"""Trajectory -> Observation, for the coordinates of the engine in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from granular_contact.laws.law import term_names
+from granular_contact.multibody import mechanism
+from granular_contact.multibody.observe import accuracy, energies, key_numbers, stop
+from granular_contact.multibody.space.kinematics import SpatialKinematics
+from granular_contact.multibody.space.system import SpatialSystem
+from granular_contact.multibody.system import Trajectory
+from granular_contact.results import in_space, series
+from granular_contact.results.frames import resample
+from granular_contact.results.in_space import SpatialObservation
+from granular_contact.results.interpolation import at_times
+from granular_contact.results.limits import Reach
+from granular_contact.results.motion import Motion, Part
+from granular_contact.results.observation import pictures
+from granular_contact.scene.space import rotations
+from granular_contact.scene.space.types import Vector
+
+
+def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
+    """What results hold of a run."""
+    motion, scene, load = SpatialKinematics(system, trajectory), system.scene, trajectory.load
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+        depths, driven = motion.depths(), mechanism.drive_forces(motion)
+        found = [track for tracks in depths.values() for track in tracks]
+        forces = {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
+        terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+        columns = mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven)
+        return SpatialObservation(
+            scene=scene,
+            status=trajectory.status,
+            cost=trajectory.cost,
+            time=trajectory.time,
+            motion=columns | body_columns(motion, forces),
+            mean_rate=None,
+            tip=motion.position(*scene.tip)[0],
+            deflection=None,
+            depths=found,
+            terms=terms,
+            term_forces=np.zeros((len(trajectory.time), len(terms), 6)) if load is None else load.terms,
+            moments_about=motion.common_center[0],
+            body_forces=forces,
+            energies=energies(motion, driven),
+            reach=_reach(motion),
+            stop=lambda touch: stop(motion, touch),
+            outlines=motion.outlines,
+            pictures=lambda at: pictures(lambda one: SpatialKinematics(system, one).outlines, trajectory, at),
+            more=key_numbers(motion, driven, depths, found),
+            accuracy=accuracy(motion),
+            moved=lambda at: moved(system, trajectory, forces, at),
+        )
+
+
+def body_columns(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> series.Series:
+    """Motion of every body, and the medium's force on it; forces (n, 6) by body, moments about the origin."""
+    columns: series.Series = {}
+    for body in motion.scene.bodies if motion.scene.body_columns else ():
+        name, (center, velocity) = mechanism.label(body.name), motion.center(body.name)
+        rpy = np.unwrap(rotations.rpy_of(motion.rotation(body.name)), axis=0)
+        columns |= in_space.body(name, center, rpy, velocity, motion.spin(body.name))
+        if body.name in forces:
+            columns |= in_space.body_force(name, forces[body.name], center)
+    return columns
+
+
+def _reach(motion: SpatialKinematics) -> Reach | None:
+    """Extremes of what was immersed; None where nothing could meet the medium."""
+    load = motion.trajectory.load
+    if load is None:
+        return None
+    sizes = tuple(sorted({(kind, size) for _, kind, size in load.immersed}))
+    speed, depth, lowest = float(load.speed.max()), float(load.depth.max()), float(load.lowest.min())
+    return Reach(speed=speed, depth=depth, lowest=lowest, left=0.0, right=0.0, sizes=sizes)
+
+
+def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Vector], at: Vector) -> Motion:
+    """The motion at times (k,) s, as it is drawn: every shape once, then poses; forces (n, 6) of the medium by body."""
+    t = trajectory
+    sampled = replace(t, time=at, q=at_times(t.time, t.q, t.v, at), v=resample(t.time, t.v, at))
+    motion = SpatialKinematics(system, sampled)
+    parts, poses = [], []
+    for name, handle in system.rigid.items():
+        pose = np.concatenate([motion.center(name)[0], motion.quaternion(name)], axis=1)
+        for part in handle.body.parts:
+            points, faces = np.unique(part.triangles.reshape(-1, 3), axis=0, return_inverse=True)
+            parts.append(Part(part.name, points, faces.reshape(-1, 3)))
+            poses.append(pose)
+    arrows = {}
+    for name, wrench in forces.items():
+        center, radius = motion.center(name)[0], system.scene.radius(system.scene.body(name))
+        arrows[mechanism.label(name)] = _arrow(resample(t.time, wrench, at), center, radius)
+    shown = np.stack(poses, axis=1) if poses else np.zeros((len(at), 0, 7))
+    return Motion(at, tuple(parts), shown, {}, arrows)
+
+
+def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vector]:
+    """Where a force (k, 3) N is drawn, (k, 3) m: on its line of action, as near to the centre of mass as it comes."""
+    force = wrench[:, :3]
+    moment = wrench[:, 3:] - np.cross(center, force)
+    square = np.sum(force * force, axis=1, keepdims=True)
+    off = np.divide(np.cross(force, moment), square, out=np.zeros_like(force), where=square > 0.0)
+    far = np.linalg.norm(off, axis=1, keepdims=True)
+    return center + off * np.minimum(1.0, radius / np.maximum(far, 1e-300)), force

@@ -1,0 +1,80 @@
+"""What results of a run in space hold besides those of the plane: columns of three dimensions, and the motion as it is
+drawn.
+
+World: x ahead, y left, z up. Roll, pitch and yaw are those of robot files; angular velocities and moments are vectors
+along the world's axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.results import CENTRAL_MOMENT, Column, series
+from granular_contact.results.frames import instants
+from granular_contact.results.motion import Motion
+from granular_contact.results.observation import Observation
+
+Vector = NDArray[np.float64]
+AXES = (("x", "ahead"), ("y", "to the left"), ("z", "upward"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpatialObservation(Observation):
+    """As `Observation`, with vectors in space: tip (n, 3), term_forces (n, terms, 6), moments_about (n, 3) the common
+    centre of mass, body_forces (n, 6). moved: the motion as it is drawn, at given times (k,) s.
+    """
+
+    moved: Callable[[Vector], Motion]
+
+    def columns(self) -> tuple[tuple[Column, ...], Vector]:
+        """All columns, with the table (instants, columns)."""
+        found: series.Series = {"time_s": ("time since the start", self.time)}
+        found |= self.motion | vector("tip_{}_m", "position of the tip", self.tip)
+        if self.depths:
+            depth = np.max([track.values for track in self.depths], axis=0)
+            found["depth_m"] = ("depth of the deepest point below the surface", depth)
+        if self.scene.media:
+            for i, term in enumerate(self.terms):
+                found |= force(term, self.term_forces[:, i], self.moments_about)
+        return series.tabulate(found | self.energies)
+
+    def film(self, most: int) -> dict[str, Any]:
+        """The motion at evenly spaced times, as `Results` has it."""
+        at = instants(float(self.time[0]), float(self.time[-1]), most)
+        return {"motion": self.moved(np.minimum(at, self.time[-1]))}
+
+
+def vector(column: str, what: str, values: Vector) -> series.Series:
+    """Columns of a vector (n, 3) along the world's axes."""
+    return {column.format(axis): (f"{what}, {where}", values[:, i]) for i, (axis, where) in enumerate(AXES)}
+
+
+def force(term: str, wrench: Vector, about: Vector) -> series.Series:
+    """Columns of a term of the medium's force: wrench (n, 6) about the origin, told about points (n, 3) m."""
+    what = f"{term.replace('_', ' ')} force of the medium"
+    moment = wrench[:, 3:] - np.cross(about, wrench[:, :3])
+    name, unit = CENTRAL_MOMENT.rsplit("_", 1)
+    of = f"moment of the {what} about the centre of mass of the whole mechanism, about the axis"
+    return vector(f"{term}_force_{{}}_N", what, wrench[:, :3]) | vector(f"{term}_{name}_{{}}_{unit}", of, moment)
+
+
+def body(name: str, center: Vector, rpy: Vector, velocity: Vector, spin: Vector) -> series.Series:
+    """Motion of a body: centre of mass, roll-pitch-yaw (rad), velocity and angular velocity (rad/s), (n, 3) each."""
+    found = vector(f"{name}_{{}}_m", f"position of the centre of mass of {name}", center)
+    for i, angle in enumerate(("roll", "pitch", "yaw")):
+        found[f"{name}_{angle}_deg"] = (f"{angle} of {name}", np.degrees(rpy[:, i]))
+    found |= vector(f"{name}_v{{}}_m_s", f"velocity of the centre of mass of {name}", velocity)
+    return found | vector(f"{name}_spin_{{}}_rad_s", f"angular velocity of {name}, about the axis", spin)
+
+
+def body_force(name: str, wrench: Vector, center: Vector) -> series.Series:
+    """Force of the medium on a body, (n, 6) about the origin; its centre of mass (n, 3) m."""
+    moment = wrench[:, 3:] - np.cross(center, wrench[:, :3])
+    of = f"moment of that force about the centre of mass of {name}, about the axis"
+    found = vector(f"{name}_granular_{{}}_N", f"force of the medium on {name}", wrench[:, :3])
+    return found | vector(f"{name}_granular_moment_{{}}_Nm", of, moment)
