@@ -224,8 +224,8 @@ class Drop:
         return float(self.time[i] - b / (2 * a)), float(c - b * b / (4 * a))
 
 
-def drop(medium: Law, speed: float, step: float, end: float) -> Drop:
-    """Let a steel ball of 25.4 mm strike the surface at a speed (m/s), in the engine."""
+def drop(medium: Law, speed: float, step: float, end: float, mass: float = MASS) -> Drop:
+    """Let a ball of 25.4 mm, of steel unless given, strike the surface at a speed (m/s), in the engine."""
     import exudyn as exu
     from exudyn import itemInterface as items
 
@@ -235,8 +235,8 @@ def drop(medium: Law, speed: float, step: float, end: float) -> Drop:
     node = mbs.AddNode(
         items.NodeRigidBody2D(referenceCoordinates=[0, DIAMETER / 2, 0], initialVelocities=[0, -speed, 0])
     )
-    inertia = MASS * DIAMETER**2 / 10
-    body = mbs.AddObject(items.ObjectRigidBody2D(mass=MASS, inertia=inertia, nodeNumber=node))
+    inertia = mass * DIAMETER**2 / 10
+    body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
     marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
     mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0, -G, 0]))
     # A bristle so short that the static force is there at once.

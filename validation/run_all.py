@@ -28,6 +28,8 @@ STUDIES = (
     "laws",
     "sensitivity",
     "fit_recovery",
+    "force_tests",
+    "measured",
     "runner",
     "scaling",
     "strips",

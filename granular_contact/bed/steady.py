@@ -1,8 +1,9 @@
 """The force on one rigid body that moves steadily, at many poses at once: a law by itself, on a whole shape.
 
 A plate that is pressed in at a given speed, or a wheel that turns at a given slip, needs no integration: at every depth
-the medium's force follows from the pose and the velocity alone, if its resistance is fully mobilised. All poses are
-copies of the body side by side in one load, so that a curve of 200 points is one compiled call.
+the medium's force follows from the pose and the velocity alone, if its resistance is fully mobilised (also shear that
+builds up over a way, as Janosi and Hanamoto's). All poses are copies of the body side by side in one load, so that a
+curve of 200 points is one compiled call.
 """
 
 from __future__ import annotations
@@ -79,7 +80,8 @@ class SteadyBody:
         """
         count, scene = len(depth), self._scene
         assert scene.bed is not None  # or there was an error
-        load = self._copies(count, scene.bed.layers if layers is None else tuple(layers))
+        media = scene.bed.layers if layers is None else layers
+        load = self._copies(count, tuple(map(_mobilised, media)))
         arm = rotation(self.angle) @ self.center  # from the centre of mass
         height = float(scene.bed.profile[0, 1]) - depth - self.lowest
         pose = np.column_stack([np.full(count, -arm[0]), height - arm[1], np.full(count, self.angle)])
@@ -112,6 +114,13 @@ class SteadyBody:
     def _lines(self) -> Sequence[ContactLine]:
         strips, body = self._scene.load.strips_per_rigid_part, Body(self.body.name, [0, 1, 2])
         return [line for shape in _met(self.body) for line in lines_of(body, shape, strips)]
+
+
+def _mobilised(layer: Layer) -> Layer:
+    """A layer whose shear needs no way to build up."""
+    if getattr(layer.medium, "shear_modulus", 0.0) == 0.0:
+        return layer
+    return replace(layer, medium=layer.medium.model_copy(update={"shear_modulus": 0.0}))
 
 
 def _chosen(scene: Scene, name: str | None) -> RigidBody:

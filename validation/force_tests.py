@@ -1,0 +1,219 @@
+"""Are the errors of a fit to force tests true? Coefficients found again from synthetic plates, pressed in and dragged.
+
+    python validation/force_tests.py [--quick]
+
+Only the noise is random, and normal. The last lines time a fit of three tests of 200 rows.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+from granular_contact.bed.steady import SteadyBody
+from granular_contact.config import load_scenario
+from granular_contact.scene import build
+from granular_contact.studies.fit import fit, load_specification, prepare
+from granular_contact.studies.fit.law_alone import Motion, measured
+from granular_contact.studies.fit.problem import Problem
+from granular_contact.studies.sweep.processes import cores, local_processes
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+Vector = NDArray[np.float64]
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+PLATE = "model.bodies.plate.shapes.0.width_m"
+DRAWS, QUICK_DRAWS, ROWS = 100, 10, 40
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is fitted: true values by key, and where the fit starts; the medium besides; tests as overrides.
+
+    direction (deg below the horizontal), depth (m), speed (m/s) by row; noise (N); more: lines of the fit file.
+    """
+
+    true: dict[str, float]
+    start: dict[str, float]
+    medium: str
+    config: str
+    tests: tuple[str, ...]
+    direction: float
+    noise: float
+    more: str = ""
+
+
+PLATES = tuple(f"{PLATE}: {width}" for width in (0.03, 0.0532, 0.08))
+DRAGGED = ("surface_height_m: -0.025", "surface_height_m: -0.02")
+CASES = {
+    "zeta": Case({"zeta": 0.9}, {"zeta": 0.3}, "law: rft", "penetrometer", PLATES, 90.0, 0.5),
+    "zeta and the zero of depth": Case(
+        {"zeta": 0.9}, {"zeta": 0.3}, "law: rft", "penetrometer", PLATES, 90.0, 0.5, "depth_offset_m: fit"
+    ),
+    "k and n": Case(
+        {"k_phi_Pa": 2e4, "exponent": 1.3},
+        {"k_phi_Pa": 1e4, "exponent": 1.0},
+        "law: pressure_sinkage, reference_depth_m: 0.02, friction_angle_deg: 29",
+        "penetrometer",
+        PLATES,
+        90.0,
+        1.0,
+    ),
+    "mu": Case(
+        {"mu_int": 0.6},
+        {"mu_int": 1.0},
+        "law: rft3d, density_kg_m3: 1500, mu_surf: 0.3",
+        "penetrometer",
+        PLATES,
+        90.0,
+        1.0,
+    ),
+    "K and lambda of drag": Case(
+        {"zeta": 0.8, "lambda": 1.1},
+        {"zeta": 0.4, "lambda": 2.0},
+        "law: drft, density_kg_m3: 900",
+        "dragged_plate",
+        DRAGGED,
+        0.0,
+        0.1,
+    ),
+}
+
+
+def _columns(case: Case, rows: int) -> tuple[Vector, Vector]:
+    """Depth (m) and speed (m/s) of a test."""
+    if case.direction == 90.0:
+        return np.linspace(1e-3, 0.04, rows), np.full(rows, 0.01)
+    return np.full(rows, 0.06), np.linspace(0.05, 0.6, rows)
+
+
+def _medium(case: Case, values: dict[str, float]) -> str:
+    return f"{{{', '.join([case.medium, *(f'{key}: {value}' for key, value in values.items())])}}}"
+
+
+def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
+    """The tests without noise, as files, and the fit of them."""
+    depth, speed = _columns(case, rows)
+    text = f"starts: {starts}\nparameters: [{', '.join(f'medium.{key}' for key in case.true)}]\n"
+    text += f"set: {{medium: {_medium(case, case.start)}}}\n"
+    more = f", {case.more}" if case.more else ""
+    text += f"force_test: {{direction: {case.direction:.1f}{more}}}\nruns:\n"
+    with tempfile.TemporaryDirectory() as folder:
+        for i, one in enumerate(case.tests):
+            key, value = one.split(": ")
+            sets = [f"medium={_medium(case, case.true)}", f"{key}={value}"]
+            body = SteadyBody(build(load_scenario(CONFIGS / f"{case.config}.yaml", sets)))
+            force = measured(body, Motion(depth, speed, np.zeros(rows), case.direction))["force_N"]
+            lines = [f"{z:.9g},{v:.9g},{f:.12g}" for z, v, f in zip(depth, speed, force, strict=True)]
+            (Path(folder) / f"{i}.csv").write_text("\n".join(["depth_m,speed_m_s,force_N", *lines]), encoding="utf-8")
+            text += f"  - {{config: {CONFIGS / case.config}.yaml, data: {i}.csv, name: test_{i}, set: {{{one}}}}}\n"
+        path = Path(folder) / "fit.yaml"
+        path.write_text(text, encoding="utf-8")
+        return prepare(load_specification(path))
+
+
+def noisy(exact: Problem, noise: float, seed: int) -> Problem:
+    """The same with noise (N) in its forces."""
+    random = np.random.default_rng(seed)
+    runs = []
+    for run in exact.runs:
+        values = run.measured.values + noise * random.standard_normal(run.measured.values.shape)
+        runs.append(replace(run, measured=replace(run.measured, values=values)))
+    return replace(exact, runs=tuple(runs))
+
+
+Draw = tuple[list[tuple[float, float, float, float]], bool]
+
+
+def draws(name: str, seeds: Sequence[int]) -> list[Draw]:
+    """Value, error and interval of each shared coefficient, and whether the fit is called a misfit."""
+    case, found = CASES[name], []
+    exact = problem(case)
+    for seed in seeds:
+        one = fit(noisy(exact, case.noise, seed))
+        shared = [e for e in one.uncertainty.estimates if e.parameter.shared]
+        found.append(([(e.value, e.error, e.low, e.high) for e in shared], one.goodness.status == "misfit"))
+    return found
+
+
+def coverage(name: str, count: int) -> tuple[list[list[str]], list[Claim]]:
+    """How often intervals hold the true value, in so many draws; in this process if they are few."""
+    seeds = np.arange(count)
+    if count <= QUICK_DRAWS:
+        found = draws(name, seeds.tolist())
+    else:
+        with local_processes(cores()) as pool:
+            parts = [part.tolist() for part in np.array_split(seeds, cores())]
+            found = [one for done in pool.map(partial(draws, name), parts) for one in done]
+    values = np.array([one for one, _ in found])  # (draws, coefficients, 4)
+    true = np.array(list(CASES[name].true.values()))
+    hits = np.sum((values[:, :, 2] <= true) & (true <= values[:, :, 3]), axis=0)
+    alarms = sum(misfit for _, misfit in found)
+    least = 90 if count == 100 else int(binom.ppf(1e-3, count, 0.95))
+    low, high = (int(x) for x in binom.interval(0.95, count, 0.95))
+    rows = [
+        [
+            name,
+            key,
+            f"{true[j]:g}",
+            f"{values[:, j, 0].mean():.5g}",
+            f"{values[:, j, 0].std(ddof=1):.2g}",
+            f"{values[:, j, 1].mean():.2g}",
+            f"{hits[j]} of {count}",
+            f"{low} to {high}",
+        ]
+        for j, key in enumerate(CASES[name].true)
+    ]
+    words = f"{', '.join(f'{key} {hit}' for key, hit in zip(CASES[name].true, hits, strict=True))} of {count}"
+    held = bool(np.all(hits >= least)) and alarms <= max(1, count // 50)
+    detail = f"{words} (asked: {least}); {alarms} called a misfit"
+    return rows, [Claim(f"force_tests.{name}: 95 % intervals hold the true value", held, detail)]
+
+
+def timed(name: str, repeats: int) -> list[str]:
+    """Processor time (s) of reading, checking and fitting three tests of 200 rows from eight starts, warm."""
+    case = CASES[name]
+    exact = problem(case, 200, 8)
+    fit(noisy(exact, case.noise, 0))
+    reading, fitting = [], []
+    for seed in range(repeats):
+        began = time.process_time()
+        one = problem(case, 200, 8)
+        middle = time.process_time()
+        fit(noisy(one, case.noise, seed))
+        reading.append(middle - began)
+        fitting.append(time.process_time() - middle)
+    both = np.array(reading) + np.array(fitting)
+    return [name, *(f"{np.median(one):.2f}" for one in (reading, fitting)), f"{both.min():.2f} to {both.max():.2f}"]
+
+
+def study(quick: bool) -> Outcome:
+    """Coverage of every case, and the times."""
+    names = ("zeta", "k and n") if quick else tuple(CASES)
+    parts = [coverage(name, QUICK_DRAWS if quick else DRAWS) for name in names]
+    head = ["fitted", "", "true", "mean", "scatter", "stated error", "95 % intervals that hold it", "expected"]
+    text = [
+        f"Two or three tests of {ROWS} rows each, noise unknown, soft_l1.",
+        markdown(head, [row for rows, _ in parts for row in rows]),
+    ]
+    if not quick:
+        times = [timed(name, 5) for name in ("zeta", "k and n")]
+        head = ["three tests of 200 rows, 8 starts", "made, read and checked s", "fitted s", "both, least to most"]
+        text += ["Processor time of one core, warm, medians of five.", markdown(head, times)]
+    return Outcome("\n\n".join(text), tuple(claim for _, claims in parts for claim in claims))
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))

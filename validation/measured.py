@@ -1,0 +1,257 @@
+"""Models against measured sand: what each law gets right of plates, a wheel, a dropped ball and a dragged plate.
+
+    python validation/measured.py [--quick]
+
+Nothing is tuned on what it is compared with: coefficients come from density and friction, from the plate of 60 mm, or
+from the least depth, and everything else is predicted. Limits of the claims are the scatter of the measurements, or a
+third.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import spearmanr
+
+from granular_contact import preset
+from granular_contact.laws.law import Law
+from validation.measurements import cmu, figures, others
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+Vector = NDArray[np.float64]
+
+THIRD = 1.0 / 3.0  # of a force or a sinkage: what a first design can live with [ours]
+PRESSED_RANGE = 0.10  # of three trials of the wheel that was pressed in
+SHALLOW = 0.01  # m: below, zeros that were set by hand to some 0.1 mm count
+
+
+def claim(statement: str, held: bool, detail: str) -> Claim:
+    """A claim of this study."""
+    return Claim(f"measured.{statement}", bool(held), detail)
+
+
+def percent(errors: Vector) -> str:
+    """The span of relative errors, and their root mean square."""
+    rms = 100 * float(np.sqrt(np.mean(errors**2)))
+    return f"{100 * errors.min():+.0f} to {100 * errors.max():+.0f} % (rms {rms:.0f} %)"
+
+
+# ---- plates ----
+
+
+def plates() -> tuple[str, list[Claim]]:
+    """Both plates by each model, and what the law lacks."""
+    table = cmu.table("plates_large_box")
+    depth, data, sd = 1e-3 * table["depth_mm"], 1e3 * table["pressure_kPa"], 1e3 * table["sd_kPa"]
+    rows, claims = [], []
+    for name, medium in cmu.models().items():
+        cells = []
+        for size in (60, 80):
+            own = table["diameter_mm"] == size
+            model = cmu.plate_pressure(medium, depth[own], size)
+            errors, away = cmu.relative(model, data[own]), np.abs(model - data[own]) / sd[own]
+            cells += [percent(errors), f"{away.max():.0f}"]
+            seen = f"{percent(errors)}, up to {away.max():.1f} standard deviations of the trials"
+            if size == 80 or "nothing" in name:
+                held = bool(np.abs(errors).max() < THIRD)
+                claims.append(claim(f"{name}: plate of {size} mm within a third", held, seen))
+            else:
+                claims.append(claim(f"{name}: its own plate within two standard deviations", away.max() < 2.0, seen))
+        rows.append([name, *cells])
+    claims.append(_of_size(depth, data, table["diameter_mm"]))
+    head = ["model", "60 mm: error", "worst, sd", "80 mm: error", "worst, sd"]
+    (k, k_error), (n, n_error) = (cmu.fitted()[f"medium.{key}"] for key in ("k_phi_Pa", "exponent"))
+    zeta, zeta_error = cmu.fitted("[medium.zeta]", "rft_generic")["medium.zeta"]
+    found = f"Fitted to the 60 mm plate: zeta {zeta:.2f} +- {zeta_error:.2f} (a misfit); k {1e-3 * k:.1f} +- "
+    found += f"{1e-3 * k_error:.1f} kPa at 20 mm and n {n:.2f} +- {n_error:.2f}."
+    return f"Level plates, pressure. {found}\n\n{markdown(head, rows)}", claims
+
+
+def _of_size(depth: Vector, data: Vector, size: Vector) -> Claim:
+    """Whether any model has the measured effect of the size."""
+    shared = depth[size == 80]
+    ratio = data[size == 80] / data[size == 60][: len(shared)]
+    found = [
+        cmu.plate_pressure(medium, shared, 80) / cmu.plate_pressure(medium, shared, 60)
+        for medium in cmu.models().values()
+    ]
+    words = f"measured {ratio.min():.2f} to {ratio.max():.2f} times the pressure under 80 mm, by the models "
+    words += f"{np.min(found):.2f} to {np.max(found):.2f}; Bekker's k_c and Reece's b^(1-n) go the other way"
+    return claim("a larger plate presses harder", any(np.all(one > 1.1) for one in found), words)
+
+
+# ---- the wheel ----
+
+
+def pressed() -> tuple[str, list[Claim]]:
+    """The wheel pressed in, by what was fitted to a plate or to nothing, for both of its stated sizes."""
+    table = cmu.table("wheel_smooth_pressed_in")
+    depth, data = 1e-3 * table["depth_mm"], table["force_N"]
+    rows, claims = [], []
+    for name, medium in cmu.models().items():
+        errors = np.array([cmu.relative(cmu.pressed_wheel(medium, bound, depth), data) for bound in cmu.BOUNDS])
+        rows.append([name, *(f"{100 * a:+.0f}, {100 * b:+.0f}" for a, b in errors.T)])
+        low, high = errors.min(axis=0), errors.max(axis=0)
+        inside = (low <= PRESSED_RANGE) & (high >= -PRESSED_RANGE)
+        deep = depth >= SHALLOW
+        seen = "; ".join(f"{bound}: {percent(one[deep])}" for bound, one in zip(cmu.BOUNDS, errors, strict=True))
+        at = f"at 5 mm {100 * errors[0, 0]:+.0f} and {100 * errors[1, 0]:+.0f} %"
+        claims.append(
+            claim(
+                f"{name}: pressed wheel between its two stated sizes, from 10 mm on",
+                bool(inside[deep].all()),
+                f"{seen}; {at}",
+            )
+        )
+        worst = np.abs(errors[:, deep]).max()
+        words = f"worst {100 * worst:.0f} % from 10 mm on, {100 * np.abs(errors).max():.0f} % in all; {seen}"
+        claims.append(claim(f"{name}: pressed wheel within a third, from 10 mm on", worst < THIRD, words))
+    head = ["model", *(f"{1e3 * z:.0f} mm" for z in depth)]
+    caption = f"The wheel pressed in: error of the force (%) with {' and '.join(cmu.BOUNDS)}; trials range over +-10 %."
+    return f"{caption}\n\n{markdown(head, rows)}", claims
+
+
+def rolling_media(quick: bool) -> dict[str, Law]:
+    """Media of the rolling wheel; the last, whose shear builds up, takes seconds."""
+    found = dict(list(cmu.models().items())[:2])
+    if not quick:
+        sinkage = cmu.models()["k z^n of the 60 mm plate"]
+        found["k z^n, shear over 21 mm"] = sinkage.model_copy(update={"shear_modulus": cmu.SHEAR_MODULUS})
+    return found
+
+
+def wheel(quick: bool) -> tuple[str, list[Claim]]:
+    """The rolling wheel over slip: force and sinkage where it bears the measured load."""
+    data = cmu.rolling()
+    rows: list[list[str]] = []
+    claims: list[Claim] = []
+    head = ["slip", "Fx measured N", "sinkage measured mm"]
+    columns = [[f"{x.slip:+.2f}", f"{x.force:.1f} +- {x.force_sd:.1f}", f"{1e3 * x.sinkage:.1f}"] for x in data]
+    for name, medium in rolling_media(quick).items():
+        found = np.array([cmu.rolled(medium, bound) for bound in cmu.BOUNDS])  # (bounds, slips, 2)
+        head += [f"Fx, {name}", "sinkage"]
+        for cells, one in zip(columns, np.moveaxis(found, 1, 0), strict=True):
+            cells += [f"{one[0, 1]:.1f}, {one[1, 1]:.1f}", f"{1e3 * one[0, 0]:.1f}, {1e3 * one[1, 0]:.1f}"]
+        claims += _wheel_claims(name, found)
+    rows = columns
+    caption = f"The wheel rolling at 10 mm/s under its load of 20 to 26 N; models with {' and '.join(cmu.BOUNDS)}."
+    return f"{caption}\n\n{markdown(head, rows)}", claims
+
+
+def _wheel_claims(name: str, found: Vector) -> list[Claim]:
+    """Sign, trend, sinkage and the locked wheel, of sinkages (m) and forces (N), (bounds, slips, 2)."""
+    data = cmu.rolling()
+    force, sinkage = np.array([x.force for x in data]), np.array([x.sinkage for x in data])
+    right = [int(np.sum(np.sign(one[:, 1]) == np.sign(force))) for one in found]
+    ranks = [float(spearmanr(one[:, 1], force).statistic) for one in found]
+    turning = np.array([x.slip > -0.99 for x in data])
+    errors = cmu.relative(found[:, turning, 0], sinkage[turning])
+    away = [1e3 * float(np.sqrt(np.mean((one[turning, 0] - sinkage[turning]) ** 2))) for one in found]
+    locked, sunk = found[:, 0, 1], 1e3 * found[:, 0, 0]
+    count = len(data)
+    reason = "sand heaps up before a wheel that is dragged along, and no law of the place alone has that"
+    return [
+        claim(f"{name}: sign of Fx at every slip", min(right) == count, f"{right[0]} and {right[1]} of {count} slips"),
+        claim(
+            f"{name}: Fx rises with slip as measured",
+            min(ranks) > 0.8,
+            f"rank correlation {ranks[0]:.2f} and {ranks[1]:.2f} (asked: 0.8)",
+        ),
+        claim(
+            f"{name}: sinkage of the turning wheel within a third",
+            bool(np.abs(errors).max() < THIRD),
+            f"{percent(errors[0])} and {percent(errors[1])}; rms {away[0]:.1f} and {away[1]:.1f} mm",
+        ),
+        claim(
+            f"{name}: the locked wheel",
+            bool(np.all(np.abs(cmu.relative(locked, np.full(2, force[0]))) < THIRD)),
+            f"Fx {locked[0]:.0f} and {locked[1]:.0f} N of {force[0]:.0f}, sinkage {sunk[0]:.0f} and {sunk[1]:.0f} mm "
+            f"of {1e3 * sinkage[0]:.0f}: {reason}",
+        ),
+    ]
+
+
+# ---- the ball and the dragged plate ----
+
+
+def ball(quick: bool) -> tuple[str, list[Claim]]:
+    """Depth and stopping time of the dropped ball, with the band of the constants' stated errors."""
+    found = others.balls(4e-5 if quick else 1e-5)
+    total = others.HEIGHTS + found.depth
+    exponent = float(np.polyfit(np.log(total), np.log(found.depth), 1)[0])
+    ratio = found.time * np.sqrt(2 * others.G * others.HEIGHTS) / found.depth
+    bands = ((found.depth, found.depth_band), (found.time, found.time_band))
+    # The engine's force sets in over 25 um of depth, see laws.py.
+    within = all(np.all((one > 0.998 * band[0]) & (one < 1.002 * band[1])) for one, band in bands)
+    rows = [
+        [
+            f"{h:g}",
+            f"{1e3 * z:.1f}",
+            f"{1e3 * a:.1f} to {1e3 * b:.1f}",
+            f"{1e3 * t:.1f}",
+            f"{1e3 * c:.1f} to {1e3 * d:.1f}",
+        ]
+        for h, z, a, b, t, c, d in zip(
+            others.HEIGHTS, found.depth, *found.depth_band, found.time, *found.time_band, strict=True
+        )
+    ]
+    head = ["drop m", "depth mm", "by k/m +- 10 1/s2, d1 +- 7 mm", "stopping time ms", "likewise"]
+    claims = [
+        claim("ball: the engine is within the source's own constants", within, "depths and times at every height"),
+        claim(
+            "ball: depth grows as the total drop to the third",
+            abs(exponent - others.EXPONENT) < 0.05,
+            f"power {exponent:.2f} over drops of 0.01 to 1 m; measured on other spheres 1/3 (asked: within 0.05)",
+        ),
+        claim(
+            "ball: stopping time is three times depth over speed",
+            bool(np.all(np.abs(ratio / others.TIME_RATIO - 1) < THIRD)),
+            f"{ratio.min():.1f} to {ratio.max():.1f} times; 3 was measured on wooden spheres, which are lighter",
+        ),
+    ]
+    caption = "A steel ball of 25.4 mm and 69.2 g dropped into glass beads; k = 72 N/m and d1 = 3.4 diameters (preset)."
+    return f"{caption}\n\n{markdown(head, rows)}", claims
+
+
+def drag() -> tuple[str, list[Claim]]:
+    """The dragged plate: coefficients of the least depth, and what they say of the others."""
+    known = others.plate_coefficients()
+    (zeta, _), (lam, _) = (known[f"medium.{key}"] for key in ("zeta", "lambda"))
+    medium = preset("agarwal_plate").model_copy(update={"zeta": zeta, "lam": lam})
+    rows, worst = [], 0.0
+    for depth in others.DEPTHS:
+        data, model = others.source(depth, others.SPEEDS), others.dragged(medium, depth, others.SPEEDS)
+        worst = max(worst, float(np.abs(model / data - 1.0).max()))
+        rows.append([f"{1e3 * depth:.0f}", *(f"{a:.1f}, {b:.1f}" for a, b in zip(data, model, strict=True))])
+    head = ["depth mm", *(f"{v:g} m/s" for v in others.SPEEDS)]
+    caption = (
+        f"A plate dragged: drag (N) by the source's F = K z + lambda rho A v^2, and by drft with zeta {zeta:.4f} and "
+        f"lambda {lam:.3f} of the least depth. The points that the formula was drawn through did not reach us."
+    )
+    words = f"within {100 * worst:.2g} % at 30 and 40 mm; no more than that the law has the formula of its source"
+    return f"{caption}\n\n{markdown(head, rows)}", [
+        claim("drag: drft is the formula of its source", worst < 1e-3, words)
+    ]
+
+
+def study(quick: bool) -> Outcome:
+    """All parts; the figures too, unless quick."""
+    parts = [plates(), pressed(), wheel(quick), ball(quick), drag()]
+    text = [words for words, _ in parts]
+    if not quick:
+        figures.plates(cmu.models())
+        figures.rolling(rolling_media(quick))
+        figures.ball(others.balls(1e-5))
+        figures.drag(preset("agarwal_plate"))
+        text += [f"![{words}](figures/measured_{name}.png)" for name, words in figures.CAPTIONS.items()]
+    return Outcome("\n\n".join(text), tuple(one for _, claims in parts for one in claims))
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))
