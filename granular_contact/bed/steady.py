@@ -25,6 +25,8 @@ from granular_contact.scene.types import RigidBody, Scene, Shape, rotation
 
 Vector = NDArray[np.float64]
 
+MOST_LOADS = 4  # of different numbers of poses: those of a table, and of the curve through it
+
 
 class SteadyBody:
     """A rigid body of a scene with a level bed, in steady motion; its poses turn about the joint that carries it.
@@ -45,6 +47,8 @@ class SteadyBody:
     """
 
     def __init__(self, scene: Scene, name: str | None = None) -> None:
+        if scene.in_space:
+            raise scene_error("model", "a steady motion is one of the plane; of bodies in space a run tells the forces")
         self._scene, self.body = scene, _chosen(scene, name)
         if scene.bed is None or not scene.bed.level:
             raise scene_error("bed", "a steady motion needs a medium with a level surface")
@@ -54,12 +58,11 @@ class SteadyBody:
         self.lowest = min(_lowest(shape, self.angle) for shape in _met(self.body))
         self.lowest -= float((rotation(self.angle) @ self.center)[1])
         self._one = list(self._lines())
-        self._load: GranularLoad | None = None  # of so many poses as were asked for last
-        self._count = 0
+        self._loads: dict[int, GranularLoad] = {}  # by the number of poses
 
     def __getstate__(self) -> dict[str, object]:
-        """What is sent to a worker: all but the load, which is formed where it is needed."""
-        return self.__dict__ | {"_load": None}
+        """What is sent to a worker: all but the loads, which are formed where they are needed."""
+        return self.__dict__ | {"_loads": {}}
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -93,10 +96,10 @@ class SteadyBody:
         return found
 
     def _copies(self, count: int, layers: tuple[Layer, ...]) -> GranularLoad:
-        """Load of so many copies of the body, the last one again if it fits."""
-        scene = self._scene
-        if self._load is not None and count == self._count and self._load.renew(layers, STEADY, scene.gravity):
-            return self._load
+        """Load of so many copies of the body, an earlier one again if it fits."""
+        scene, known = self._scene, self._loads.get(count)
+        if known is not None and known.renew(layers, STEADY, scene.gravity):
+            return known
         load = GranularLoad(
             layers,
             scene.bed.profile if scene.bed is not None else 0.0,
@@ -108,7 +111,9 @@ class SteadyBody:
         places = np.arange(3 * count).reshape(count, 3)
         load.add([replace(line, coordinates=place) for place in places for line in self._one])
         load.close()
-        self._load, self._count = load, count
+        if len(self._loads) >= MOST_LOADS:
+            self._loads.clear()
+        self._loads[count] = load
         return load
 
     def _lines(self) -> Sequence[ContactLine]:

@@ -179,9 +179,8 @@ def _unloading(depth: Vector, test: ForceTest) -> NDArray[np.bool_]:
     way = depth * np.sign(downward)
     least = TURNING_BACK * float(np.ptp(way))
     for a, b in _falls(way, least):
-        back[a + 1 : b] = True
-    if len(way) and (falls := _falls(way, least)) and falls[-1][1] == len(way) - 1 and back.any():
-        back[-1] = True
+        last = b == len(way) - 1 and b > a + 1  # else it goes in again from there
+        back[a + 1 : b + last] = True
     return back
 
 
