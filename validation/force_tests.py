@@ -56,7 +56,7 @@ class Case:
 
 
 PLATES = tuple(f"{PLATE}: {width}" for width in (0.03, 0.0532, 0.08))
-DRAGGED = ("surface_height_m: -0.025", "surface_height_m: -0.02")
+DRAGGED = tuple(f"{PLATE}: {width}" for width in (0.04, 0.06))
 CASES = {
     "zeta": Case({"zeta": 0.9}, {"zeta": 0.3}, "law: rft", "penetrometer", PLATES, 90.0, 0.5),
     "zeta and the zero of depth": Case(
