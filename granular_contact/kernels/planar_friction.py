@@ -13,6 +13,8 @@ within the step h the bristle is no longer than that either: p - anchor is the w
 the body went in the middle of it, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At rest
 nothing moves, and the force is continuous in p and v. A law whose force is not along -u has no potential inside the
 yield surface, so that one closed path there may return up to u_y times its force; sliding always takes energy.
+
+Lengths are plain square roots: what `hypot` does for numbers near the ends of their range takes longer than the law.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from granular_contact.kernels.friction import SMOOTH, sliding
 @njit(cache=True, no_cfunc_wrapper=True)
 def shortening(ex, ey, m):
     """Factor in (0, 1] that shortens p - anchor (m) to e."""
-    h = math.hypot(ex, ey)
+    h = math.sqrt(ex * ex + ey * ey)
     return m.u_y / h if h > m.u_y else 1.0
 
 
@@ -36,17 +38,17 @@ def drive(ex, ey, vx, vy, m):
     """Vector q (2,) along which the law sees the motion: m, or m/s where smooth; p - anchor (m), velocity v (m/s)."""
     if m.friction == SMOOTH:
         return vx, vy
-    h, k, tau = math.hypot(ex, ey), shortening(ex, ey, m), m.tau
-    along = ex * vx + ey * vy
-    if along > 0.0:
-        tau += along / (h * math.hypot(vx, vy)) * (sliding(k * h, m) - m.tau)
+    h, k, tau = math.sqrt(ex * ex + ey * ey), shortening(ex, ey, m), m.tau
+    along, most = ex * vx + ey * vy, h * math.sqrt(vx * vx + vy * vy)
+    if along > 0.0 and most > 0.0:
+        tau += along / most * (sliding(k * h, m) - m.tau)
     return k * ex + tau * vx, k * ey + tau * vy
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def mobilised(qx, qy, m):
     """Direction u (2,) and mobilised share s in [0, 1] of a vector q as in `drive`, medium record m."""
-    h = math.hypot(qx, qy)
+    h = math.sqrt(qx * qx + qy * qy)
     if h == 0.0:
         return 0.0, 0.0, 0.0
     return qx / h, qy / h, (math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y))
@@ -56,7 +58,7 @@ def mobilised(qx, qy, m):
 def radial_return(px, py, ax, ay, m):
     """Anchor after an accepted step that ended at p: on the line to p, within u_y of it (m)."""
     ex, ey = px - ax, py - ay
-    h = math.hypot(ex, ey)
+    h = math.sqrt(ex * ex + ey * ey)
     if h <= m.u_y:
         return ax, ay
     return px - ex * (m.u_y / h), py - ey * (m.u_y / h)

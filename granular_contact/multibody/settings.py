@@ -17,10 +17,11 @@ SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
 # the spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in
 # joints. Jumps of a prescribed acceleration leave one at fixed steps too: at 0.9 the work that the drive of a wheel put
 # in was told twice as large as it is.
-OF_CHANGING_STEPS, CLOSER = 0.5, 1e-3
+OF_CHANGING_STEPS, CLOSER, LOOSEST = 0.5, 1e-3, 0.1
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
 SHORTEST = 1e-4
 NEVER = 2**30
+GAIN, MOST_ITERATIONS = 0.25, 14  # of Newton's method where steps are chosen
 
 
 def force_noise(scene: Scene, link: FlexibleLink) -> float:
@@ -84,11 +85,23 @@ def settings(scene: Scene) -> Any:
     return s
 
 
+def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | None:
+    """Tolerances of `predictor.Predictor`: where steps are chosen and joints ask for less; None elsewhere."""
+    newton, whole = simulation.timeIntegration.newton, scene.solver.tolerance * scene.force_scale
+    least = newton.absoluteTolerance
+    if scene.solver.accuracy is None or newton.residualMode != 0 or least >= LOOSEST * whole:
+        return None
+    return least, LOOSEST * whole, scene.solver.step_s
+
+
 def control_steps(simulation: Any, control: StepControl) -> None:
     """Leave the choice of steps to a step control; the engine still halves them where its iteration fails."""
     t = simulation.timeIntegration
     t.numberOfSteps = max(1, math.ceil(t.endTime / control.longest - 1e-9))
     t.adaptiveStepRecoverySteps = NEVER
+    # Steps are long enough for a new Jacobian to pay as soon as an iteration gains less than a factor of four. Where
+    # feet in sand change between leading and trailing the iteration may go round in a circle: it seldom ends one later.
+    t.newton.modifiedNewtonContractivity, t.newton.maxIterations = GAIN, MOST_ITERATIONS
     t.discontinuous.ignoreMaxIterations = False
 
 

@@ -17,8 +17,9 @@ import numpy as np
 from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
+from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.multibody.settings import control_steps, settings
+from granular_contact.multibody.settings import control_steps, settings, tolerances, unresolved
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
@@ -90,6 +91,9 @@ class Solve:
                 mbs.SetPostNewtonUserFunction(control)
                 control_steps(self.simulation, control)
             mbs.SetPostStepUserFunction(self.recorder)
+            # Accelerations that are round-off tell nothing.
+            predictor = None if unresolved(scene) else Predictor(self.solver, tolerances(scene, self.simulation))
+            mbs.SetPreNewtonResidualUserFunction(predictor or 0)
             if system.bed is not None:
                 system.bed.accept()  # loads its kernels, which is no part of the solve
             if pauses:
@@ -98,6 +102,7 @@ class Solve:
 
                 self._senses = Senses(system, None if system.bed is None else system.bed.load)
                 self._keeper = Keeper(system, self.solver, self.recorder, self.simulation)
+                self._keeper.tangent.before = predictor
             self._run(self._begin)
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")

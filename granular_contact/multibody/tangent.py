@@ -44,6 +44,7 @@ class Tangent:
     def __init__(self, system: System, solver: Any, simulation: Any) -> None:
         self.system, self.solver, self.simulation = system, solver, simulation
         self.place: Place | None = None
+        self.before: Callable[..., None] | None = None  # what the engine calls before residuals of the solve
         self._nothing = exu.MatrixContainer()
         size = system.mbs.systemData.ODE2Size()
         self._nothing.SetWithSparseMatrix(np.zeros((0, 3)), size, size)
@@ -79,7 +80,7 @@ class Tangent:
         solver.conv.jacobianUpdateRequested = True
         mbs.SetPreNewtonResidualUserFunction(_leading_to(place))
         solver.Newton(mbs, self.simulation)
-        mbs.SetPreNewtonResidualUserFunction(0)
+        mbs.SetPreNewtonResidualUserFunction(self.before or 0)
         solver.newton.maxIterations = iterations
 
 
