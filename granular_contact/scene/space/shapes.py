@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.bed.space import shapes as made
 from granular_contact.config.schema import space as schema
@@ -183,10 +184,16 @@ def _bent(spec: Any) -> Any:
 
 def outermost(points: Vector) -> Vector:
     """Of many points (n, 3) m those that are outermost in some direction: all that can be deepest, or nearly so."""
+    if len(points) > 4 * len(_DIRECTIONS):  # a mesh of many triangles: to sort its corners would take long
+        points = points[_extreme(points)]
     found: Vector = np.unique(points, axis=0)
-    if len(found) <= len(_DIRECTIONS):
-        return found
-    return np.asarray(found[np.unique((found @ _DIRECTIONS.T).argmax(axis=0))])
+    return found if len(found) <= len(_DIRECTIONS) else np.asarray(found[_extreme(found)])
+
+
+def _extreme(points: Vector) -> NDArray[np.int64]:
+    """Which points are farthest in one of the directions; a matrix product would wait for its threads."""
+    x, y, z = np.ascontiguousarray(points.T)
+    return np.unique([int((a * x + b * y + c * z).argmax()) for a, b, c in _DIRECTIONS])
 
 
 def _around(count: int) -> Vector:

@@ -1,0 +1,95 @@
+"""What it costs to load a robot of many facets: from its URDF and STL files to a system ready to run.
+
+    python validation/robot_loading.py
+
+A chain of ten links of about 10 000 triangles each, with facets no larger than the triangles, all in sand of 3D-RFT.
+CPU time in a fresh process, with compiled kernels in the cache; the least of three processes, as noise only adds.
+Reading XML and meshes and checking them is `load` and `build`; facets and clusters, joints and the engine's system are
+`ready`: the first state of a simulation. The bound set for all of it: 3 s.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from itertools import pairwise
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import numpy as np
+
+from validation.tables import machine, markdown
+
+LINKS, FACETS, BOUND, PROCESSES = 10, 10_000, 3.0, 3  # the bound in s
+LINK = """<link name="link_{0}"><inertial><mass value="0.5"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3"/></inertial>
+<collision><geometry><mesh filename="link_{0}.stl"/></geometry></collision></link>
+"""
+JOINT = """<joint name="joint_{0}" type="continuous"><parent link="link_{1}"/><child link="link_{0}"/>
+<origin xyz="0.2 0 0"/><axis xyz="0 1 0"/></joint>
+"""
+RUN = {"medium": "rft3d_sand", "initial": {"joints": {"link_0": {"z_m": 0.1}}}, "solver": {"end_time_s": 0.01}}
+
+
+def write_robot(folder: Path) -> int:
+    """Write the robot, of one sphere a link; the number of its triangles."""
+    from granular_contact import Sphere
+
+    corners = Sphere(0.15).corners(0.15 * np.sqrt(np.pi * 4.6 / FACETS))
+    record = np.zeros(len(corners), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+    record["corners"] = corners
+    for i in range(LINKS):
+        (folder / f"link_{i}.stl").write_bytes(bytes(80) + np.uint32(len(corners)).tobytes() + record.tobytes())
+    parts = [LINK.format(i) for i in range(LINKS)] + [JOINT.format(i, i - 1) for i in range(1, LINKS)]
+    (folder / "chain.urdf").write_text(f'<robot name="chain">\n{"".join(parts)}</robot>\n', encoding="utf-8")
+    return LINKS * len(corners)
+
+
+def load_once(urdf: str) -> dict[str, float]:
+    """CPU seconds of each stage in this process."""
+    marks = {"": 0.0, "interpreter and numpy": time.process_time()}
+    from granular_contact import Simulation, config, scene
+
+    marks["importing the package"] = time.process_time()
+    loaded = config.load({**RUN, "model": {"urdf": urdf, "facet_size_m": 1.0}})
+    marks["load: XML to a checked config"] = time.process_time()
+    scene.build(loaded)
+    marks["build: meshes read and checked, mass, poses"] = time.process_time()
+    Simulation(loaded)
+    marks["ready: the same once more with meshes at hand, and facets, joints, engine"] = time.process_time()
+    names = list(marks)
+    return {name: marks[name] - marks[before] for before, name in pairwise(names)}
+
+
+def in_fresh_processes(urdf: str) -> dict[str, float]:
+    """The least CPU seconds of each stage."""
+    found = []
+    for _ in range(PROCESSES + 1):  # the first warms the caches
+        done = subprocess.run([sys.executable, __file__, urdf], capture_output=True, text=True, check=True)
+        found.append(json.loads(done.stdout))
+    return {name: min(one[name] for one in found[1:]) for name in found[0]}
+
+
+def main() -> int:
+    """Print the table; 0 when the bound is kept, else 1."""
+    with tempfile.TemporaryDirectory() as folder:
+        number = write_robot(Path(folder))
+        costs = in_fresh_processes(str(Path(folder, "chain.urdf")))
+    costs["together"] = sum(costs.values())
+    print(
+        f"{machine('trimesh', 'lxml', 'exudyn')}; {number} triangles in {LINKS} links, least of {PROCESSES} processes\n"
+    )
+    print(markdown(["", "CPU s"], [[name, f"{seconds:.2f}"] for name, seconds in costs.items()]))
+    kept = costs["together"] <= BOUND
+    print(f"\n{'kept' if kept else 'NOT KEPT'}: {costs['together']:.2f} s of {BOUND:g} s")
+    return 0 if kept else 1
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        print(json.dumps(load_once(sys.argv[1])))
+    else:
+        sys.exit(main())
