@@ -20,7 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     robot.add_argument("--shapes", choices=("collision", "visual"), help="shapes to look at (collision, if any)")
     words = "folder of a package that package:// names; repeatable. Else it is looked up above the file"
     robot.add_argument("--package", metavar="NAME=PATH", action="append", default=[], help=words)
-    robot.add_argument("--mend", metavar="OUT", help="write a copy with closed meshes into the folder OUT")
+    robot.add_argument(
+        "--mend", metavar="OUT", help="write a copy with closed meshes and possible inertias into the folder OUT"
+    )
 
 
 def act(chosen: argparse.Namespace) -> int:

@@ -11,7 +11,7 @@ from granular_contact.robot.inertia import impossible, turned
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Geometry, Inertial, Link, Shape
 
-_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 # Attributes of the primitives. capsule is no part of the standard; several simulators read it.
 _PRIMITIVES = {"cylinder": ("radius", "length"), "capsule": ("radius", "length"), "sphere": ("radius",)}
 KINDS = ("box", *_PRIMITIVES, "mesh")
@@ -50,7 +50,7 @@ def _inertial(reader: Reader, link: Element, key: str) -> Inertial | None:
         return None
     mass = reader.needed(held, "value", f"{key}.mass", 0.0)
     pose = reader.pose(element, key)
-    tensor = _tensor(reader, element, key, mass)
+    tensor = tensor_of(reader, element, key, mass)
     if mass is None or tensor is None or mass == 0.0:
         return None
     if (why := impossible(tensor)) is not None:
@@ -59,17 +59,16 @@ def _inertial(reader: Reader, link: Element, key: str) -> Inertial | None:
     return Inertial(mass, pose.xyz, turned(tensor, pose.rotation), element.sourceline)
 
 
-def _tensor(reader: Reader, element: Element, key: str, mass: float | None) -> np.ndarray | None:
+def tensor_of(reader: Reader, element: Element, key: str, mass: float | None) -> np.ndarray | None:
+    """Tensor (3, 3) of an `<inertial>` in its own frame; None, with faults, if it has none."""
     held = reader.only(element, "inertia", key)
     if held is None:
         if mass != 0.0:
-            reader.fault(element, f"{key}.inertia", f"is missing; allowed is <inertia {' '.join(_MOMENTS)}/> (kg m^2)")
+            reader.fault(element, f"{key}.inertia", f"is missing; allowed is <inertia {' '.join(MOMENTS)}/> (kg m^2)")
         return None
-    diagonal = [reader.needed(held, name, f"{key}.inertia") for name in _MOMENTS[:3]]
-    beside = [reader.number(held, name, f"{key}.inertia") for name in _MOMENTS[3:]]
-    if None in diagonal or any(
-        v is None and held.get(n) is not None for v, n in zip(beside, _MOMENTS[3:], strict=True)
-    ):
+    diagonal = [reader.needed(held, name, f"{key}.inertia") for name in MOMENTS[:3]]
+    beside = [reader.number(held, name, f"{key}.inertia") for name in MOMENTS[3:]]
+    if None in diagonal or any(v is None and held.get(n) is not None for v, n in zip(beside, MOMENTS[3:], strict=True)):
         return None
     xy, xz, yz = (value or 0.0 for value in beside)
     xx, yy, zz = diagonal

@@ -1,4 +1,6 @@
-"""A copy of a robot file in which meshes that no law of surfaces can take are repaired, or replaced by their hull."""
+"""A copy of a robot file in which meshes that no law of surfaces can take are repaired, or replaced by their hull, and
+inertias that no body has by those of the shapes.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +16,18 @@ from granular_contact.errors import ConfigError, Fault
 from granular_contact.geometry.mesh_quality import INNER, LARGEST, Quality, quality, sides
 from granular_contact.robot.files import find
 from granular_contact.robot.inspection import Inspected, Inspection
+from granular_contact.robot.mending_inertia import mend_inertias
 from granular_contact.robot.source import Element, parse
 from granular_contact.robot.surfaces import Arrays, Surfaces
 
 _MILLIMETRE = 1e-3
-_KEPT = 0.9  # of the area that is not inside: less is no repair
+_KEPT = 0.95  # of the size, and of the area that is not inside: less is no repair
 _Key = tuple[Path, tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
 class Mended:
-    """The new file, and what was done, a sentence for each mesh."""
+    """The new file, and what was done, a sentence for each mesh and inertia."""
 
     path: Path
     done: tuple[str, ...]
@@ -33,8 +36,8 @@ class Mended:
 def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None = None) -> Mended:
     """Write a mended copy of a robot file into a folder `out`, its meshes into `out`/meshes.
 
-    Meshes of the inspected kind are written in m; other files are named where they are. What is at fault with masses
-    and joints stays.
+    Meshes of the inspected kind are written in m; other files are named where they are. Inertias that no body has are
+    replaced by those of the shapes. What else is at fault with masses and joints stays.
 
     Raises
     ------
@@ -55,6 +58,7 @@ def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None 
                 done.append(f"{names[key]}: {_write(one, surfaces, out / 'meshes' / names[key])}")
         target = out / source.name
         root = parse(source)
+        done += mend_inertias(root, inspection)
         _rename(root, inspection.which, source, lambda key: names.get(key), out, packages or {})
         target.write_bytes(_text(root))
     except OSError as error:
@@ -96,10 +100,16 @@ def mended_mesh(vertices: np.ndarray, faces: np.ndarray) -> tuple[Arrays, str]:
     repaired = _repaired(vertices, faces)
     for found, verb in ((repaired, "repaired"), (_united(repaired), "its parts made one")):
         after = quality(*_arrays(found)) if found is not None and len(found.faces) else None
-        if after is not None and _is_fine(after) and after.area > _KEPT * before.area * (1.0 - before.inner):
+        if after is not None and _is_fine(after) and _is_whole(before, after):
             return _arrays(found), f"{verb} ({_changes(before, after)})"
     hull = _arrays(repaired.convex_hull if len(repaired.faces) else _mesh(vertices, faces).convex_hull)
     return hull, f"replaced by its convex hull ({_changes(before, quality(*hull))})"
+
+
+def _is_whole(before: Quality, after: Quality) -> bool:
+    """Whether a repair lost nothing but what lay inside: neither area nor size."""
+    same = np.allclose(after.size, before.size, rtol=1.0 - _KEPT)
+    return bool(same) and after.area > _KEPT * before.area * (1.0 - before.inner)
 
 
 def _is_fine(found: Quality) -> bool:

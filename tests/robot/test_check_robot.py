@@ -73,6 +73,21 @@ def test_a_mended_copy_has_no_faults(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert triangles in (None, foot.quality.triangles)
 
 
+def test_an_impossible_inertia_becomes_that_of_the_shapes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = robot_in(
+        tmp_path, ('<mass value="2"/><inertia ixx="1e-3"', '<origin rpy="1 0 0"/><mass value="2"/><inertia ixx="9"')
+    )
+    assert main(["check", str(path), "--mend", str(tmp_path / "out")]) == 2
+    assert "mended: link trunk: inertia and centre of mass are now those of the hull" in capsys.readouterr().out
+    after = inspect(tmp_path / "out" / "arm.urdf")
+    assert after.faults == ()
+    inertial = after.robot.links["trunk"].inertial
+    assert inertial is not None
+    box = 2.0 / 12.0 * np.diag([0.1**2 + 0.05**2, 0.2**2 + 0.05**2, 0.2**2 + 0.1**2])
+    np.testing.assert_allclose(inertial.tensor, box, atol=1e-9)
+    np.testing.assert_allclose(inertial.center, 0.0, atol=1e-9)
+
+
 def test_mirrored_meshes_keep_their_outside(tmp_path: Path) -> None:
     path = robot_in(tmp_path, ("0.001 0.001 0.001", "0.001 -0.001 0.002"))
     (foot,) = (one.quality for one in inspect(path).shapes if one.path is not None)
