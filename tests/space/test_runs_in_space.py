@@ -1,0 +1,296 @@
+"""Mechanisms in space solved: as in the plane where they are extruded, alike whichever way they look, at rest where
+they stand, with joints, loops and drives, and their energy accounted for.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact import Results, load, simulate
+from granular_contact.multibody.space.coordinates import SpatialCoordinate
+from granular_contact.scene import build
+from granular_contact.scene.space import rotations
+
+FREE = {"f": {"type": "free", "parent": "ground", "child": "b"}}
+SOLVER = {"end_time_s": 0.12, "accuracy": 1e-3, "rest_time_s": None}
+POLYGON = [[-0.03, -0.02], [0.03, -0.02], [0.04, 0.01], [0, 0.03], [-0.04, 0.01]]
+FINE = {"facet_size_m": 0.006}
+# Planar shape, the same extruded, medium.
+EXTRUDED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
+    "plate": (
+        {"type": "plate", "start_m": [-0.04, 0], "end_m": [0.04, 0], "width_m": 0.05, "thickness_m": 0.004},
+        {"type": "plate", "size_m": [0.08, 0.05], "thickness_m": 0.004, **FINE},
+        "rft_generic",
+    ),
+    "bar": (
+        {"type": "cylinder", "start_m": [-0.05, 0], "end_m": [0.05, 0], "diameter_m": 0.006},
+        {"type": "bar", "points_m": [[-0.05, 0, 0], [0.05, 0, 0]], "diameter_m": 0.006},
+        "play_sand",
+    ),
+    "polygon": (
+        {"type": "polygon", "points_m": POLYGON, "width_m": 0.05},
+        {"type": "polygon", "points_m": POLYGON, "width_m": 0.05, **FINE},
+        "rft_generic",
+    ),
+    "c_leg": (
+        {"type": "arc", "radius_m": 0.04, "from_deg": 0, "to_deg": 150, "width_m": 0.05, "thickness_m": 0.004},
+        {"type": "arc", "radius_m": 0.04, "from_deg": 0, "to_deg": 150, "width_m": 0.05, "thickness_m": 0.004, **FINE},
+        "rft_generic",
+    ),
+    "disc": (
+        {"type": "disc", "diameter_m": 0.08, "thickness_m": 0.05},
+        {"type": "cylinder", "diameter_m": 0.08, "length_m": 0.05, "rpy_deg": [90, 0, 0], **FINE},
+        "rft_generic",
+    ),
+}
+
+
+def columns(results: Results, *names: str, at: Any) -> np.ndarray:
+    return np.column_stack([np.interp(at, results["time_s"], results[name]) for name in names])
+
+
+@pytest.mark.parametrize("name", EXTRUDED)
+def test_what_is_extruded_moves_as_in_the_plane(name: str) -> None:
+    plane, space, medium = EXTRUDED[name]
+    body: dict[str, Any] = {"type": "rigid", "mass_kg": 0.3}
+    common = {"medium": medium, "surface_height_m": 0, "solver": SOLVER}
+    flat = simulate(
+        load(
+            common
+            | {
+                "model": {
+                    "name": "b",
+                    "joints": FREE,
+                    "bodies": {"b": body | {"inertia_kg_m2": 3e-4, "shapes": [plane]}},
+                }
+            }
+            | {
+                "initial": {
+                    "joints": {"f": {"y_m": 0.055, "angle_deg": 30, "vx_m_s": 0.5, "vy_m_s": -1, "rate_rad_s": 2}}
+                }
+            }
+        )
+    )
+    inertia = {"xx": 3e-4, "yy": 3e-4, "zz": 3e-4}
+    start = {"z_m": 0.055, "rpy_deg": [0, 30, 0], "vx_m_s": 0.5, "vz_m_s": -1, "spin_rad_s": [0, 2, 0]}
+    bodies = {"b": body | {"inertia_kg_m2": inertia, "shapes": [space]}}
+    deep = simulate(
+        load(
+            common
+            | {"model": {"in_space": True, "name": "b", "joints": FREE, "bodies": bodies}}
+            | {"initial": {"joints": {"f": start}}}
+        )
+    )
+    at = np.linspace(0.0, 0.12, 60)
+    one, other = columns(flat, "b_x_m", "b_y_m", at=at), columns(deep, "b_x_m", "b_z_m", at=at)
+    way = np.linalg.norm(np.diff(one, axis=0), axis=1).sum()
+    # Facets of 6 mm in place of strips, 96 chords of a circle, steps at an accuracy of 1e-3 each.
+    assert np.linalg.norm(one - other, axis=1).max() < 1e-3 * way
+    assert np.abs(columns(flat, "b_orientation_deg", at=at) - columns(deep, "b_pitch_deg", at=at)).max() < 0.1
+    assert np.abs(deep["b_y_m"]).max() < 1e-4 * way  # the facets of both sides are not quite alike
+    assert deep["depth_m"].max() > 0.005
+    assert deep.summary["energy"]["imbalance_relative"] < 1e-4
+
+
+# ---- whichever way it looks ----
+
+
+def tumbling(turn: np.ndarray, *, mirrored: bool = False) -> Results:
+    """A body with a spike and a hinged rod thrown into the sand, all of it turned about the vertical, or mirrored."""
+    flip = np.diag([1.0, -1.0 if mirrored else 1.0, 1.0])
+    R = turn @ flip @ rotations.of_rpy(np.radians([20, 35, 10])) @ flip
+    velocity, spin = turn @ flip @ [0.5, 0.1, -1.0], turn @ flip @ [3.0, -4.0, 5.0] * np.linalg.det(flip)
+    place = turn @ flip @ [0.01, 0.02, 0.05]
+    box = {"type": "box", "size_m": [0.06, 0.04, 0.03], "facet_size_m": 0.012}
+    spike = {"type": "cone", "diameter_m": 0.03, "height_m": 0.03, "facet_size_m": 0.012}
+    spike["center_m"] = (flip @ [0.01, 0.005, -0.04]).tolist()
+    rod = {"type": "link", "length_m": 0.05, "diameter_m": 0.01, "density_kg_m3": 2000, "facet_size_m": 0.02}
+    hinge = {"type": "hinge", "parent": "a", "child": "l", "parent_point_m": (flip @ [0.03, 0.01, 0]).tolist()}
+    hinge["axis"] = (flip @ [0.2, 1, 0.3] * np.linalg.det(flip)).tolist()
+    hinge |= {"spring": {"stiffness_Nm_per_rad": 0.1}, "friction": {"torque_Nm": 0.002}}
+    start = dict(zip(("x_m", "y_m", "z_m"), place.tolist(), strict=True))
+    start |= dict(zip(("vx_m_s", "vy_m_s", "vz_m_s"), velocity.tolist(), strict=True))
+    start |= {"quaternion": rotations.quaternion_of(R).tolist(), "spin_rad_s": spin.tolist()}
+    bodies = {"a": {"type": "rigid", "density_kg_m3": 2000, "shapes": [box, spike]}, "l": rod}
+    joints = {"f": {"type": "free", "parent": "ground", "child": "a"}, "h": hinge}
+    return simulate(
+        load(
+            {
+                "model": {"in_space": True, "name": "tumbling", "bodies": bodies, "joints": joints},
+                "medium": "rft3d_sand",
+                "surface_height_m": 0,
+                "initial": {"joints": {"f": start, "h": {"rate_rad_s": 5}}},
+                "solver": {"end_time_s": 0.06, "step_s": 5e-4, "rest_time_s": None},
+            }
+        )
+    )
+
+
+def test_turning_and_mirroring_the_scene_turns_and_mirrors_the_result() -> None:
+    turn = rotations.of_rpy([0.0, 0.0, 1.234])
+    seen, turned, mirrored = tumbling(np.eye(3)), tumbling(turn), tumbling(np.eye(3), mirrored=True)
+    where, there, image = (
+        columns(one, "l_x_m", "l_y_m", "l_z_m", at=seen["time_s"]) for one in (seen, turned, mirrored)
+    )
+    way = np.linalg.norm(np.diff(where, axis=0), axis=1).sum()
+    # What Newton's method leaves of a step, 1e-8 of the forces, is another one in other axes.
+    assert np.abs(where @ turn.T - there).max() < 1e-7 * way
+    assert np.abs(seen["h_angle_deg"] - turned["h_angle_deg"]).max() < 1e-5
+    # The mirror image of a face is not cut into the mirror images of its facets.
+    assert np.abs(where * [1, -1, 1] - image).max() < 2e-3 * way
+    assert seen["depth_m"].max() > 0.01
+    assert np.ptp(seen["h_angle_deg"]) > 5.0
+    assert seen.summary["energy"]["imbalance_relative"] < 1e-3
+
+
+# ---- standing ----
+
+
+def test_a_robot_stands_on_a_slope() -> None:
+    """Settled on a slope of 10 degrees it carries its weight, and creeps by less than a micrometre a second."""
+    leg = {"type": "rigid", "density_kg_m3": 1200}
+    leg["shapes"] = [{"type": "capsule", "diameter_m": 0.02, "start_m": [0, 0, 0], "end_m": [0, 0, -0.08]}]
+    hips = {"fl": [0.08, 0.05, 0], "fr": [0.08, -0.05, 0], "rl": [-0.08, 0.05, 0], "rr": [-0.08, -0.05, 0]}
+    bodies = {"seat": {"type": "rigid", "density_kg_m3": 800, "shapes": [{"type": "box", "size_m": [0.2, 0.12, 0.03]}]}}
+    joints: dict[str, Any] = {"seat": {"type": "free", "parent": "ground", "child": "seat"}}
+    for name, place in hips.items():
+        bodies[name] = leg
+        joints[name] = {"type": "hinge", "axis": [0, 1, 0], "parent": "seat", "child": name, "parent_point_m": place}
+    hold = {"type": "pd", "angle_deg": 0, "gain_Nm_per_rad": 10, "rate_gain_Nm_s_per_rad": 0.05}
+    run = {
+        "model": {"in_space": True, "name": "stool", "bodies": bodies, "joints": joints},
+        "medium": "rft3d_sand",
+        "bed": {"slope_deg": 10, "slope_direction_deg": 30},
+        "initial": {"settle": True},
+        "drives": dict.fromkeys(hips, hold),
+        "solver": {"end_time_s": 1, "accuracy": 1e-2},
+    }
+    results = simulate(load(run))
+    path = np.column_stack([results[f"seat_{axis}_m"] for axis in "xyz"])
+    assert np.linalg.norm(path[-1] - path[0]) < 1e-6
+    weight = build(load(run)).mass * 9.81
+    force = [results[f"static_force_{axis}_N"][-1] for axis in "xyz"]
+    np.testing.assert_allclose(force, [0.0, 0.0, weight], atol=1e-5 * weight)
+    assert results["depth_m"][-1] > 1e-3
+
+
+# ---- joints ----
+
+
+ARM = {
+    "name": "arm",
+    "bodies": {
+        "upper": {"type": "link", "length_m": 0.1, "diameter_m": 0.02, "density_kg_m3": 2000},
+        "lower": {"type": "link", "length_m": 0.1, "diameter_m": 0.02, "density_kg_m3": 2000},
+        "foot": {"type": "link", "length_m": 0.04, "diameter_m": 0.02, "density_kg_m3": 2000},
+    },
+    "joints": {
+        "hip": {
+            "type": "hinge",
+            "parent": "ground",
+            "child": "upper",
+            "home_deg": 20,
+            "spring": {"stiffness_Nm_per_rad": 0.3, "rest_deg": 30},
+            "friction": {"torque_Nm": 0.01},
+        },
+        "knee": {
+            "type": "hinge",
+            "parent": "upper",
+            "child": "lower",
+            "stops": {"lower_deg": -10, "upper_deg": 20, "stiffness_Nm_per_rad": 30, "dissipation_s_per_rad": 0.1},
+            "damping_Nm_s_per_rad": 1e-3,
+        },
+        "rail": {"type": "slider", "parent": "lower", "child": "foot", "axis": [1, 0], "damping_N_s_per_m": 0.2},
+    },
+}
+DRIVES = {
+    "hip": {"type": "pd", "angle_deg": 60, "gain_Nm_per_rad": 0.8, "rate_gain_Nm_s_per_rad": 0.01, "limit_Nm": 0.5},
+    "rail": {"type": "motion", "position_m": {"type": "sine", "amplitude": 0.02, "frequency_Hz": 3, "offset": 0.1}},
+}
+
+
+def in_space(model: dict[str, Any]) -> dict[str, Any]:
+    """The same model in the x-z plane of space: clockwise there is right-handed about y."""
+    model = copy.deepcopy(model) | {"in_space": True}
+    model["joints"]["knee"]["parent_point_m"] = [0.1, 0, 0]
+    for joint in model["joints"].values():
+        joint["axis"] = [0, 1, 0] if joint["type"] == "hinge" else [*joint["axis"], 0]
+    return model
+
+
+def test_joints_act_as_in_the_plane() -> None:
+    """Spring, friction, stops, dampers, a control within its limit and a prescribed motion; in vacuum."""
+    flat = copy.deepcopy(ARM)
+    flat["joints"]["knee"]["parent_point_m"] = [0.1, 0]  # type: ignore[index]
+    common = {"drives": DRIVES, "initial": {"joints": {"knee": {"rate_rad_s": 6}}}}
+    solver = {"end_time_s": 0.4, "accuracy": 1e-3}
+    one, other = (simulate(load({"model": model, **common, "solver": solver})) for model in (flat, in_space(ARM)))
+    at = np.linspace(0.0, 0.4, 80)
+    for name in ("hip_angle_deg", "knee_angle_deg", "hip_torque_Nm", "rail_force_N", "spring_J", "friction_work_J"):
+        values = columns(one, name, at=at)
+        # The reaction of a prescribed motion jumps where friction turns and stops are met, at other steps.
+        close = (0.05 if name == "rail_force_N" else 0.01) * np.ptp(values)
+        np.testing.assert_allclose(columns(other, name, at=at), values, atol=close, err_msg=name)
+    assert np.ptp(one["knee_angle_deg"]) > 20.0
+    assert other.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.abs(other["upper_y_m"]).max() < 1e-9
+
+
+def test_a_loop_and_a_ball_joint_keep_their_energy() -> None:
+    """A four-bar of hinges whose axes all lean, so that it moves in a plane of its own, with a pendulum on it."""
+    bar = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 1000}
+    hinge = {"type": "hinge", "axis": [0, 1, 0], "parent_point_m": [0.1, 0, 0]}
+    leaning = {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "rpy_deg": [20, 0, 0]}
+    model = {
+        "in_space": True,
+        "name": "four_bar",
+        "bodies": {"a": bar, "b": bar, "c": bar, "p": bar},
+        "joints": {
+            "one": leaning | {"child": "a", "home_deg": 90},
+            "two": hinge | {"parent": "a", "child": "b", "home_deg": -90},
+            "three": hinge | {"parent": "b", "child": "c", "home_deg": -90},
+            "four": {"type": "ball", "parent": "b", "child": "p", "parent_point_m": [0.05, 0, 0]},
+        },
+        "closures": {"end": leaning | {"child": "c", "parent_point_m": [0.1, 0, 0], "child_point_m": [0.1, 0, 0]}},
+    }
+    start = {"one": {"angle_deg": 70, "rate_rad_s": 4}, "four": {"rpy_deg": [0, 60, 0], "spin_rad_s": [1, 0, 2]}}
+    run = {"model": model, "initial": {"joints": start}, "solver": {"end_time_s": 0.3, "accuracy": 1e-3}}
+    results = simulate(load(run))
+    assert results.summary["energy"]["imbalance_relative"] < 1e-3
+    np.testing.assert_allclose(results["one_angle_deg"] + results["two_angle_deg"], 0.0, atol=0.01)  # a parallelogram
+    assert np.ptp(results["one_angle_deg"]) > 20.0
+
+
+@pytest.mark.parametrize("kind", ["hinge", "slider"])
+def test_the_gradient_of_a_coordinate_is_its_derivative(kind: str) -> None:
+    """In random states that the joint allows; the rate is the gradient times the rates."""
+    random = np.random.default_rng(4)
+    model = in_space(ARM)
+    model["joints"]["knee"] |= {"type": kind, "axis": [1, 2, 3], "rpy_deg": [10, 20, 30]}
+    for key in ("stops", "damping_Nm_s_per_rad"):
+        model["joints"]["knee"].pop(key)
+    joint: Any = build(load({"model": model})).connections[1]
+    s = SpatialCoordinate(joint, [0.0] * 14)
+    for _ in range(5):
+        parent, child = rotations.of_quaternion(random.normal(size=4)), rotations.of_quaternion(random.normal(size=4))
+        spins = list(random.normal(size=(2, 3)))
+        if kind == "hinge":  # the axes of both stay together
+            child = parent @ joint.parent_turn @ rotations.of_rpy([0, 0, 0.7]) @ joint.child_turn.T
+            spins[1] = spins[0] + 2.3 * parent @ joint.parent_turn[:, 2]
+        places, speeds = random.normal(size=(2, 3)), random.normal(size=(2, 3))
+
+        def at(t: float) -> np.ndarray:
+            """Coordinates after a motion of both bodies for a short time."""
+            turns = [rotations.of_vector(t * w) @ R for w, R in zip(spins, (parent, child), strict=True)]  # noqa: B023
+            return np.concatenate([[*places[i] + t * speeds[i], *rotations.quaternion_of(turns[i])] for i in (0, 1)])  # noqa: B023
+
+        v = (at(1e-6) - at(-1e-6)) / 2e-6
+        moved = [s.at(at(t).tolist(), v.tolist())[0] for t in (1e-6, -1e-6)]
+        _, rate, slope = s.at(at(0.0).tolist(), v.tolist())
+        assert rate == pytest.approx((moved[0] - moved[1]) / 2e-6, rel=1e-5)
+        assert rate == pytest.approx(np.dot(slope, v), rel=1e-12)
+        assert kind == "slider" or rate == pytest.approx(2.3, rel=1e-5)
