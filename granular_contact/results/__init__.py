@@ -5,7 +5,7 @@ What of it needs the parts above (folders, figures) is in `methods`, and loaded 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
@@ -126,7 +126,7 @@ class Results:
     surface: float | NDArray[np.float64] | None
     warnings: tuple[str, ...] = ()
     terms: tuple[str, ...] = ()
-    frames: tuple[Snapshot, ...] = ()
+    frames: Sequence[Snapshot] = ()
     layers: tuple[float, ...] = ()
     floor: float | None = None
     sizes: tuple[float, ...] = ()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,42 @@ RATE = 25  # pictures a second when played
 MOST = 151  # pictures of a run unless told otherwise: six seconds
 # Seconds played for one second simulated: what a viewer can make sense of.
 _PACES = sorted(m * 10.0**e for e in range(-6, 10) for m in (1.0, 2.0, 5.0))
+
+
+class Later(Sequence[Snapshot]):
+    """Pictures that are made when one of them is first asked for; what makes them is let go then.
+
+    They go to another process as they are, made.
+    """
+
+    def __init__(self, make: Callable[[], Sequence[Snapshot]]) -> None:
+        self._make: Callable[[], Sequence[Snapshot]] | None = make
+        self._made: tuple[Snapshot, ...] = ()
+
+    @property
+    def _all(self) -> tuple[Snapshot, ...]:
+        if self._make is not None:
+            self._made, self._make = tuple(self._make()), None
+        return self._made
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    @overload
+    def __getitem__(self, index: int) -> Snapshot: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Snapshot, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Snapshot | tuple[Snapshot, ...]:
+        """A picture, or some of them."""
+        return self._all[index]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return tuple, (list(self._all),)
+
+    def __repr__(self) -> str:
+        return "<pictures, not made yet>" if self._make is not None else f"<{len(self._made)} pictures>"
 
 
 def instants(start: float, end: float, most: int) -> Vector:

@@ -14,7 +14,7 @@ import numpy as np
 
 from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status, series
 from granular_contact.results.accuracy import AccuracyWarning, told
-from granular_contact.results.frames import frames, instants, resample
+from granular_contact.results.frames import Later, frames, instants, resample
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.limits import Reach, warnings
 from granular_contact.results.stopping import Stop, Touch, find_touch
@@ -33,8 +33,8 @@ class Observation:
     terms: names of the terms of the medium's force; term_forces (n, terms, 3): these, as of `series.clockwise_moment`;
     moments_about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; body_forces (n, 3): see
     `frames.frames`. energies: as of `energy.columns`. reach: None where nothing could meet the medium. stop: when it
-    stopped after the touch. outlines: as drawn at an instant; pictures: at given times (k,) s. more: what the summary
-    has besides. accuracy: what the steps say of their own error.
+    stopped after the touch. outlines: as drawn at an instant; pictures: what gives them at given times (k,) s. more:
+    what the summary has besides. accuracy: what the steps say of their own error.
     """
 
     scene: Scene
@@ -54,7 +54,7 @@ class Observation:
     reach: Reach | None
     stop: Callable[[Touch], Stop | None]
     outlines: Outlines
-    pictures: Callable[[Vector], list[tuple[Outline, ...]]]
+    pictures: Callable[[Vector], Callable[[], list[tuple[Outline, ...]]]]
     more: dict[str, Any]
     accuracy: Sequence[AccuracyWarning] = ()
 
@@ -74,12 +74,17 @@ class Observation:
         return series.tabulate(found | self.energies)
 
 
-def pictures(outlines: Callable[[Any], Outlines], trajectory: Any, at: Vector) -> list[tuple[Outline, ...]]:
-    """Outlines at times (k,) s between the steps of a trajectory of any way of solving, as it draws them."""
+def pictures(
+    outlines: Callable[[Any], Outlines], trajectory: Any, at: Vector
+) -> Callable[[], list[tuple[Outline, ...]]]:
+    """What gives the outlines at times (k,) s between the steps of a trajectory, as its way of solving draws them.
+
+    Only states at these times are computed here, and kept: a run is not slower for pictures that nobody asks for.
+    """
     t = trajectory
     q, v = at_times(t.time, t.q, t.v, at), resample(t.time, t.v, at)
     drawn = outlines(replace(t, time=at, q=q, v=v))
-    return [drawn(i) for i in range(len(at))]
+    return lambda: [drawn(i) for i in range(len(at))]
 
 
 def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:
@@ -118,10 +123,11 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
     )
 
 
-def _frames(seen: Observation, most: int) -> tuple[Snapshot, ...]:
+def _frames(seen: Observation, most: int) -> Later:
     at = instants(float(seen.time[0]), float(seen.time[-1]), most)
     loads = {part: resample(seen.time, wrench, at) for part, wrench in seen.body_forces.items()}
-    return frames(at, seen.pictures(at), loads, surface(seen.scene))
+    drawn, top = seen.pictures(at), surface(seen.scene)
+    return Later(lambda: frames(at, drawn(), loads, top))
 
 
 def bed_of(scene: Scene) -> dict[str, Any]:
