@@ -24,7 +24,7 @@ class Batch:
 
     records: of each line, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns: for
     each line, where its numbers stand in a history row, see `history.HistoryTable`; ways: whether those of the stations
-    are counted, see `kernels.ways`. anchors (stations, 2 or 4) m: the friction state; active (lines,): the lines that
+    are counted, see `kernels.ways`. anchors (stations, 2 or 6) m: the friction state; active (lines,): the lines that
     may touch the surface in this step; proximity: see `kernels.batches`.
     """
 

@@ -76,11 +76,18 @@ def polyline(
 
 
 def outline(
-    body: Body, points: ArrayLike, width: float, *, turns: ArrayLike | None = None, strips: int = 32
+    body: Body,
+    points: ArrayLike,
+    width: float,
+    *,
+    turns: ArrayLike | None = None,
+    strips: int = 32,
+    wheel: tuple[ArrayLike, float] | None = None,
 ) -> list[ContactLine]:
     """Lines around a solid with a polygon as its section, `width` (m) normal to the plane; errors as of `polyline`.
 
-    points (k, 2) m: corners in either sense, the first of which need not be repeated; turns: of all sides.
+    points (k, 2) m: corners in either sense, the first of which need not be repeated; turns: of all sides; wheel: axle
+    (2,) m and radius (m) of what is a wheel.
     """
     size, corners = positive("width", width), _points(points, 3)
     if not np.array_equal(corners[0], corners[-1]):
@@ -92,7 +99,11 @@ def outline(
     if pair := crossing(sides):
         raise _fault(f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
-    return _along(body, corners, turns, strips, "outline", {"width": size, "side": -1.0 if area > 0.0 else 1.0})
+    made = _along(body, corners, turns, strips, "outline", {"width": size, "side": -1.0 if area > 0.0 else 1.0})
+    if wheel is not None:
+        for line in made:
+            _hub(line, planar(wheel[0])[0], positive("wheel", wheel[1]))
+    return made
 
 
 def ball(body: Body, center: ArrayLike, diameter: float, mass: float) -> list[ContactLine]:
@@ -124,7 +135,8 @@ def beam(
     for stop in range(len(lengths), 0, -elements_per_line):
         start = max(0, stop - elements_per_line)
         stations = kinematics.cable_stations(np.array(lengths[start:stop]), each)
-        record = _record(kind, {"width": size, "cap": free_end and stop == len(lengths)})
+        place = float(np.sum(lengths[:start]))
+        record = _record(kind, {"width": size, "cap": free_end and stop == len(lengths), "place": place})
         made.append(ContactLine(name, np.ravel(nodes[start : stop + 1]), stations, kind, record))
     return made
 
@@ -132,12 +144,25 @@ def beam(
 # ---- what they are made of ----
 
 
+def _hub(line: ContactLine, axle: Vector, radius: float) -> None:
+    """Let a line know where the axle is (m, in the body's frame), seen from its first strip."""
+    (x0, x1), (y0, y1) = line.stations["x"][:2], line.stations["y"][:2]
+    along = np.array([x1 - x0, y1 - y0]) / np.hypot(x1 - x0, y1 - y0)
+    arm = axle - (x0, y0)
+    line.record["radius"] = radius
+    line.record["hub_along"], line.record["hub_left"] = arm @ along, along[0] * arm[1] - along[1] * arm[0]
+
+
 def _along(
     body: Body, line: Vector, turns: ArrayLike | None, strips: int, kind: Kind, fields: dict[str, Any]
 ) -> list[ContactLine]:
     """Lines along the polyline (k, 2) m; of its sides some may be arcs."""
     divided = kinematics.curved_stations(line, _turns(turns, len(line) - 1), count("strips", strips))
-    return [_on(body, stations, kind, fields | {"turn": turn}) for stations, turn in divided]
+    made, place = [], 0.0
+    for stations, turn in divided:
+        made.append(_on(body, stations, kind, fields | {"turn": turn, "place": place}))
+        place += float(np.hypot(np.diff(stations["x"]), np.diff(stations["y"])).sum())
+    return made
 
 
 def _on(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, Any]) -> ContactLine:

@@ -22,6 +22,7 @@ from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
+APART = 100.0  # m, between the places of two shapes on the lattice of a medium's scatter
 
 
 class GranularLoad:
@@ -53,9 +54,10 @@ class GranularLoad:
         self.media = tuple(layer.medium for layer in self.layers)
         self.records = records_of(self.layers, static, gravity)
         self.profile = profile_of(surface, slope)
-        self.floor = floor_of(floor)
+        self.floor, self.gravity = floor_of(floor), abs(gravity)
         self.resultant, self.end_cap = form == "resultant", end_cap
         self.lines: list[ContactLine] = []
+        self._added = 0  # shapes so far
         self.batches: list[Batch] = []
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
@@ -73,6 +75,7 @@ class GranularLoad:
         """
         self.check_open()
         self.lines += [self._met(line) for line in lines]
+        self._added += 1
         self.table = self._new_table()
 
     def _met(self, line: ContactLine) -> ContactLine:
@@ -84,6 +87,7 @@ class GranularLoad:
             raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
         record = line.record.copy()
         record["cap"] &= self.end_cap
+        record["place"] += APART * self._added
         record["resultant"] = self.resultant and line.kind in ("round", "flat")
         return replace(line, record=record)
 
@@ -98,7 +102,10 @@ class GranularLoad:
             acting = [line for line in self.lines if line.kind in kinds]
             if acting:
                 columns = [self.table.columns(index, line.body) for line in acting]
-                records, ways = [_in(layer, line) for line in acting], layer is not None and layer.medium.keeps_ways
+                records, ways = (
+                    [_in(layer, line, self.gravity) for line in acting],
+                    layer is not None and layer.medium.keeps_ways,
+                )
                 self.batches.append(Batch(acting, records, profile, medium, columns, ways))
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
@@ -213,9 +220,14 @@ class GranularLoad:
             yield from batch.approach()
 
 
-def _in(layer: Layer | None, line: ContactLine) -> NDArray[np.void]:
-    """Record (1,) of a line for a medium in a layer."""
+def _in(layer: Layer | None, line: ContactLine, gravity: float) -> NDArray[np.void]:
+    """Record (1,) of a line for a medium in a layer; gravity (m/s2)."""
     record = line.record.copy()
     if layer is not None:
+        medium = layer.medium
+        if medium.scatter is not None:
+            medium.scatter.fill(record, medium.terms, medium.dynamic)
+        if gravity > 0.0 and record["radius"] > 0.0:
+            record["behind"] = getattr(medium, "wheel_drop", 0.0) / gravity
         record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom
     return record

@@ -28,7 +28,8 @@ def lines_of(body: Body, shape: Shape, strips: int) -> list[ContactLine]:
     if shape.kind == "ball":
         return ball(body, shape.points[0], shape.width, shape.mass)
     if shape.kind == "outline":
-        return outline(body, shape.points, shape.width, turns=shape.turns, strips=2 * strips)
+        wheel = None if shape.wheel is None else (shape.wheel.axle, shape.wheel.radius)
+        return outline(body, shape.points, shape.width, turns=shape.turns, strips=2 * strips, wheel=wheel)
     return polyline(body, shape.points, **section(shape), turns=shape.turns, strips=strips, free_end=shape.free)
 
 

@@ -36,6 +36,13 @@ _SHOWN = (
     ("cost_of_transport", "cost", 1.0, ".3f"),
     ("energy.imbalance_relative", "imbalance", 1.0, ".1e"),
 )
+_OF_WHEEL = (
+    ("wheel.drawbar_pull_N", "pull N", 1.0, ".3f"),
+    ("wheel.torque_Nm", "torque N m", 1.0, ".3f"),
+    ("wheel.sinkage_m", "sinkage mm", 1e3, ".2f"),
+    ("wheel.efficiency", "efficiency", 1.0, ".3f"),
+    _SHOWN[-1],
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -88,7 +95,7 @@ def _nothing_to_do(folder: Path, quiet: bool) -> int:
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
-    from granular_contact.studies.sweep import WorkerPoolError, run, sensitivity, table
+    from granular_contact.studies.sweep import WorkerPoolError, run, sensitivity, slip, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     if checkpoint.done and not chosen.quiet:
@@ -104,6 +111,7 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
     if missing := count - len(checkpoint.journal):
         raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
     table.write(sweep, checkpoint.journal, checkpoint.folder)
+    slip.write(sweep, checkpoint.journal, checkpoint.folder)
     found = sensitivity.of_sweep(sweep, checkpoint.journal)
     if found:
         sensitivity.write(found, checkpoint.folder, figures=sweep.base.output.figures)
@@ -148,7 +156,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
         if row.failed:
             count += 1
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
-    columns = there(_SHOWN, [row.summary for row in first])
+    columns = there(_SHOWN if sweep.base.wheel is None else _OF_WHEEL, [row.summary for row in first])
     shown = Table("case", box=None, pad_edge=False)
     for name in _short_names(keys):
         shown.add_column(name, justify="right")

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from granular_contact.config.tree import Items, Mapping, Node, Scalar, child, plain, set_key
 
-ABOUT = frozenset({"law", "name", "source", "standing", "provenance", "range"})  # all else is a number of the law
+ABOUT = frozenset(
+    {"law", "name", "source", "standing", "provenance", "range", "scatter"}
+)  # all else is a number of the law
 
 
 def restated(base: Node | None, node: Node) -> Node:

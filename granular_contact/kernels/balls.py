@@ -9,7 +9,9 @@ import numpy as np
 from numba import njit
 
 from granular_contact.kernels import law
+from granular_contact.kernels.scatter import factor, scatter_terms
 from granular_contact.kernels.surface import height
+from granular_contact.kernels.ways import path
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -22,6 +24,8 @@ def ball_forces(P, V, anchors, run, profile, medium, F, totals):
         return
     f = np.zeros((law.TERMS, 2))
     law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, medium, f)
+    if run.scatter > 0.0:
+        scatter_terms(f, factor(path(P, anchors, 0), run.place, run.width, run), run)
     for term in range(law.TERMS):
         fx, fy = f[term, 0], f[term, 1]
         F[0, 0] += fx

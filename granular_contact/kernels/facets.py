@@ -28,7 +28,7 @@ from granular_contact.kernels.space_friction import drive, mobilised
 
 COLUMNS = 15
 SIDE = 14
-SHEARED, PATH = 3, 4  # columns of anchors, see `ways`
+SHEARED = 3  # column of anchors, see `ways`
 PRESSED = 0.3
 
 
@@ -90,9 +90,8 @@ def along_square(x, y, z, nx, ny, nz):
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def count_way(anchors, i, x, y, z, nx, ny, nz, immersed):
-    """Count the way of an anchor to (x, y, z) m, before it goes there; as `ways.count_ways`."""
+    """Count the way of an anchor to (x, y, z) m, before it goes there; the shear displacement, as in `ways`."""
     dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
-    anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
     anchors[i, SHEARED] = anchors[i, SHEARED] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
 
 

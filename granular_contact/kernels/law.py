@@ -32,8 +32,9 @@ TERMS = 3
 # medium lies between the depths top and bottom (m) only. j0, j1 (m): shear displacement of the medium at the ends of
 # the strip that is in work, infinite where nothing keeps count of it, see `ways`. Of a wheel radius (m) is that of its
 # rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first strip and to its left,
-# and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. scatter, grain, place, seed,
-# static: see `scatter`.
+# and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a medium that scatters
+# (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the length, place (m) where
+# the run begins, seed a whole number, and static has the bits of the terms that scatter.
 RUN = np.dtype(
     [
         ("width", "f8"),

@@ -6,7 +6,7 @@ Arguments that they share:
     line        record of `law`
     profile     (k, 2) corners of the surface, see `surface`
     medium      record of `law`
-    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 4) with the ways of `ways`
+    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 6) with the ways of `ways`
     P, V, F     (n, 2) room for positions, velocities and forces of the stations
     totals      (TERMS, 3), see `law`
 
@@ -21,7 +21,7 @@ from numba import njit
 from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import RUN, TERMS, drag_anchor, forces
 from granular_contact.kernels.surface import height
-from granular_contact.kernels.ways import count_ways
+from granular_contact.kernels.ways import count_ways, start_ways
 
 __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
@@ -53,7 +53,8 @@ def reset_friction(q, geometry, P, V, anchors):
     """Reset the friction state of a body at q: no bristle is stretched."""
     stations(q, np.zeros(q.shape[0]), geometry, P, V)
     release(P, anchors)
-    anchors[:, 2:] = 0.0
+    if anchors.shape[1] > 2:
+        start_ways(P, anchors)
 
 
 @njit(cache=True, no_cfunc_wrapper=True)

@@ -15,8 +15,9 @@ from numba import njit
 from granular_contact.kernels import law
 from granular_contact.kernels.immersion import immersed_interval
 from granular_contact.kernels.layers import inside
+from granular_contact.kernels.scatter import factor, scatter_terms
 from granular_contact.kernels.surface import depth
-from granular_contact.kernels.ways import shear_displacement
+from granular_contact.kernels.ways import path, shear_displacement
 from granular_contact.kernels.wheels import lowered, lowering
 
 
@@ -48,10 +49,10 @@ def count_shear(P, anchors, i, run):
 @njit(cache=True, no_cfunc_wrapper=True)
 def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
     """Integrate the law strip by strip."""
-    f = np.zeros((law.TERMS, 2, 2))
+    f, length = np.zeros((law.TERMS, 2, 2)), 0.0
     F[:] = 0.0
     last = P.shape[0] - 1
-    run.j0, run.j1 = np.inf, np.inf
+    run.j0, run.j1, place = np.inf, np.inf, run.place
     drop, axle, ahead = lowering(P, V, run) if run.behind > 0.0 else (0.0, 0.0, 0.0)
     z1 = depth(profile, P[0, 0], P[0, 1])
     if drop > 0.0:
@@ -60,6 +61,9 @@ def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
         z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
         if drop > 0.0:
             z1 -= lowered(P[i + 1, 0], drop, axle, ahead, run)
+        if run.scatter > 0.0:
+            length = math.hypot(P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1])
+            place += length
         a, b = inside(z0, z1, run)
         if a == b:
             continue
@@ -71,6 +75,9 @@ def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
             P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],
             P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], run, medium, f,
         )  # fmt: skip
+        if run.scatter > 0.0:
+            way = 0.5 * (path(P, anchors, i) + path(P, anchors, i + 1))
+            scatter_terms(f, factor(way, place - 0.5 * length, length, run), run)
         collect(f, i, P, F, totals)
     if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
         f[:] = 0.0

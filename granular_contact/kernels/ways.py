@@ -1,13 +1,14 @@
 """How far a surface has moved in the medium, kept with the anchors of its bristles.
 
-Where a medium asks for it the array of the anchors has two more columns: SHEARED, the way (m) of the anchor along the
-surface since its station got into the medium, and PATH, its whole way (m) since the start. A bristle at its yield
-displacement is dragged along, so a column and the bristle together are the way of the station,
+Where a medium asks for it the array of the anchors has more columns: SHEARED, the way (m) of the anchor along the
+surface since its station got into the medium; PATH, the whole way (m) of the station since the start, and X, Y (m),
+where it was at the end of the last step. With the unit tangent t and the place p at the end of a step
 
-    j = SHEARED + |t . (p - anchor)|,    w = PATH + |p - anchor|,
+    j = SHEARED + |t . (p - anchor)|,    w = PATH + |p - (X, Y)|.
 
-which are continuous within a step, and only as fine as the steps where the path bends. At rest nothing is counted: the
-bristle may be stretched and slacken again.
+A bristle at its yield displacement is dragged along, so that j is the way of the station along the surface since then;
+where a body rests it is not counted, as the bristle may be stretched and slacken again. Both are continuous within a
+step, and where the path bends they err by the square of the step.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ import math
 
 from numba import njit
 
-SHEARED, PATH = 2, 3  # columns
-COLUMNS = 4
+SHEARED, PATH, X, Y = 2, 3, 4, 5  # columns
+COLUMNS = 6
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -29,14 +30,17 @@ def shear_displacement(P, anchors, i, tx, ty):
 @njit(cache=True, no_cfunc_wrapper=True)
 def path(P, anchors, i):
     """Way w (m) of the station i."""
-    return anchors[i, PATH] + math.hypot(P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1])
+    return anchors[i, PATH] + math.hypot(P[i, 0] - anchors[i, X], P[i, 1] - anchors[i, Y])
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def count_ways(P, anchors, i, x, y, immersed):
-    """Count the way of the anchor of station i to (x, y) m, before it goes there; immersed: whether the station is."""
-    dx, dy = x - anchors[i, 0], y - anchors[i, 1]
-    anchors[i, PATH] += math.hypot(dx, dy)
+    """Count the ways of station i in a step that is accepted, before its anchor goes to (x, y) m.
+
+    immersed: whether the station is.
+    """
+    anchors[i, PATH] = path(P, anchors, i)
+    anchors[i, X], anchors[i, Y] = P[i, 0], P[i, 1]
     if not immersed:
         anchors[i, SHEARED] = 0.0
         return
@@ -44,4 +48,12 @@ def count_ways(P, anchors, i, x, y, immersed):
     tx, ty = P[after, 0] - P[before, 0], P[after, 1] - P[before, 1]
     length = math.hypot(tx, ty)
     if length > 0.0:
-        anchors[i, SHEARED] += abs(tx * dx + ty * dy) / length
+        anchors[i, SHEARED] += abs(tx * (x - anchors[i, 0]) + ty * (y - anchors[i, 1])) / length
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def start_ways(P, anchors):
+    """Begin to count at the stations (n, 2) m."""
+    for i in range(P.shape[0]):
+        anchors[i, SHEARED], anchors[i, PATH] = 0.0, 0.0
+        anchors[i, X], anchors[i, Y] = P[i, 0], P[i, 1]

@@ -3,9 +3,10 @@
     traction = z S(t, u) - lam rho v_n |v_n| n
 
 with the true velocity v and its part v_n normal to the element; on a one-sided outline only where n . v > 0. The free
-surface may be lowered by delta_h. In space n is the normal of a facet. With w = t x v = v_n and n = (-t_y, t_x), the
-inertial term of a straight strip is a cubic in xi on either side of the zero of w, which two Gauss points integrate
-exactly.
+surface may be lowered by delta_h. Behind the axle of a turning wheel it is lowered by r (r omega^2 / g), as the source
+has it for driven wheels [1]; see `kernels.wheels`. In space n is the normal of a facet. With w = t x v = v_n and
+n = (-t_y, t_x), the inertial term of a straight strip is a cubic in xi on either side of the zero of w, which two Gauss
+points integrate exactly.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ class Drft(Law):
     """Factor of the coefficients."""
     surface_drop: NotNegative = Field(0.0, alias="surface_drop_m")
     """delta_h, by which the free surface is lowered."""
+    wheel_drop: NotNegative = 1.0
+    """Behind the axle of a turning `wheel` the surface is lowered by so many times r (r omega^2 / g); 0: it is not."""
 
     equation = "stress = zeta alpha(beta, gamma) z - lambda rho v_n |v_n| n"
     terms = ("static", "inertial")

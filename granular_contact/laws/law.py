@@ -24,6 +24,7 @@ from pydantic import Field, field_serializer
 
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.kinds import WORDS, Kind
+from granular_contact.laws.scatter import Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
 from granular_contact.values.strict import OrNull, Text
@@ -32,7 +33,7 @@ if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
     from numpy.typing import NDArray
 
-ABOUT = ("name", "validity", "source", "standing", "provenance")
+ABOUT = ("name", "validity", "source", "standing", "provenance", "scatter")
 
 
 class Law(Coefficients):
@@ -40,6 +41,7 @@ class Law(Coefficients):
 
     name: for messages and columns; validity: where the coefficients were measured. Of the class, equation: the
     published resultant or stress; terms: names of the law's terms, three at most; takes: kinds of shape it is for;
+    dynamic: terms that come from the speed, which do not scatter;
     by_component: whether its static force opposes each component of the velocity by itself, and not the motion as a
     whole; resultant: whether its source gives a single force at the middle of the immersed part, as
     `load: {form: resultant}` applies it.
@@ -52,11 +54,14 @@ class Law(Coefficients):
     """What they rest on, as `two or more independent sources`."""
     provenance: Literal["published", "fitted", "own"] | None = None
     validity: Validity = Field(NOT_STATED, alias="range")
+    scatter: Scatter | None = None
+    """null: none."""
     law: str
 
     equation: ClassVar[str]
     terms: ClassVar[tuple[str, ...]]
     takes: ClassVar[frozenset[Kind]]
+    dynamic: ClassVar[frozenset[str]] = frozenset({"drag", "viscous", "inertial"})
     by_component: ClassVar[bool] = False
     resultant: ClassVar[bool] = False
     constants: ClassVar[tuple[str, ...]]
@@ -98,6 +103,11 @@ class Law(Coefficients):
     @property
     def keeps_ways(self) -> bool:
         """Whether its forces need how far a surface has moved in the medium, see `kernels.ways`."""
+        return self.shear_grows or (self.scatter is not None and self.scatter.relative > 0.0)
+
+    @property
+    def shear_grows(self) -> bool:
+        """Whether its forces need the shear displacement of the medium."""
         return False
 
     @property

@@ -64,7 +64,7 @@ class SurfacePressure(Law):
         raise NotImplementedError
 
     @property
-    def keeps_ways(self) -> bool:
+    def shear_grows(self) -> bool:
         """As of `Law`."""
         return self.shear_modulus > 0.0
 

@@ -14,6 +14,7 @@ from granular_contact.multibody.depths import all_depths, depths_by_body
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import medium_works
 from granular_contact.multibody.system import System, Trajectory
+from granular_contact.multibody.wheels import wheel_columns, wheel_histories, wheel_numbers
 from granular_contact.results import energy
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.results.interpolation import Track
@@ -32,13 +33,14 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
         found = all_depths(motion, depths)
         forces = {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
         terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+        wheels = wheel_histories(motion, forces)
         columns = mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven)
         return Observation(
             scene=scene,
             status=trajectory.status,
             cost=trajectory.cost,
             time=trajectory.time,
-            motion=columns | mechanism.body_columns(motion, forces, depths),
+            motion=columns | mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels),
             mean_rate=None if scene.pivot is None else motion.mean_rate()[0],
             tip=motion.position(*scene.tip)[0],
             deflection=motion.bend(list(system.links)[-1]) if system.links else None,
@@ -52,7 +54,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
             stop=lambda touch: stop(motion, touch),
             outlines=motion.outlines,
             pictures=lambda at: pictures(lambda sampled: Kinematics(system, sampled).outlines, trajectory, at),
-            more=key_numbers(motion, driven, depths, found),
+            more=key_numbers(motion, driven, depths, found) | wheel_numbers(trajectory.time, wheels),
             accuracy=accuracy(motion),
         )
 

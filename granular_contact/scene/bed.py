@@ -123,6 +123,11 @@ def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator
     """Faults of what has no resultant at the middle of the immersed part."""
     if not all(layer.whole for layer in layers):
         yield scene_fault("load.form", "got resultant, but the bed has layers: allowed is distributed")
+    scattering = next((key for one, key, *_ in places(scenario) if one.scatter is not None), None)
+    if scattering is not None:
+        yield scene_fault(
+            f"{scattering}.scatter", "stands beside load.form: resultant, one force in all; allowed is null"
+        )
     others = dict.fromkeys(one.law for one, *_ in places(scenario) if not one.resultant)
     if others:
         have = ", ".join(tag for tag, law in LAWS.items() if law.resultant)

@@ -41,6 +41,12 @@ def _mass(body: schema.Body, lumps: list[MassProperties]) -> _Mass:
     return merged(_Mass(density * one.volume, one.center, density * one.volume * one.gyration_squared) for one in lumps)
 
 
+def mass_of(name: str, body: schema.Body) -> float:
+    """Mass (kg) of a body."""
+    parts = [] if not isinstance(body, schema.Link) and body.density_kg_m3 is None else _parts(name, body, 1)
+    return _mass(body, [lump for _, lump in parts]).mass
+
+
 def merged(masses: Iterable[_Mass]) -> _Mass:
     """Several masses as one, about their common centre."""
     parts = list(masses)
@@ -63,7 +69,11 @@ def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
         for shape, lump in parts[name]:
             points = np.array([own.local(frames[name].world(p)) for p in shape.points])
             mass = masses[name].mass if density is None else density * lump.volume
-            shapes.append(replace(shape, points=points, free=layout.is_free(name, shape.points[-1]), mass=mass))
+            wheel = shape.wheel
+            if wheel is not None:
+                wheel = replace(wheel, axle=own.local(frames[name].world(wheel.axle)))
+            free = layout.is_free(name, shape.points[-1])
+            shapes.append(replace(shape, points=points, free=free, mass=mass, wheel=wheel))
     root = layout.workspace_bounds[group[0]]
     workspace = replace(root, point=own.local(frames[group[0]].world(root.point)))
     return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), workspace)

@@ -33,6 +33,7 @@ from granular_contact.scene.types import (
     place,
     turned,
 )
+from granular_contact.scene.wheels import wheel_drives
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
@@ -79,7 +80,7 @@ def _in_space(scenario: schema.Scenario) -> Scene:
 
 def _built(scenario: schema.Scenario) -> Scene:
     faults = list[Fault]()
-    driven = drives(scenario, faults)
+    driven = (*drives(scenario, faults), *wheel_drives(scenario, faults))
     layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
     if scenario.initial.impact_tip_speed_m_s is not None:
         layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)

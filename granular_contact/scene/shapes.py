@@ -12,7 +12,7 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.laws.kinds import Kind
-from granular_contact.scene.types import Shape, Vector, rotation, turned
+from granular_contact.scene.types import Shape, Vector, Wheel, rotation, turned
 
 CHORDS = 48  # of a full circle, at the least
 
@@ -79,6 +79,39 @@ def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, MassPr
     properties = MassProperties(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
     turns = np.full(chords, 2 * math.pi / chords)
     return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), properties
+
+
+def _wheel(part: str, spec: schema.WheelShape, strips: int) -> tuple[Shape, MassProperties]:
+    radius, center, teeth = spec.radius_m, np.array(spec.center_m), spec.grousers
+    whole = max(CHORDS, strips)
+    if teeth is None:
+        points, turns = radius * _circle(whole), np.full(whole, 2 * math.pi / whole)
+        teeth_mass, gyration = 0.0, 0.0
+    else:
+        half, high = 0.5 * teeth.thickness_m, radius + teeth.height_m
+        opening = 2 * math.pi / teeth.count - 2 * math.asin(half / radius)  # of the rim between two grousers
+        chords = max(2, round(whole * opening / (2 * math.pi)))
+        one = [*radius * _round(-0.5 * opening, 0.5 * opening, chords)]
+        middle = np.array([math.cos(math.pi / teeth.count), math.sin(math.pi / teeth.count)])
+        across = half * np.array([-middle[1], middle[0]])
+        one += [high * middle - across, high * middle + across]
+        turned_on = [np.array(one) @ rotation(2 * math.pi * k / teeth.count).T for k in range(teeth.count)]
+        points = np.vstack([*turned_on, one[:1]])
+        turns = np.tile([*np.full(chords, opening / chords), 0.0, 0.0, 0.0], teeth.count)
+        area = teeth.count * teeth.thickness_m * teeth.height_m
+        teeth_mass = area / (math.pi * radius**2)
+        gyration = (radius + 0.5 * teeth.height_m) ** 2 + (teeth.thickness_m**2 + teeth.height_m**2) / 12
+    squared = (radius**2 / 2 + teeth_mass * gyration) / (1.0 + teeth_mass)
+    properties = MassProperties(math.pi * radius**2 * (1.0 + teeth_mass) * spec.width_m, center, squared)
+    wheel = Wheel(center, spec.effective_radius_m, radius)
+    shape = Shape(part, "outline", center + points, spec.width_m, 0.0, spec.in_sand, turns=turns, wheel=wheel)
+    return shape, properties
+
+
+def _round(start: float, end: float, chords: int) -> Vector:
+    """Points (chords + 1, 2) on the unit circle from an angle to another (rad)."""
+    angles = np.linspace(start, end, chords + 1)
+    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def _sphere(part: str, spec: schema.SphereShape, _: int) -> tuple[Shape, MassProperties]:
@@ -172,6 +205,7 @@ def _circle(chords: int) -> Vector:
 
 _SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, MassProperties]]] = {
     schema.DiscShape: _disc,
+    schema.WheelShape: _wheel,
     schema.SphereShape: _sphere,
     schema.CylinderShape: _cylinder,
     schema.PlateShape: _plate,

@@ -31,6 +31,15 @@ FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run aw
 
 
 @dataclass(frozen=True)
+class Wheel:
+    """Of a shape that is a wheel: axle (2,) m in the body's frame; radius (m) that counts for slip, and of the rim."""
+
+    axle: Vector
+    radius: float
+    rim: float
+
+
+@dataclass(frozen=True)
 class Shape:
     """A part of a body as the medium meets it and as it is drawn.
 
@@ -50,6 +59,7 @@ class Shape:
     free: bool = False
     mass: float = 0.0
     turns: Vector | None = None
+    wheel: Wheel | None = None
 
     @property
     def drop(self) -> float:

@@ -23,7 +23,7 @@ class SpatialBatch:
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
     (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
-    (rows, 3) m: the friction state, (rows, 5) with `ways`, see `kernels.ways`; active (clusters,): what may touch the
+    (rows, 3) m: the friction state, (rows, 4) with `ways`, see `kernels.ways`; active (clusters,): what may touch the
     surface in this step; poses, proximity: see `kernels.space_bodies`.
     """
 
@@ -53,7 +53,7 @@ class SpatialBatch:
         self.bodies = _bodies(self._groups)
         coordinates = np.concatenate([np.asarray(group[0].body.coordinates, np.int64) for group in self._groups])
         self.places = np.column_stack([coordinates, coordinates])
-        self.anchors = np.zeros((len(self.elements), 5 if ways else 3))
+        self.anchors = np.zeros((len(self.elements), 4 if ways else 3))
         self.active = np.ones(len(self.clusters), dtype=bool)
         self.poses = np.zeros((len(self.bodies), 6, 3))
         self.proximity = np.zeros((len(self.bodies), 3))

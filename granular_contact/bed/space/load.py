@@ -62,6 +62,8 @@ class SpatialLoad(GranularLoad):
             raise ValueError("medium: got a layer, allowed in space are media that fill the bed")
         self.media = tuple(layer.medium for layer in self.layers)
         for one in self.media:
+            if one.keeps_ways and not one.shear_grows:
+                raise ValueError(f"medium: {one.name} has scatter, which is for the plane; in space allowed is none")
             for key in one.lacking_in_space:
                 raise ValueError(f"medium: {one.name} has no {key}, but in space a number is needed there")
         self.records = records_of(self.layers, static, gravity)
@@ -128,7 +130,7 @@ class SpatialLoad(GranularLoad):
                 if sets:
                     columns = [self.table.columns(index, one.body.name) for one in sets]
                     ground = self.ground - np.array([float(getattr(medium, "surface_drop", 0.0)), 0.0, 0.0, 0.0])
-                    ways = medium.keeps_ways and kind == "surface"
+                    ways = medium.shear_grows and kind == "surface"
                     batch = SpatialBatch(sets, owner_of(type(medium)), record, ground, self.turn, columns, ways)
                     self.batches.append(batch)
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))

@@ -27,5 +27,6 @@ from granular_contact.config.schema.shapes import (
     PolylineShape,
     Shape,
     SphereShape,
+    WheelShape,
 )
 from granular_contact.config.schema.signals import AnySignal, Buehler, Constant, Csv, Ramp, Shared, Sine, Table

@@ -16,6 +16,7 @@ from granular_contact.config.schema.medium import Media
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import Signal
+from granular_contact.config.schema.wheel import WheelRun, wheel_faults
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.values.strict import Positive, Strict, Tagged, Text, refusal
@@ -100,6 +101,8 @@ class Scenario(Strict):
     """What acts at joints over time, by the name of the joint."""
     signals: dict[str, Signal] = Field(default_factory=dict)
     """Signals that several drives share, by a name."""
+    wheel: WheelRun | None = None
+    """Slip or torque, and load, of the wheel of a mechanism as models/wheel.yaml, in place of its drives."""
     load: Load = Load()
     solver: Solver = Solver()
     method: Method = Method()
@@ -157,6 +160,7 @@ class Scenario(Strict):
         faults = [
             *initial_faults(self.initial, self.model),
             *drive_faults(self.drives, self.signals, self.model),
+            *wheel_faults(self.wheel, self.model, self.drives),
         ]
         if faults:
             raise refusal(faults)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -28,6 +29,44 @@ class DiscShape(_Shape):
     """Extent along the axis."""
     center_m: Point = (0.0, 0.0)
     """In the frame of the body."""
+
+
+class Grousers(Strict):
+    """Bars across the rim of a wheel, at equal distances."""
+
+    count: Annotated[int, Field(ge=1, le=200)]
+    height_m: Positive
+    """Beyond the rim."""
+    thickness_m: Positive
+    """Along the rim."""
+
+
+class WheelShape(_Shape):
+    """A wheel, smooth or with grousers; its slip, sinkage and pull are in the results."""
+
+    type: Literal["wheel"]
+    radius_m: Positive
+    """Of the rim."""
+    width_m: Positive
+    """Extent along the axle."""
+    center_m: Point = (0.0, 0.0)
+    """The axle, in the frame of the body."""
+    grousers: Grousers | None = None
+    """null: none."""
+
+    @model_validator(mode="after")
+    def _has_room(self) -> WheelShape:
+        teeth = self.grousers
+        if teeth is not None and teeth.count * teeth.thickness_m > 0.9 * 2.0 * math.pi * self.radius_m:
+            most = 0.9 * 2.0 * math.pi * self.radius_m / teeth.count
+            words = f"got {teeth.thickness_m:g}; allowed is at most {most:.3g}, nine tenths of the rim over the count"
+            raise refusal([(("grousers", "thickness_m"), words)])
+        return self
+
+    @property
+    def effective_radius_m(self) -> float:
+        """Radius (m) that counts for slip: grousers with a third of their height (Agarwal et al. 2021)."""
+        return self.radius_m + (0.0 if self.grousers is None else self.grousers.height_m / 3.0)
 
 
 class SphereShape(_Shape):
@@ -185,6 +224,7 @@ def _repeated(points: tuple[tuple[float, float], ...]) -> list[LocalFault]:
 
 SHAPES: dict[str, type[Strict]] = {
     "disc": DiscShape,
+    "wheel": WheelShape,
     "sphere": SphereShape,
     "cylinder": CylinderShape,
     "plate": PlateShape,
@@ -194,6 +234,14 @@ SHAPES: dict[str, type[Strict]] = {
     "foot": FootShape,
 }
 Shape = Annotated[
-    DiscShape | SphereShape | CylinderShape | PlateShape | ArcShape | PolylineShape | PolygonShape | FootShape,
+    DiscShape
+    | WheelShape
+    | SphereShape
+    | CylinderShape
+    | PlateShape
+    | ArcShape
+    | PolylineShape
+    | PolygonShape
+    | FootShape,
     Tagged("type", SHAPES),
 ]

@@ -22,7 +22,14 @@ IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
 _NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.", "strips.", "strides.count", "strides.period")
 # Are told and drawn before all others, in this order.
 _FIRST = (
-    *("forward_speed_second_half_m_s", "forward_speed_m_s", "cost_of_transport", "penetration_time_s"),
+    *(
+        "wheel.drawbar_pull_N",
+        "wheel.sinkage_m",
+        "forward_speed_second_half_m_s",
+        "forward_speed_m_s",
+        "cost_of_transport",
+        "penetration_time_s",
+    ),
     *("stopping_time_s", "max_depth_m", "max_deflection_m"),
 )
 _NOT_DRAWN = ("hub_stopping_time_s",)
@@ -180,6 +187,8 @@ def _overviews(table: _Table, place: Path) -> Iterator[tuple[Path, str]]:
 
 def _caption(stem: str) -> str:
     kind, _, output = stem.partition("_")
+    if stem == "wheel_over_slip":
+        return "Drawbar pull, torque and sinkage of the wheel over its slip, means of the last half of the way."
     return f"Sobol indices of {label(output)}." if kind == "sensitivity" else stem.replace("_", " ")
 
 

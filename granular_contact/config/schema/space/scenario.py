@@ -38,6 +38,13 @@ class SpatialScenario(Scenario):
             *initial_faults(self.initial, self.model),
             *drive_faults(self.drives, self.signals, self.model),
         ]
+        for i, medium in enumerate(self.media):
+            path = ("medium", i) if isinstance(self.medium, tuple) else ("medium",)
+            if medium.scatter is not None:
+                faults.append(((*path, "scatter"), "is for the plane; in space allowed is null"))
+            faults += [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
+        if self.wheel is not None:
+            faults.append((("wheel",), "is for wheels in the plane; in space allowed is null"))
         if self.method != Method():
             faults.append((("method",), "got another method; in space allowed is engine"))
         if self.load.form != "distributed":

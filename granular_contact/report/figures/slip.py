@@ -1,0 +1,42 @@
+"""Drawbar pull, torque and sinkage of a wheel against its slip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import DOUBLE, DPI, INK, PALETTE, style
+from granular_contact.report.units import Array
+
+
+@dataclass(frozen=True)
+class SlipCurve:
+    """Of one wheel (n,): slip in rising order, pull (N), torque (N m) and sinkage (m)."""
+
+    slip: Array
+    pull: Array
+    torque: Array
+    sinkage: Array
+
+
+def draw_slip(curves: Mapping[str, SlipCurve], file: Path) -> None:
+    """Draw the curves, by their labels (one label may be empty), into a PNG; sinkage grows downward."""
+    with style():
+        figure = blank(DOUBLE, 62.0, layout="constrained")
+        panels = figure.subplots(1, 3)
+        for i, (label, one) in enumerate(curves.items()):
+            colour = PALETTE[i % len(PALETTE)]
+            for axes, values in zip(panels, (one.pull, one.torque, 1e3 * one.sinkage), strict=True):
+                axes.plot(one.slip, values, "o-", color=colour, label=label)
+        for axes, words in zip(panels, ("drawbar pull (N)", "torque (N\N{MIDDLE DOT}m)", "sinkage (mm)"), strict=True):
+            axes.set_xlabel("slip")
+            axes.set_ylabel(words)
+            axes.axvline(0.0, color=INK, linewidth=0.4)
+        for axes in panels[:2]:
+            axes.axhline(0.0, color=INK, linewidth=0.4)
+        panels[2].invert_yaxis()
+        if len(curves) > 1:
+            figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=min(4, len(curves)))
+        figure.savefig(file, dpi=DPI, metadata={"Software": None})

@@ -1,0 +1,51 @@
+"""The run of a wheel -> drives of its rig, and which bodies are wheels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granular_contact.config import schema
+from granular_contact.config.schema.wheel import rig_of
+from granular_contact.errors import Fault, scene_fault
+from granular_contact.scene import signals
+from granular_contact.scene.bodies import mass_of
+from granular_contact.scene.types import Drive
+
+
+def wheel_drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
+    """Drives of the rig of a scenario with a `wheel`: of the load, and of the slip or the torque."""
+    run, rig = scenario.wheel, None if scenario.wheel is None else rig_of(scenario.model)
+    if run is None or rig is None:  # which the schema refuses
+        return ()
+    made = []
+    if run.load_N is not None:
+        if scenario.gravity_m_s2 <= 0.0:
+            words = f"got {run.load_N:g}, but gravity is {scenario.gravity_m_s2:g}: allowed is null"
+            faults.append(scene_fault("wheel.load_N", words))
+        more = run.load_N - scenario.gravity_m_s2 * _carried(scenario.model, rig.upright)
+        made.append(Drive(rig.upright, "load", signals.Constant(-rig.upward * more)))
+    if run.slip is None:
+        made.append(Drive(rig.axle, "load", signals.Constant(run.torque_Nm or 0.0)))
+        if run.pull_N != 0.0:
+            made.append(Drive(rig.level, "load", signals.Constant(-rig.ahead * run.pull_N)))
+        return tuple(made)
+    assert run.speed_m_s is not None
+    rate = run.rate(rig.shape.effective_radius_m)
+    beyond = 2.0 * scenario.solver.end_time_s
+    for joint, speed in ((rig.level, rig.ahead * run.speed_m_s), (rig.axle, rate)):
+        steady = signals.piecewise(np.array([0.0, beyond]), np.array([0.0, speed * beyond]), False)
+        made.append(Drive(joint, "motion", steady))
+    return tuple(made)
+
+
+def _carried(model: schema.Model, joint: str) -> float:
+    """Mass (kg) of all that hangs on a joint of the tree."""
+    joints, bodies = model.all_joints, model.all_bodies
+    on, mass = [joints[joint].child], 0.0
+    while on:
+        name = on.pop()
+        mass += mass_of(name, bodies[name])
+        on += [one.child for one in joints.values() if one.parent == name]
+    return mass if math.isfinite(mass) else 0.0

@@ -1,0 +1,36 @@
+"""Sweeps of a wheel over its slip: the figure of what it pulls and how deep it sinks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from granular_contact.config import Sweep
+from granular_contact.report import FIGURES
+from granular_contact.studies.sweep.journal import Row
+
+SLIP = "wheel.slip"
+FOUND = ("wheel.slip", "wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m")
+FIGURE = "wheel_over_slip.png"
+MOST = 6  # curves
+
+
+def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
+    """Draw the figure of a sweep that varies the slip, a curve for each of the other values; raises OSError."""
+    if SLIP not in sweep.keys or not sweep.base.output.figures:
+        return
+    curves: dict[str, list[list[float]]] = {}
+    for row in rows:
+        if row.failed or any(row.summary.get(key) is None for key in FOUND):
+            continue
+        others = (f"{key.rsplit('.', 1)[-1]} {row.values[key]}" for key in sweep.keys if key != SLIP)
+        curves.setdefault(", ".join(others), []).append([row.summary[key] for key in FOUND])
+    drawn = {label: np.array(sorted(points)).T for label, points in list(curves.items())[:MOST] if len(points) > 1}
+    if not drawn:
+        return
+    from granular_contact.report.figures.slip import SlipCurve, draw_slip
+
+    (folder / FIGURES).mkdir(exist_ok=True)
+    draw_slip({label: SlipCurve(*points) for label, points in drawn.items()}, folder / FIGURES / FIGURE)

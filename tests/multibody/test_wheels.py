@@ -1,0 +1,181 @@
+"""Wheels: their shape, their rig, what it says of them, and the surface behind them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from support_runs import order, scenario_of, simulate
+
+from granular_contact.bed.contact_lines import Body, outline
+from granular_contact.bed.load import GranularLoad
+from granular_contact.config import schema
+from granular_contact.config.schema.shapes import Grousers
+from granular_contact.errors import ConfigError
+from granular_contact.geometry.polygon import crossing, doubled_area
+from granular_contact.kernels.wheels import ROUND
+from granular_contact.laws.drft import Drft
+from granular_contact.laws.rft import GENERIC
+from granular_contact.scene.shapes import made
+
+QUICK = ("load.strips_per_rigid_part=12", "solver={step_s: 4e-3, end_time_s: 1.2}", "wheel.speed_m_s=0.05")
+
+
+def test_a_smooth_wheel_is_a_disc() -> None:
+    wheel = schema.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, center_m=(0.01, 0.0))
+    disc = schema.DiscShape(type="disc", diameter_m=0.1, thickness_m=0.04, center_m=(0.01, 0.0))
+    (one, mass), (other, of_disc) = made("part", wheel, 16), made("part", disc, 16)
+    np.testing.assert_allclose(one.points, other.points, atol=1e-15)
+    np.testing.assert_allclose(one.turns, other.turns)
+    assert (mass.volume, mass.gyration_squared) == pytest.approx((of_disc.volume, of_disc.gyration_squared))
+
+
+def test_grousers_are_teeth() -> None:
+    teeth = Grousers(count=9, height_m=0.012, thickness_m=0.004)
+    shape, mass = made("part", schema.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, grousers=teeth), 32)
+    sides = [tuple(point) for point in shape.points[:-1]]
+    assert crossing(sides) is None
+    assert len(shape.turns) == len(shape.points) - 1
+    assert sum(shape.turns) == pytest.approx(2 * math.pi - 9 * 2 * math.asin(0.002 / 0.05))
+    far = np.hypot(*shape.points[:-1].T)
+    assert (far > 0.0619).sum() == 18  # two corners each, 0.002 beside the middle of the tooth
+    assert far.min() == pytest.approx(0.05)
+    # Chords of arcs lose R^2 (w - sin w) / 2 each; the teeth stand on theirs.
+    chords = [w for w in shape.turns if w > 0.0]
+    lost = sum(0.5 * 0.05**2 * (w - math.sin(w)) for w in chords)
+    foot = 0.5 * 0.05**2 * (2 * math.asin(0.04) - math.sin(2 * math.asin(0.04)))  # of the rim, that a tooth covers
+    sunk = (0.05 - math.sqrt(0.05**2 - 0.002**2)) * 0.004
+    area = 0.5 * abs(doubled_area(sides)) + lost
+    assert mass.volume / 0.04 == pytest.approx(area + 9 * (foot - sunk), rel=1e-6)
+    assert shape.wheel is not None
+    assert shape.wheel.radius == pytest.approx(0.05 + 0.004)
+
+
+def test_the_run_of_a_wheel_is_that_of_its_drives() -> None:
+    short = simulate("wheel", *QUICK)
+    rate, speed = 0.05 / 0.8 / 0.058, 0.05
+    table = "type: table, interpolation: linear, time_s: [0, 2.4], values"
+    drives = (
+        f"drives={{rail: {{type: motion, position_m: {{{table}: [0, {2.4 * speed!r}]}}}}, "
+        f"axle: {{type: motion, angle_deg: {{{table}: [0, {math.degrees(2.4 * rate)!r}]}}}}, "
+        f"post: {{type: force, force_N: {-(24 - 9.81 * 1.5)!r}}}}}"
+    )
+    long = simulate("wheel", *QUICK[:2], "wheel=null", drives)
+    for name in ("post_position_m", "axle_torque_Nm", "wheel_slip"):
+        np.testing.assert_allclose(short[name], long[name], rtol=1e-6, atol=1e-9)  # the steps of Newton's method
+
+
+def test_what_is_told_of_a_wheel() -> None:
+    for slip in (-1.0, 0.2, 0.6):
+        run = simulate("wheel", *QUICK, f"wheel.slip={slip}")
+        told = run.summary["wheel"]
+        assert told["slip"] == pytest.approx(slip, abs=1e-9)
+        np.testing.assert_allclose(run["wheel_slip"], slip, atol=1e-9)
+        # The damper of the guide carries what it takes to sink.
+        np.testing.assert_allclose(run["wheel_load_N"][50:], 24.0 + 130.0 * run["post_speed_m_s"][50:], atol=0.2)
+        assert told["sinkage_m"] == pytest.approx(run["depth_m"][150:].mean(), rel=5e-3)
+        # Nothing is accelerated but the hub, slowly: pull and torque are those of the drives.
+        np.testing.assert_allclose(run["wheel_drawbar_pull_N"][50:], -run["rail_force_N"][50:], atol=0.02)
+        np.testing.assert_allclose(run["wheel_torque_Nm"][50:], run["axle_torque_Nm"][50:], atol=2e-3)
+    locked, rolling, spinning = (
+        simulate("wheel", *QUICK, f"wheel.slip={s}").summary["wheel"] for s in (-1.0, 0.2, 0.6)
+    )
+    assert locked["drawbar_pull_N"] < -10.0 < rolling["drawbar_pull_N"]
+    assert locked["torque_Nm"] < 0.0 < rolling["torque_Nm"]
+    assert locked["efficiency"] is None
+    assert rolling["sinkage_m"] < min(locked["sinkage_m"], spinning["sinkage_m"])
+
+
+def test_grousers_pull() -> None:
+    grousers = "model.bodies.wheel.shapes.0.grousers={count: 12, height_m: 0.01, thickness_m: 0.003}"
+    smooth = simulate("wheel", *QUICK).summary["wheel"]
+    toothed = simulate("wheel", *QUICK, grousers)
+    found = toothed.summary["wheel"]
+    assert found["slip"] == pytest.approx(0.2, abs=1e-9)  # by the radius with a third of the grousers
+    assert found["drawbar_pull_N"] > smooth["drawbar_pull_N"] + 1.0
+    assert 0.0 < found["efficiency"] < 1.0
+    assert np.ptp(toothed["wheel_load_N"][150:]) > 0.2  # one after the other
+
+
+def test_a_torque_drives_and_a_pull_holds_back() -> None:
+    wheel = "wheel={torque_Nm: 0.3, pull_N: 2, load_N: 30}"
+    run = simulate("wheel", QUICK[0], "solver={step_s: 2e-3, end_time_s: 1}", wheel)
+    time, speed, rate = run["time_s"], run["rail_speed_m_s"], run["axle_rate_rad_s"]
+    np.testing.assert_array_equal(run["axle_torque_Nm"], 0.3)
+    assert np.ptp(speed) > 0.01
+    # Momentum of 2 kg along the rail and of 2e-3 kg m2 about the axle; trapezia of what jumps with the first contact.
+    push = np.trapezoid(run["wheel_granular_x_N"] - 2.0, time)
+    assert 2.0 * speed[-1] == pytest.approx(push, abs=0.02)
+    assert 2e-3 * rate[-1] == pytest.approx(np.trapezoid(0.3 - run["wheel_torque_Nm"], time), abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("wheel.torque_Nm=1", "wheel: got both of slip and torque_Nm; exactly one is allowed"),
+        ("wheel.slip=1", "wheel.slip: got the number 1; allowed is a finite number from -1 to below 1"),
+        ("wheel.speed_m_s=null", "wheel.speed_m_s: is missing; a given slip needs the speed of the axle"),
+        ("wheel.pull_N=3", "wheel.pull_N: got 3, but the slip is given: allowed is 0"),
+        ("model=dragged_plate", "wheel: stands beside the model dragged_plate, which has no shape of the type wheel"),
+        ("drives={rail: {type: force, force_N: 1}}", "drives.rail: stands beside wheel, which drives this joint"),
+        (
+            "model.bodies.wheel.shapes.0.grousers={count: 100, height_m: 0.01, thickness_m: 0.01}",
+            "grousers.thickness_m: got 0.01; allowed is at most 0.00328",
+        ),
+        ("medium.scatter={relative: 0.6, length_m: 0.003}", "medium.scatter.relative: got the number 0.6"),
+    ],
+)
+def test_faults_of_a_wheel(override: str, words: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        scenario_of("wheel", override)
+    assert any(words in str(fault) for fault in caught.value.faults), caught.value
+
+
+def test_behind_a_turning_wheel_the_surface_is_lowered() -> None:
+    radius, omega, place = 0.06, -9.0, np.array([0.3, 0.035, 0.4])
+    drop = (radius * omega) ** 2 / 9.81
+    circle = radius * np.array([[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2 * math.pi, 65)])
+    circle[-1] = circle[0]
+    speed = np.array([0.25, -0.02, omega])
+
+    def force(medium: Drft, surface: object, spin: float, wheel: bool) -> np.ndarray:
+        load = GranularLoad(medium, surface)  # type: ignore[arg-type]
+        load.add(outline(Body("wheel", [0, 1, 2]), circle, 0.04, wheel=(np.zeros(2), radius) if wheel else None))
+        load.start(place)
+        return load.force(place, speed * (1.0, 1.0, spin), np.zeros(3))
+
+    dynamic, half = Drft(GENERIC, 900.0, 1.1), 0.5 * ROUND * radius
+    for spin in (1.0, -1.0):  # rolls to the right, then to the left
+        ends = (place[0] - half, place[0] + half)
+        heights = (-drop, 0.0) if spin > 0 else (0.0, -drop)
+        lowered = [*zip(ends, heights, strict=True)]
+        lowered = [(-9.0, heights[0]), *lowered, (9.0, heights[1])]
+        got = force(dynamic, 0.0, spin, wheel=True)
+        want = force(Drft(GENERIC, 900.0, 1.1, wheel_drop=0.0), np.array(lowered), spin, wheel=True)
+        np.testing.assert_allclose(got, want, rtol=1e-10)
+        flat = force(dynamic, 0.0, spin, wheel=False)
+        assert np.abs(got - flat).max() > 0.05 * np.abs(flat).max()
+
+
+def test_scatter_leaves_the_order_in_the_step_as_it_is() -> None:
+    steps, orders = [8e-4, 4e-4, 2e-4, 1e-4], []
+    for scatter in ("null", "{relative: 0.4, length_m: 0.003, seed: 7}"):
+        angles = []
+        for step in (*steps, 6.25e-6):
+            run = simulate(
+                "pendulum_rigid", f"medium.scatter={scatter}", f"solver={{step_s: {step}, end_time_s: 0.02}}"
+            )
+            angles.append(run["pivot_angle_deg"][-1])
+        orders.append(order(steps, list(np.abs(np.array(angles[:-1]) - angles[-1]))))
+    assert orders[1] > 1.6  # entry of the strips and the first motion of bristles take it below 2
+    assert abs(orders[0] - orders[1]) < 0.2
+
+
+def test_no_scatter_is_none_bit_by_bit() -> None:
+    plain = simulate("pendulum")
+    zero = simulate("pendulum", "medium.scatter={relative: 0, length_m: 0.003}")
+    np.testing.assert_array_equal(plain.table, zero.table)
+    some = simulate("pendulum", "medium.scatter={relative: 0.2, length_m: 0.003}")
+    assert some.summary["energy"]["imbalance_relative"] < 1e-4
+    assert abs(some.summary["stopping_time_s"] - plain.summary["stopping_time_s"]) > 1e-5
