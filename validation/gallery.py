@@ -26,6 +26,7 @@ from granular_contact.scene import build
 CONFIGS, FIGURES, PAGE = HERE.parent / "configs", HERE / "figures", HERE.parent / "configs" / "README.md"
 # Key numbers of a summary, the most telling first: key, what it is called, factor, unit.
 NUMBERS = (
+    ("wheel.sinkage_m", "sinkage", 1e3, "mm"),
     ("forward_speed_m_s", "forward speed", 1.0, "m/s"),
     ("penetration_time_s", "penetration time", 1e3, "ms"),
     ("stopping_time_s", "stopping time", 1e3, "ms"),
@@ -77,7 +78,7 @@ def names(is_kind: Callable[[Path], bool]) -> list[str]:
 def number(summary: dict[str, Any]) -> str:
     """The most telling number of a run, in words."""
     energy = {f"energy.{key}": value for key, value in summary.get("energy", {}).items()}
-    flat = summary | energy
+    flat = summary | energy | {f"wheel.{key}": value for key, value in summary.get("wheel", {}).items()}
     key, words, factor, unit = next(one for one in NUMBERS if flat.get(one[0]) is not None)
     return f"{words} {factor * flat[key]:.4g} {unit}"
 

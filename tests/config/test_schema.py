@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from granular_contact import cli
-from granular_contact.config import is_run, is_sweep, json_schema, medium_names, schema
+from granular_contact.config import is_fit, is_run, is_sweep, json_schema, medium_names, schema
 from granular_contact.config.schema import fit
 from granular_contact.config.schema.drives import DRIVES
 from granular_contact.config.schema.joints import CLOSURES, JOINTS, SYNONYMS
@@ -131,7 +131,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
 def test_every_shipped_file_fits_the_printed_schema(capsys):
     schemas = {kind: printed(capsys, kind) for kind in ("run", "sweep", "fit", "optimise")}
     assert printed(capsys) == schemas["run"]
-    files = sorted(CONFIGS.glob("*.yaml"))
+    files = [path for path in sorted(CONFIGS.glob("*.yaml")) if not is_fit(path)]
     kinds = {path: "sweep" if is_sweep(path) else "run" if is_run(path) else "optimise" for path in files}
     assert [list(kinds.values()).count(kind) for kind in ("sweep", "optimise")] == [3, 5]
     for path, kind in kinds.items():
