@@ -30,6 +30,8 @@ FIRST = (
     "test_plots.py",
     "test_bed.py",
     "test_html.py",
+    "test_blocks.py",
+    "test_site.py",
     "test_readme.py",
     "test_line_tangents.py",
     "test_recovery.py",

@@ -170,9 +170,9 @@ ACCURACY = 1e-3
 def test_chosen_steps_give_the_numbers_of_fixed_steps(name: str) -> None:
     """A run with `solver.accuracy` a promises positions to a times the distance D travelled.
 
-    README has up to 2.3 times that, and the fixed steps have an error of their own: 4 a D. So speeds of the mean are
-    off by 4 a D over their time, instants by 4 a D over the speed, works by the share 4 a of all that is done. What is
-    the time of a run's end, or counted to it, is left out where the run ends at rest.
+    docs/howto/accuracy.md has up to 2.3 times that, and the fixed steps have an error of their own: 4 a D. So speeds of
+    the mean are off by 4 a D over their time, instants by 4 a D over the speed, works by the share 4 a of all that is
+    done. What is the time of a run's end, or counted to it, is left out where the run ends at rest.
     """
     runs = []
     for more in ([], [f"solver.accuracy={ACCURACY}"]):

@@ -131,7 +131,9 @@ def _kind(schema: Schema) -> str:
     if ALLOWED in schema:
         return str(schema[ALLOWED])
     if "enum" in schema or "const" in schema:
-        return f"one of {', '.join(schema.get('enum', [schema.get('const')]))}"
+        choices = schema.get("enum", [schema.get("const")])
+        words = ", ".join(str(one).lower() if isinstance(one, bool) else str(one) for one in choices)
+        return words if len(choices) == 1 else f"one of {words}"
     if _takes_forms(schema):
         return f"{_kind(_resolved(schema['oneOf'][0]))}, or a list of such"
     if tag := tags(schema):

@@ -6,10 +6,10 @@ With local depth z, velocity v, unit tangent t, diameter d and section area A = 
     dF_sh/ds = -2 eta_h g rho d z |t_y| sgn(v_x)                    horizontal static resistance
     dF_sv/ds = -(lam + 1) eta_v g rho A (z/d)^lam sgn(v_y)          vertical static resistance
 
-Over a straight link that pierces the surface these integrate to the resultants of the source paper [rebuilt there, see
-README]. (eta_v, lam) have one value for plunging (v_y < 0) and one for withdrawing. The sign is regularised in
-`kernels.friction`. In space sgn(v_x) e_x becomes the horizontal direction r of the motion and |t_y| becomes
-|t x r| [ours], see `kernels.bars`.
+Over a straight link that pierces the surface these integrate to the resultants of the source paper [rebuilt, see
+docs/about/model.md]. (eta_v, lam) have one value for plunging (v_y < 0) and one for withdrawing. The sign is
+regularised in `kernels.friction`. In space sgn(v_x) e_x becomes the horizontal direction r of the motion and |t_y|
+becomes |t x r| [ours], see `kernels.bars`.
 
 A strip has end positions p_0, p_1 with c = p_1 - p_0, so that ds = |c| dxi, |t x v| ds = |c x v| dxi and
 |t_y| ds = |c_y| dxi.

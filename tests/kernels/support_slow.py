@@ -1,7 +1,7 @@
 """The law of `media.lee_marghitu` once more, slow and obvious, and short ways to call the kernels.
 
 Nothing here comes from the kernels: closed resultants of a straight link as the paper has them (Lee and Marghitu,
-flexible link that impacts a granular medium; README, "The model"), and a midpoint rule or adaptive quadrature along its
+flexible link that impacts a granular medium; docs/about/model.md), and a midpoint rule or adaptive quadrature along its
 true immersed part.
 """
 

@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 import pytest
 from support_power import Power
-from support_runs import ROOT
 
 from granular_contact import build, load, simulate
 from granular_contact.config import allowed
@@ -48,12 +47,6 @@ surface_height_m: -0.01
 initial: {joints: {free: {x_m: 0, y_m: 0, angle_deg: 0, vx_m_s: 0.3, vy_m_s: -0.5}}}
 solver: {end_time_s: 0.02, step_s: 2.0e-4}
 """
-
-
-def test_it_is_the_law_that_readme_shows() -> None:
-    shown = (ROOT / "README.md").read_text(encoding="utf-8")
-    own = (ROOT / "tests" / "laws" / "support_power.py").read_text(encoding="utf-8")
-    assert f"```python\n{own}```" in shown
 
 
 def test_python_needs_the_class_alone() -> None:

@@ -38,7 +38,7 @@ def split(number: str) -> tuple[str, float, str]:
 
 @pytest.mark.parametrize("name", gallery.names(is_sweep))
 def test_a_sweep_comes_to_its_end(name: str) -> None:
-    """One in eleven, of inputs in which neighbours differ; tests/test_readme.py runs all of the sensitivity's."""
+    """One in eleven, of inputs in which neighbours differ; tests/docs/test_blocks.py runs all of the sensitivity's."""
     done, of = (int(number) for number in re.findall(r"\d+", SHOWN[name]))
     assert done == of == len(load_sweep(gallery.CONFIGS / f"{name}.yaml").cases), ADVICE
     done, of = (int(number) for number in re.findall(r"\d+", gallery.cases(name, every=11)))

@@ -1,0 +1,86 @@
+"""What mkdocs does beside its own: pages of the reference and of the project's READMEs, files of the repository.
+
+A link from any page to a file of the repository goes to the page made of it, or to a copy of the file (configs, models,
+pictures); a file that the site has neither of is named in place of a link.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File, Files
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+sys.path[:0] = [str(HERE), str(ROOT)]
+
+import reference
+
+# Files of the repository that are pages of the site.
+PAGES = {
+    "configs/README.md": "gallery.md",
+    "models/README.md": "howto/mechanisms.md",
+    "validation/README.md": "about/studies.md",
+    "README.md": "index.md",
+}
+COPIED = (".yaml", ".png", ".gif", ".csv", ".json", ".urdf")  # of other files of the repository that pages name
+_LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
+
+
+def on_files(files: Files, *, config: Any) -> Files:
+    """Add the pages that are made, and the style."""
+    for name, text in reference.pages().items():
+        files.append(File.generated(config, name, content=text))
+    for name, page in PAGES.items():
+        files.append(File.generated(config, page, content=(ROOT / name).read_text(encoding="utf-8")))
+    files.append(File.generated(config, "style.css", content=(HERE / "style.css").read_text(encoding="utf-8")))
+    texts = [(file.src_uri, file.content_string) for file in files.documentation_pages()]
+    for name in sorted({one for page, text in texts for one in _copied(page, text)}):
+        files.append(File.generated(config, f"files/{name}", abs_src_path=str(ROOT / name)))
+    return files
+
+
+def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
+    """The page with links that lead to what the site has."""
+    return _LINK.sub(lambda found: _link(page.file.src_uri, found), markdown)
+
+
+def _source(page: str) -> Path:
+    """Folder of the file of the repository that a page is made of."""
+    for name, made in PAGES.items():
+        if made == page:
+            return (ROOT / name).parent
+    return (ROOT / "docs" / page).parent
+
+
+def _meant(page: str, target: str) -> str | None:
+    """The file of the repository that a link means, relative to its root; None for one within the docs, or none."""
+    if not target or re.match(r"\w+:", target):
+        return None
+    path = (_source(page) / target).resolve()
+    if not path.is_relative_to(ROOT) or not path.exists():
+        return None
+    return path.relative_to(ROOT).as_posix()
+
+
+def _copied(page: str, text: str) -> list[str]:
+    found = [_meant(page, one[2]) for one in _LINK.findall(text)]
+    return [name for name in found if name and name.endswith(COPIED) and not name.startswith("docs/")]
+
+
+def _link(page: str, found: re.Match[str]) -> str:
+    sign, words, target, part = found[1], found[2], found[3], found[4] or ""
+    name = _meant(page, target)
+    if name is None or page.startswith("reference/"):
+        return found[0]
+    up = "../" * page.count("/")
+    if name in PAGES:
+        return f"{sign}[{words}]({up}{PAGES[name]}{part})"
+    if name.startswith("docs/"):
+        return f"{sign}[{words}]({up}{name.removeprefix('docs/')}{part})"
+    if name.endswith(COPIED):
+        return f"{sign}[{words}]({up}files/{name})"
+    return words if words.strip("`") == name or "`" in words else f"{words} (`{name}`)"

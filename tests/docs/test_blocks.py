@@ -1,0 +1,86 @@
+"""The tutorials and how-to pages do what they show, each in a folder of its own; kernels are shared by all of them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from support_blocks import ROOT, Page, assert_told, blocks, run
+
+DOCS = ROOT / "docs"
+NEEDS = {"howto/gym.md": "gymnasium", "howto/optimise.md": "cma"}
+OWN = ("tutorials/fit.md", "tutorials/sweep.md")  # those with more to be asked of
+PAGES = sorted(
+    name
+    for path in DOCS.rglob("*.md")
+    if blocks(path) and (name := path.relative_to(DOCS).as_posix()) not in (*OWN, "architecture.md")
+)
+
+
+def at(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
+    """A page that was run in a folder."""
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    return run(DOCS / name)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_what_a_page_shows_happens(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert at(name, tmp_path, monkeypatch).blocks > 0
+    if name == "howto/law.md":
+        _forget("power")
+
+
+def _forget(tag: str) -> None:
+    """Take a law out again that a page added, for the tests that come after it in this process."""
+    from granular_contact.config import allowed
+    from granular_contact.config.schema import Bed, BedLayer, Scenario
+    from granular_contact.laws.catalogue import LAWS
+
+    del LAWS[tag]
+    for part in (BedLayer, Bed, Scenario, *Scenario.__subclasses__()):
+        part.model_rebuild(force=True)
+    allowed.forget()
+
+
+def test_the_fit_finds_the_sand_that_made_the_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    at("tutorials/fit.md", tmp_path, monkeypatch)
+    results = tmp_path / "results"
+    found = json.loads((results / "fit" / "fit.json").read_text(encoding="utf-8"))
+    assert found["status"] == "fits"
+    for key, true in (("medium.eta_d", 5.0), ("medium.plunging.eta_v", 30.0)):
+        parameter = found["parameters"][key]
+        # Four standard errors: once in 16 000 draws of the noise, and the draw is fixed.
+        assert abs(parameter["value"] - true) < 4 * parameter["standard_error"] < 0.05 * true
+    assert json.loads((results / "in_fitted_sand" / "summary.json").read_text(encoding="utf-8"))["status"] == "rest"
+
+
+def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = at("tutorials/sweep.md", tmp_path, monkeypatch)
+    assert "Sobol indices of stopping_time_s" in page.printed
+    with (tmp_path / "results" / "sensitivity" / "sensitivity.csv").open(encoding="utf-8") as file:
+        total = {row["input"]: float(row["total"]) for row in csv.DictReader(file)}
+    # validation/sensitivity.py: drag has less than a hundredth of the variance, speed and eta_v nearly all.
+    assert total["medium.eta_d"] < 0.02
+    assert total["initial.impact_speed_rad_s"] > 0.3
+    assert total["medium.plunging.eta_v"] > 0.3
+
+
+def test_files_that_pages_show_are_the_shipped_ones() -> None:
+    for page, name in (("howto/optimise.md", "optimise_speed_close"), ("tutorials/sweep.md", "sensitivity")):
+        shipped = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text(encoding="utf-8"))
+        shown = [yaml.safe_load(block["code"]) for block in blocks(DOCS / page) if block["kind"] == "yaml"]
+        assert shipped in shown
+
+
+def test_another_number_or_word_would_be_noticed() -> None:
+    printed = "a 1.234 m\nb 5 s, rest\n"
+    assert_told("a 1.23 m\nb 5 s, rest\n", printed)
+    for other in ("a 1.26 m\n", "b 6 s, rest\n", "b 5 s, end\n", "b 5 s, rest\na 1.23 m\n"):
+        with pytest.raises(AssertionError):
+            assert_told(other, printed)

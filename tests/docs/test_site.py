@@ -1,0 +1,76 @@
+"""The documentation is built without a warning and without network, and its reference has all that there is."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support_runs import ROOT
+
+import granular_contact
+from granular_contact.cli.main import COMMANDS
+from granular_contact.config.schema import shapes
+from granular_contact.config.schema.space import shapes as shapes_in_space
+from granular_contact.laws.catalogue import LAWS
+
+BUILD = "from mkdocs.__main__ import cli; cli(['build', '--strict', '-q', '-d', {!r}])"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Its pages, by their paths. Strict: a lost link or anchor, or a page in no menu, ends the build."""
+    pytest.importorskip("mkdocs")
+    pytest.importorskip("mkdocstrings")
+    folder = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [sys.executable, "-c", BUILD.format(str(folder))], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.html")}
+
+
+def ids(html: str) -> set[str]:
+    return set(re.findall(r'id="([^"]+)"', html))
+
+
+def test_every_public_name_is_in_the_reference(site: dict[str, str]) -> None:
+    page = site["reference/python.html"]
+    shown = {one.rpartition(".")[2] for one in ids(page)} | set(re.findall(r"<code>(\w+)</code>", page))
+    assert set(granular_contact.__all__) - shown == set()
+
+
+def test_every_shape_has_a_section_with_a_picture(site: dict[str, str]) -> None:
+    for page, kinds in (("shapes", shapes.SHAPES), ("shapes_in_space", shapes_in_space.SHAPES)):
+        html = site[f"reference/{page}.html"]
+        assert html.count("<svg viewBox=") == len(kinds)
+        for cls in kinds.values():
+            assert re.sub(r"(?<=[a-z])(?=[A-Z])", "-", cls.__name__).lower() in ids(html)
+
+
+def test_every_law_key_and_command_has_its_place(site: dict[str, str]) -> None:
+    media, run, commands = (site[f"reference/{name}.html"] for name in ("media", "run", "commands"))
+    for tag, law in LAWS.items():
+        assert f"<code>{tag}</code>" in media
+        assert all(f"<code>{field.alias or name}</code>" in media for name, field in law.model_fields.items())
+    for key in granular_contact.load("pendulum").scenario.model_dump():
+        assert f"<code>{key}</code>" in run
+    assert {module.__name__.rpartition(".")[2].replace("_", "-") for module in COMMANDS} <= ids(commands)
+
+
+def test_pages_fetch_nothing_from_elsewhere(site: dict[str, str]) -> None:
+    assert len(site) > 30
+    for name, html in site.items():
+        fetched = re.findall(r"""<(?:script|img|iframe|video)[^>]*src=["']?(?:https?:)?//[^"' >]+""", html)
+        fetched += re.findall(r"""<link[^>]*href=["']?(?:https?:)?//[^"' >]+""", html)
+        assert fetched == [], name
+
+
+def test_pages_of_readmes_lead_to_pages_and_copies(site: dict[str, str]) -> None:
+    """Links to files of the repository: to the page made of one, to a copy of a config, or none."""
+    index, gallery = site["index.html"], site["gallery.html"]
+    assert 'href="howto/mechanisms.html"' in index
+    assert 'href="files/configs/runner.yaml"' in gallery
+    assert Path("README.md").name not in "".join(re.findall(r'href="([^"]*)"', index))
