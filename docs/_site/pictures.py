@@ -115,6 +115,11 @@ FOOT = path(*[(-70 + 14 * math.cos(a), 14 * math.sin(a)) for a in [math.pi / 2 +
             *[(70 + 14 * math.cos(a), 14 * math.sin(a)) for a in [-math.pi / 2 + math.pi * i / 12 for i in range(13)]],
             closed=True)  # fmt: skip
 TURN = [math.pi * i / 16 for i in range(17)]
+TEETH = [
+    (2 * math.pi * (i + part) / 12, 60.0 if part in (0.44, 0.56) else 48.0)
+    for i in range(12)
+    for part in (0.0, 0.15, 0.3, 0.43, 0.44, 0.56, 0.57, 0.7, 0.85)
+]
 SECTION = [(-60, -30), (60, -30), (75, 5), (40, 35), (-60, 35)]
 
 DRAWINGS: dict[str, list[str]] = {
@@ -124,6 +129,17 @@ DRAWINGS: dict[str, list[str]] = {
         text(0, -12, "center_m"),
         size((-55, -70), (55, -70), "diameter_m", (0, -10)),
         text(70, 60, "thickness_m: into the page", "middle"),
+    ],
+    "WheelShape": [
+        path(*((r * math.cos(a), r * math.sin(a)) for a, r in TEETH), closed=True),
+        circle(0, 0, 2, "dot"),
+        text(-4, -12, "center_m"),
+        arrow((0, 0), (36, 31)),
+        text(14, 34, "radius_m", "end"),
+        text(66, 30, "grousers: count, height_m,", "start"),
+        text(66, 14, "thickness_m", "start"),
+        text(0, -76, "width_m: into the page"),
+        axes(-130, -50),
     ],
     "SphereShape": [
         circle(0, 0, 55),
