@@ -122,10 +122,12 @@ class SteadyBody:
 
 
 def _mobilised(layer: Layer) -> Layer:
-    """A layer whose shear needs no way to build up."""
-    if getattr(layer.medium, "shear_modulus", 0.0) == 0.0:
-        return layer
-    return replace(layer, medium=layer.medium.model_copy(update={"shear_modulus": 0.0}))
+    """A layer whose shear needs no way to build up, and whose resistance is its mean, without scatter."""
+    medium = layer.medium
+    plain: dict[str, object] = {} if medium.scatter is None else {"scatter": None}
+    if medium.shear_grows:
+        plain["shear_modulus"] = 0.0
+    return replace(layer, medium=medium.model_copy(update=plain)) if plain else layer
 
 
 def _chosen(scene: Scene, name: str | None) -> RigidBody:
