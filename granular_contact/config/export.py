@@ -122,16 +122,33 @@ def _complete(schema: dict[str, Any], ranges: dict[str, Any]) -> None:
 def _part_schema(key: str) -> dict[str, Any]:
     """Of the file of a model or a medium, which may begin from another one."""
     run = _run_schema()
-    _, patch, whole, *_ = run["properties"][key]["anyOf"]
+    _, patch, whole, *more = run["properties"][key]["anyOf"]
     if key == "medium":
-        whole = _single(whole)
-    return {"$defs": run["$defs"], "title": key.capitalize(), "anyOf": [whole, patch]}
+        whole, more = _single(whole), []
+    return {"$defs": run["$defs"], "title": key.capitalize(), "anyOf": [whole, patch, *more]}
 
 
 def _names(noun: str, known: Sequence[str], others: bool) -> dict[str, Any]:
     """Of a name or a path: editors offer the known names; others: whether there may be more of them."""
     path = {"type": "string"} if others else {"type": "string", "pattern": r"\.ya?ml$"}
     return {"anyOf": [{"enum": [*known]}, path], "description": f"Name of a {noun}, or a path ending in .yaml."}
+
+
+def _add_space(schema: dict[str, Any]) -> None:
+    """Allow in a run what one in space may say: its model, from a robot file too, its bed and its start."""
+    from granular_contact.config.schema.space import SpatialScenario
+
+    spatial = _described(SpatialScenario)
+    schema["$defs"] = spatial.pop("$defs") | schema["$defs"]
+    for key in ("model", "bed", "initial"):
+        planar, other = schema["properties"][key], spatial["properties"][key]
+        forms = planar["anyOf"] if "anyOf" in planar else [{"$ref": planar["$ref"]}]
+        more = [one for one in other.get("anyOf", [{"$ref": other.get("$ref")}]) if one not in forms]
+        schema["properties"][key] = {"anyOf": [*forms, *more], **{k: planar[k] for k in ("description",) if k in planar}}
+    file = {"type": "string", "description": "Robot file; what else may stand here: models/README.md."}
+    schema["properties"]["model"]["anyOf"].append(
+        {"type": "object", "required": ["urdf"], "properties": {"urdf": file}}
+    )
 
 
 def _run_schema() -> dict[str, Any]:
@@ -148,6 +165,7 @@ def _run_schema() -> dict[str, Any]:
         schema["properties"][key] = {"anyOf": forms}
     layer = schema["$defs"]["BedLayer"]["properties"]
     layer["medium"] = {"anyOf": [name, patch, layer["medium"]]}
+    _add_space(schema)
     _shorten_signals(schema)
     words = {"enum": list(WORDS)}
     schema["properties"]["method"] = {"anyOf": [words, schema["properties"]["method"]]}

@@ -24,7 +24,7 @@ from granular_contact.laws.catalogue import LAWS
 
 def test_json_schema_takes_names_and_mappings():
     model, medium = (json_schema()["properties"][key]["anyOf"] for key in ("model", "medium"))
-    assert [option.get("type") for option in model] == [None, "object", None]
+    assert [option.get("type") for option in model] == [None, "object", None, None, "object"]  # and a robot file
     assert medium[1]["required"] == ["from"]
     # Editors offer what is shipped; a model of another name may stand beside the config.
     (models, others), (media, path) = (names[0]["anyOf"] for names in (model, medium))
@@ -157,3 +157,10 @@ def test_a_sweep_holds_a_whole_config_and_one_kind_of_cases(capsys):
     assert not fits(whole, {"config": config | {"medum": 3}, "vary": {"gravity_m_s2": [1]}}, whole)
     assert not fits(whole, {"config": "run.yaml", "vary": {"gravity_m_s2": {"from": 1, "to": 2}}}, whole)
     assert not fits(whole, {"config": "run.yaml"}, whole)
+
+
+def test_models_of_both_kinds_fit_the_schema_of_models() -> None:
+    model = json_schema("model")
+    for path in sorted((CONFIGS.parent / "models").glob("*.yaml")):
+        assert fits(model, plain(read_file(path, [])), model), path.name
+    assert not fits(model, {"name": "a", "bodys": {}}, model)
