@@ -24,9 +24,16 @@ Array = NDArray[np.float64]
 # Of every config so much as takes seconds: the impacts whole, of gaits the first strides.
 SHORT = {name: ("solver.end_time_s=0.3",) for name in ("c_leg", "dragged_plate", "stepping_leg", "walker")}
 SHORT |= {name: ("solver.end_time_s=0.3",) for name in ("flexible_leg", "flexible_leg_rigid", "runner")}
+# Of configs that choose their steps, fixed ones (s).
+FIXED = {"c_leg": 2e-4, "runner": 2e-4, "stepping_leg": 5e-4, "walker": 5e-4, "chain": 1e-4, "chain_flexible": 1e-4}
 NAMES = sorted(path.stem for path in CONFIGS.glob("*.yaml") if is_run(path))
 _OF_THE_STEPS = ("cost", "versions", "warnings", "message", "status")
 VIBRATES = ("hub_stopping_time_s", "max_deflection_time_s", "energy.damping_work_J")
+
+
+def in_fixed_steps(name: str) -> list[str]:
+    """Overrides by which a config has fixed steps."""
+    return ["solver.accuracy=null", f"solver.step_s={FIXED[name]}"] if name in FIXED else []
 
 
 def test_extremes_and_crossings_of_a_cubic_are_exact() -> None:
@@ -126,7 +133,9 @@ def test_instants_left_out_change_no_number(name: str) -> None:
     its share of the time; what is read to the second order is off by the share that H is of the time constants of the
     motion, tens of gaps: 5 % of a gap. What vibrates has ten steps a period: half a gap.
     """
-    scenario = load_scenario(CONFIGS / f"{name}.yaml", [*SHORT.get(name, ()), "output.figures=false"])
+    scenario = load_scenario(
+        CONFIGS / f"{name}.yaml", [*SHORT.get(name, ()), *in_fixed_steps(name), "output.figures=false"]
+    )
     scene = build(scenario)
     begun = run_module.begin(scene, None, None)
     begun.solving.advance()
@@ -175,7 +184,7 @@ def test_chosen_steps_give_the_numbers_of_fixed_steps(name: str) -> None:
     done. What is the time of a run's end, or counted to it, is left out where the run ends at rest.
     """
     runs = []
-    for more in ([], [f"solver.accuracy={ACCURACY}"]):
+    for more in (in_fixed_steps(name), [f"solver.accuracy={ACCURACY}"]):
         scenario = load_scenario(CONFIGS / f"{name}.yaml", [*SHORT.get(name, ()), *more])
         runs.append(run_and_motion(scenario))
         assert runs[-1][0].status.code in FINISHED
