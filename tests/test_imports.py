@@ -68,6 +68,17 @@ MAY = {
     "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},
     "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},
     "studies.sweep": {"studies.sweep", "config", "scene", "run", "report", "report.figures", "results", "errors"},
+    "studies.ensemble": {
+        "studies.ensemble",
+        "studies.sweep",
+        "config",
+        "scene",
+        "laws",
+        "report",
+        "report.figures",
+        "results",
+        "errors",
+    },
     "studies.optimise": {
         "studies.optimise",
         "studies.sweep",

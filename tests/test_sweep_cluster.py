@@ -22,6 +22,7 @@ from granular_contact.studies.sweep import cluster
 from granular_contact.studies.sweep.cluster import cluster_pool
 
 pytest.importorskip("distributed")
+SCATTER = "medium.scatter={relative: 0.3, length_m: 0.003, seed: 11}"
 QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 12}}\n"
 
 
@@ -72,6 +73,27 @@ def workers(scheduler, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str
 @pytest.fixture
 def numbered(tmp_path) -> sweep.WorkerPool:
     return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
+
+
+def test_an_ensemble_is_the_same_on_one_worker_on_two_and_on_a_cluster(workers, tmp_path) -> None:
+    words = (
+        CONFIGS / "pendulum_rigid.yaml",
+        "--set",
+        SCATTER,
+        "--set",
+        "output.figures=false",
+        "--count",
+        "7",
+        "--quiet",
+    )
+    found = {}
+    for name, where in (("one", ("--workers", "1")), ("two", ("--workers", "2")), ("dask", ("--scheduler", workers))):
+        done = command("ensemble", *words, "--out", tmp_path / name, *where)
+        assert done.returncode == 0, done.stderr
+        tables = ("statistics.csv", "convergence.csv", "bands.csv")
+        found[name] = [(tmp_path / name / table).read_bytes() for table in tables]
+    assert found["one"] == found["two"] == found["dask"]
+    assert found["one"][0].count(b"\n") > 5
 
 
 def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):

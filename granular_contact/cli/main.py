@@ -16,6 +16,7 @@ from granular_contact.cli import (
     check,
     compare,
     compare_media,
+    ensemble,
     examples,
     fit,
     media,
@@ -32,7 +33,7 @@ from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED,
 from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
 
 COMMANDS = (
-    *(new, run, check, report, sweep, optimise, compare, compare_media, fit),
+    *(new, run, check, report, sweep, ensemble, optimise, compare, compare_media, fit),
     *(media, examples, schema, warm, validate),
 )
 

@@ -1,0 +1,107 @@
+"""The command `ensemble`: one config with many seeds of its medium's scatter; bands, quantiles, settling means."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granular_contact.cli import many
+from granular_contact.cli.common import FAILED, FINE, add_set, complain, output_folder, print_table, read
+from granular_contact.cli.sweep_progress import progress
+
+if TYPE_CHECKING:
+    from granular_contact.config import Sweep
+    from granular_contact.studies.ensemble import Summary
+    from granular_contact.studies.sweep import Row, WorkerPool
+    from granular_contact.studies.sweep.checkpoint import Checkpoint
+
+HELP = "run a config with many seeds of its medium's scatter: bands, quantiles and means"
+MOST_SHOWN = 12  # numbers; the rest is in statistics.csv
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    many.add_arguments(parser, "YAML file of a run whose medium has scatter", "run all seeds again")
+    add_set(parser, "medium.scatter.relative=0.2")
+    parser.add_argument("--count", metavar="N", type=int, default=200, help="runs (200)")
+    parser.add_argument("--seed", metavar="N", type=int, help="first seed (that of the config)")
+
+
+def act(chosen: argparse.Namespace) -> int:
+    """Run the command; returns the exit code."""
+    from granular_contact.studies.ensemble import cases
+
+    scenario, _ = read(chosen.file, chosen.set)
+    sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
+    folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
+    return many.with_pool(chosen, None, partial(_with_pool, chosen, sweep, folder))
+
+
+def _with_pool(chosen: argparse.Namespace, sweep: Sweep, folder: Path, pool: WorkerPool) -> int:
+    from granular_contact.studies.sweep import table
+    from granular_contact.studies.sweep.checkpoint import is_finished
+
+    work = table.work_of(sweep)
+    if is_finished(work, folder) and not chosen.restart:
+        if not chosen.quiet:
+            print(f"{folder} holds all runs of this ensemble already; --restart runs them again")
+        return FINE
+    return many.with_checkpoint(
+        chosen,
+        work,
+        folder,
+        pool,
+        lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
+        count=len(sweep.cases),
+        interrupted=lambda checkpoint: table.write(sweep, _plain(checkpoint), checkpoint.folder),
+    )
+
+
+def _plain(checkpoint: Checkpoint) -> list[Row]:
+    """Rows without their histories, in the order of the seeds."""
+    from granular_contact.studies.ensemble.runs import SERIES
+
+    rows = sorted(checkpoint.journal, key=lambda row: row.index)
+    kept = ({key: x for key, x in row.summary.items() if not key.startswith(f"{SERIES}.")} for row in rows)
+    return [replace(row, summary=summary) for row, summary in zip(rows, kept, strict=True)]
+
+
+def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+    from granular_contact.studies.ensemble import observed, of_rows
+    from granular_contact.studies.ensemble.writing import write
+    from granular_contact.studies.sweep import WorkerPoolError, run, table
+
+    count, begin = len(sweep.cases), time.perf_counter()
+    rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, function=observed)
+    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
+        for _ in rows:
+            advance()
+    if missing := count - len(checkpoint.journal):
+        raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
+    table.write(sweep, _plain(checkpoint), checkpoint.folder)
+    found = of_rows(checkpoint.journal)
+    write(found, checkpoint.folder, figures=sweep.base.output.figures)
+    checkpoint.finish()
+    if not chosen.quiet:
+        _show(found)
+        print(f"{sweep.name}: {count} runs in {time.perf_counter() - begin:.2f} s, saved in {folder}")
+    if found.failed:
+        complain(f"{found.failed} of {count} runs failed; saved in {folder}")
+    return FAILED if found.failed else FINE
+
+
+def _show(found: Summary) -> None:
+    """Print the first key numbers."""
+    heads = ("mean", "+- 95 %", "st. dev.", "5 %", "median", "95 %")
+    rows = []
+    for key, one in list(found.numbers.items())[:MOST_SHOWN]:
+        low, _, middle, _, high = one.quantiles
+        told = (one.mean, 1.96 * one.error, one.deviation, low, middle, high)
+        rows.append([key, *(f"{x:.4g}" for x in told)])
+    print_table("key number", heads, rows)

@@ -1,0 +1,71 @@
+"""Statistics of ensembles, and what they refuse. That they do not depend on workers: tests/test_sweep_cluster.py."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support_runs import scenario_of
+
+from granular_contact.cli import main
+from granular_contact.errors import ConfigError
+from granular_contact.studies import ensemble
+from granular_contact.studies.ensemble.runs import INSTANTS
+from granular_contact.studies.sweep.journal import Row
+
+SCATTER = "medium.scatter={relative: 0.3, length_m: 0.003, seed: 5}"
+
+
+def rows(values: np.ndarray) -> list[Row]:
+    """Runs that end at 1 s or 2 s, in another order than that of their seeds."""
+    made = []
+    for i, x in enumerate(values):
+        end = 1.0 + i % 2
+        told = {"status": "rest", "message": "", "max_depth_m": float(x), "same": 3.0, "cost.solve_s": float(i)}
+        told |= {"series.time_s": np.linspace(0, end, INSTANTS).tolist(), "series.depth_m": [float(x)] * INSTANTS}
+        made.append(Row(i, str(i), {}, told))
+    return [Row(len(values), "bad", {}, {"status": "error", "message": "no"}), *made[::-1]]
+
+
+def test_numbers_of_an_ensemble() -> None:
+    values = np.random.default_rng(3).normal(0.2, 0.03, 500)
+    found = ensemble.of_rows(rows(values))
+    assert (found.count, found.failed, list(found.numbers)) == (500, 1, ["max_depth_m"])
+    depth = found.numbers["max_depth_m"]
+    np.testing.assert_array_equal(depth.values, values)
+    assert depth.mean == pytest.approx(values.mean())
+    assert depth.error == pytest.approx(values.std(ddof=1) / np.sqrt(500))
+    runs, mean, half = depth.settling()
+    for n in (2, 17, 500):
+        at = int(np.flatnonzero(runs == n)[0])
+        assert mean[at] == pytest.approx(values[:n].mean())
+        assert half[at] == pytest.approx(1.96 * values[:n].std(ddof=1) / np.sqrt(n), rel=1e-9)
+    assert found.time[-1] == 2.0
+    np.testing.assert_allclose(found.bands["depth_m"][2], np.median(values), rtol=1e-12)
+
+
+def test_members_differ_in_their_seed_alone() -> None:
+    sweep = ensemble.cases(scenario_of("pendulum_rigid", SCATTER), 3)
+    members = [sweep.scenario(case) for case in sweep.cases]
+    assert [one.media[0].scatter.seed for one in members] == [5, 6, 7]
+    assert {one.media[0].model_copy(update={"scatter": None}).model_dump_json() for one in members} == {
+        scenario_of("pendulum_rigid").media[0].model_dump_json()
+    }
+
+
+def test_a_run_without_scatter_is_no_ensemble(capsys: pytest.CaptureFixture[str]) -> None:
+    for override in ("medium.scatter=null", "medium.scatter={relative: 0, length_m: 0.003}"):
+        with pytest.raises(ConfigError, match=r"medium.scatter: is missing, or its relative is 0"):
+            ensemble.cases(scenario_of("pendulum_rigid", override), 3)
+    with pytest.raises(ConfigError, match="got 1 runs from the seed 5 on; allowed are 2 runs or more"):
+        ensemble.cases(scenario_of("pendulum_rigid", SCATTER), 1)
+    assert main(["ensemble", "configs/pendulum.yaml"]) == 2
+    assert "medium.scatter: is missing" in capsys.readouterr().err
+
+
+def test_what_scatters_is_for_the_engine_and_for_distributed_loads() -> None:
+    from granular_contact.errors import SceneError
+    from granular_contact.scene import build
+
+    for override, words in (("method={reduced: {modes: 0}}", "scatters"), ("load.form=resultant", "load.form")):
+        with pytest.raises(SceneError, match=words):
+            build(scenario_of("pendulum_rigid", SCATTER, override))
