@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         gravity_m_s2: float
         surface_height_m: float | None
         bed: Section | None
+        wheel: Section | None
         initial: Section
         drives: Section
         signals: Section
