@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.errors import SolveError
+from granular_contact.errors import SolveError, scene_error
 from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
@@ -71,6 +71,10 @@ class Solve:
         back to its states on the way.
         """
         self.system, mbs, scene = system, system.mbs, system.scene
+        if pauses and scene.in_space:
+            raise scene_error(
+                "model.in_space", "a run in space can't be stepped or steered yet; allowed is to simulate it"
+            )
         self.simulation = settings(scene) if simulation is None else simulation
         self.recorder = Recorder(system, progress)
         self.solver = exu.MainSolverImplicitSecondOrder()
