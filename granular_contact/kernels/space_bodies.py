@@ -11,7 +11,8 @@ Arguments that they share:
     clusters            (clusters,) records of `space_law`, those of a body one after another
     elements, anchors   rows of all clusters, one after another, see `facets`, `bars`, `space_balls`
     active              (clusters,) whether one may touch the surface in this step; the others are passed over
-    ground, medium      see `space_law`; medium (1,)
+    ground              see `ground`; a cluster sees the plane that touches it at its middle
+    medium              see `space_law`; (1,)
 
 A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
 R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M.
@@ -26,6 +27,7 @@ from numba import njit
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
+from granular_contact.kernels.ground import tangent_plane
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import difference
 
@@ -96,15 +98,25 @@ def place(q, v, size, turn, pose, G):
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
+def below(sphere, pose, ground, plane):
+    """Fill plane (4,) with the surface as what lies in a sphere (a record) of a body sees it."""
+    x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
+    y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
+    tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
 def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
     """Set out (7,) to the generalised forces on a body, and fill W (TERMS, 6) with its wrench in the bed's frame."""
     G = np.empty((3, 4))
     place(q, v, body.size, turn, pose, G)
     W[:] = 0.0
+    plane = np.empty(4)
     for c in range(body.first, body.last):
         if active[c]:
             s, e = clusters[c].first, clusters[c].last
-            law.forces(elements[s:e], anchors[s:e], clusters[c], pose, ground, medium, W)
+            below(clusters[c], pose, ground, plane)
+            law.forces(elements[s:e], anchors[s:e], clusters[c], pose, plane, medium, W)
     out[:] = 0.0
     for i in range(3):
         force, moment = 0.0, 0.0
@@ -218,7 +230,7 @@ def accept(
     (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time.
     """
     q, v, f, W = np.empty(7), np.empty(7), np.empty(7), np.empty((TERMS, 6))
-    seen = np.empty(3)
+    seen, plane = np.empty(3), np.empty(4)
     for b in range(bodies.shape[0]):
         body, pose = bodies[b], poses[b]
         at = places[body.start : body.start + body.size]
@@ -229,7 +241,8 @@ def accept(
         for c in range(body.first, body.last):
             if active[c]:
                 s, e = clusters[c].first, clusters[c].last
-                law.follow(elements[s:e], anchors[s:e], clusters[c], pose, ground, medium[0], seen)
+                below(clusters[c], pose, ground, plane)
+                law.follow(elements[s:e], anchors[s:e], clusters[c], pose, plane, medium[0], seen)
         if not acts(body, active):
             seen[law.DEPTH] = proximity[b, DEEPEST]
         proximity[b, EVER] = max(proximity[b, EVER], seen[law.DEPTH])
@@ -265,7 +278,9 @@ def bound(sphere, pose, ground, near):
     x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
     y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
     z = pose[2, 0] * sphere.x + pose[2, 1] * sphere.y + pose[2, 2] * sphere.z
-    depth = ground[0] + ground[1] * (pose[3, 0] + x) + ground[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    plane = np.empty(4)
+    tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
+    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
     vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
     vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
     vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x

@@ -15,6 +15,7 @@ from granular_contact.bed.given import layers_of, records_of
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.space import elements
 from granular_contact.bed.space.batch import SpatialBatch
+from granular_contact.bed.space.heights import Heights
 from granular_contact.bed.space.history import SpatialHistory, SpatialTable
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
 from granular_contact.errors import scene_error
@@ -44,6 +45,8 @@ class SpatialLoad(GranularLoad):
         Direction against which depth is counted and gravity acts on the medium, in the world frame.
     slope : (3,) array or 0
         Rise of the surface per length along each axis of the world; what lies along `up` does not count.
+    heights : Heights, optional
+        A map of heights above such a surface; for a bed whose `up` is z.
     """
 
     def __init__(
@@ -53,6 +56,7 @@ class SpatialLoad(GranularLoad):
         *,
         up: ArrayLike = (0.0, 0.0, 1.0),
         slope: ArrayLike = 0.0,
+        heights: Heights | None = None,
         gravity: float = 9.81,
         static: Elastoplastic | Smooth | None = None,
         end_cap: bool = False,
@@ -69,6 +73,9 @@ class SpatialLoad(GranularLoad):
         self.records = records_of(self.layers, static, gravity)
         self.turn = turn_to(up)
         self.ground = _ground(surface, slope, self.turn)
+        if heights is not None:
+            self.ground = np.concatenate([self.ground, heights.numbers])
+            self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
         self.floor, self.resultant, self.end_cap = None, False, end_cap
         self.lines: list[Any] = []  # of `Elements`; under this name the door asks whether there is anything
         self.batches: list[Any] = []
@@ -129,7 +136,8 @@ class SpatialLoad(GranularLoad):
                 sets = [one for one in self.lines if one.meets == kind]
                 if sets:
                     columns = [self.table.columns(index, one.body.name) for one in sets]
-                    ground = self.ground - np.array([float(getattr(medium, "surface_drop", 0.0)), 0.0, 0.0, 0.0])
+                    ground = self.ground.copy()
+                    ground[0] -= float(getattr(medium, "surface_drop", 0.0))
                     ways = medium.shear_grows and kind == "surface"
                     batch = SpatialBatch(sets, owner_of(type(medium)), record, ground, self.turn, columns, ways)
                     self.batches.append(batch)

@@ -114,9 +114,8 @@ def _granular_load(system: SpatialSystem) -> Coupling | None:
     if bed is None or not scene.media or not parts:
         return None
     slope = np.array([*bed.rise, 0.0])
-    load = SpatialLoad(
-        bed.media, bed.origin, slope=slope, gravity=scene.gravity, static=scene.static, end_cap=scene.load.end_cap
-    )
+    options: dict[str, Any] = {"gravity": scene.gravity, "static": scene.static, "end_cap": scene.load.end_cap}
+    load = SpatialLoad(bed.media, bed.origin, slope=slope, heights=bed.heights, **options)
     coupling = Coupling(system.mbs, load)
     for handle, part in parts:
         on = coupling.body(handle.object, in_space=True)

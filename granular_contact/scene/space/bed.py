@@ -10,34 +10,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.bed.space.heights import Heights
 from granular_contact.config.csv_table import number
 from granular_contact.config.schema import space as schema
+from granular_contact.config.schema.bed import STEEPEST
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.scene.space.types import Part, SpatialRigidBody
 
 Vector = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Heights:
-    """Heights (rows along y, columns along x) m at the points of a square grid; corner: x, y of the first (m)."""
-
-    values: Vector
-    corner: tuple[float, float]
-    cell: float
-
-    def at(self, x: Vector, y: Vector) -> Vector:
-        """Height (m) at x, y (m), bilinear between the points and level beyond them."""
-        rows, columns = self.values.shape
-        u = np.clip((np.asarray(x) - self.corner[0]) / self.cell, 0.0, columns - 1.0)
-        v = np.clip((np.asarray(y) - self.corner[1]) / self.cell, 0.0, rows - 1.0)
-        i, j = np.minimum(u.astype(int), columns - 2), np.minimum(v.astype(int), rows - 2)
-        a, b, h = u - i, v - j, self.values
-        low = (1.0 - a) * h[j, i] + a * h[j, i + 1]
-        found: Vector = (1.0 - b) * low + b * ((1.0 - a) * h[j + 1, i] + a * h[j + 1, i + 1])
-        return found
+STEEPEST_RISE = math.tan(math.radians(STEEPEST))
 
 
 @dataclass(frozen=True)
@@ -124,6 +107,10 @@ def _layers(scenario: schema.SpatialScenario, faults: list[Fault]) -> Iterator[L
             )
             for name in one.lacking
         ]
+        lacking += [
+            scene_fault(f"{key}.{name}", f"got null, but in space {one.name} needs a number there")
+            for name in one.lacking_in_space
+        ]
         faults += lacking
         if not lacking:
             yield Layer(one)
@@ -166,4 +153,9 @@ def _read(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
     if len(rows) < 2 or len(rows[0]) < 2:
         faults.append(scene_fault(key, f"{path}: got {len(rows)} rows; allowed are 2 or more rows and columns"))
         return None
-    return Heights(spec.scale * np.array(rows), spec.corner_m, spec.cell_m)
+    heights = Heights(spec.scale * np.array(rows), spec.corner_m, spec.cell_m)
+    if not heights.steepest < STEEPEST_RISE:
+        steep = math.degrees(math.atan(heights.steepest))
+        words = f"{path}: it rises by up to {steep:.3g} deg; allowed is less than {STEEPEST}: look at cell_m and scale"
+        faults.append(scene_fault(key, words))
+    return heights

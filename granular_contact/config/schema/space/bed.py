@@ -11,7 +11,7 @@ from granular_contact.values.strict import LocalFault, Point, Positive, Strict, 
 
 
 class HeightMap(Strict):
-    """Heights of the surface at the points of a square grid; between them it is bilinear, beyond them level."""
+    """Heights of the surface at the points of a square grid; smooth between them, level beyond them."""
 
     file: Text
     """CSV without a header: a row for each y, upward from the corner, a column for each x. A path from the folder of

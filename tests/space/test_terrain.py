@@ -1,0 +1,94 @@
+"""The ground in space: slopes in any direction, maps of heights, and what is wrong with a map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact import Results, load, simulate
+from granular_contact.bed.space.heights import Heights
+from granular_contact.errors import SceneError
+from granular_contact.kernels.ground import tangent_plane
+from granular_contact.scene import build
+
+RISE = (0.12, -0.07)
+
+
+def run(bed: dict[str, Any]) -> dict[str, Any]:
+    """A box thrown down onto a bed."""
+    body = {"type": "rigid", "density_kg_m3": 2000, "shapes": [{"type": "box", "size_m": [0.06, 0.04, 0.03]}]}
+    start = {"x_m": 0.02, "y_m": 0.01, "z_m": 0.05, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1}
+    joints = {"flight": {"type": "free", "parent": "ground", "child": "box"}}
+    return {
+        "model": {"in_space": True, "name": "box", "bodies": {"box": body}, "joints": joints},
+        "medium": "rft3d_sand",
+        "bed": bed,
+        "initial": {"joints": {"flight": start}},
+        "solver": {"end_time_s": 0.06, "step_s": 5e-4, "rest_time_s": None},
+    }
+
+
+def written(folder: Path, values: np.ndarray, **keys: Any) -> dict[str, Any]:
+    np.savetxt(folder / "ground.csv", values, delimiter=",")
+    return {"height_m": 0.0, "height_map": {"file": str(folder / "ground.csv"), **keys}}
+
+
+def path(results: Results) -> np.ndarray:
+    return np.column_stack([results[f"box_{axis}_m"] for axis in "xyz"])
+
+
+def test_a_map_of_a_slope_is_the_slope(tmp_path: Path) -> None:
+    x, y = np.meshgrid(-0.3 + 0.05 * np.arange(13), -0.3 + 0.05 * np.arange(13))
+    heights = 100.0 * (RISE[0] * x + RISE[1] * y)
+    bed = written(tmp_path, heights, cell_m=0.05, corner_m=[-0.3, -0.3], scale=0.01)
+    slope = {"height_m": 0.0, "slope_deg": float(np.degrees(np.arctan(np.hypot(*RISE))))}
+    slope["slope_direction_deg"] = float(np.degrees(np.arctan2(RISE[1], RISE[0])))
+    mapped, sloped = simulate(load(run(bed))), simulate(load(run(slope)))
+    np.testing.assert_allclose(path(mapped), path(sloped), atol=1e-9)
+    np.testing.assert_allclose(mapped["depth_m"], sloped["depth_m"], atol=1e-9)
+    assert mapped["depth_m"].max() > 0.01
+    assert abs(path(sloped)[-1, 1] - 0.01) > 1e-4  # it is led aside
+
+
+def test_kernels_and_scene_have_one_surface_whose_rise_is_its_derivative() -> None:
+    random = np.random.default_rng(1)
+    heights = Heights(random.normal(size=(5, 7)), (-0.2, 0.1), 0.1)
+    ground = np.concatenate([[0.3, 0.2, -0.1, 1.0], heights.numbers])
+    x, y = random.uniform(-0.3, 0.5, 40), random.uniform(0.0, 0.6, 40)
+    level = heights.at(x, y) + 0.3 + 0.2 * x - 0.1 * y
+
+    def height(x: float, y: float) -> tuple[float, np.ndarray]:
+        plane = np.empty(4)
+        tangent_plane(ground, x, y, plane)
+        return plane[0] + plane[1] * x + plane[2] * y, plane
+
+    for i in range(40):
+        here, plane = height(x[i], y[i])
+        assert here == pytest.approx(level[i], abs=1e-12)
+        there = [height(x[i] + dx, y[i] + dy)[0] for dx, dy in ((1e-6, 0.0), (-1e-6, 0.0), (0.0, 1e-6), (0.0, -1e-6))]
+        assert plane[1] == pytest.approx((there[0] - there[1]) / 2e-6, abs=1e-5)
+        assert plane[2] == pytest.approx((there[2] - there[3]) / 2e-6, abs=1e-5)
+        assert np.hypot(plane[1] - 0.2, plane[2] + 0.1) <= heights.steepest
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("0,0,0\n0,,0\n0,0,0\n", "ground.csv:2: 1 of 3 columns hold no number, the first is 2"),
+        ("0,0,0\n0,nan,0\n", "a map of heights has no holes"),
+        ("0,0,0\n0,0\n", "ground.csv:2: got 2 columns, but the rows before have 3"),
+        ("0,0,0\n", "got 1 rows; allowed are 2 or more"),
+        ("0,0,0\n0,9,0\n", "allowed is less than 60: look at cell_m and scale"),
+        (None, "can't be read: FileNotFoundError"),
+    ],
+)
+def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, told: str) -> None:
+    if text is not None:
+        (tmp_path / "ground.csv").write_text(text)
+    scenario = load(run({"height_map": {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1}}))
+    with pytest.raises(SceneError, match=r"bed\.height_map\.file") as caught:
+        build(scenario)
+    assert told in str(caught.value)
