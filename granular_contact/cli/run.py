@@ -202,6 +202,10 @@ def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
         yield f"  deflection      {1e3 * deflection:.4f} mm at most"
     if (speed := found.get("forward_speed_second_half_m_s")) is not None:
         yield f"  forward speed   {speed:.4f} m/s in the second half"
+    if wheel := found.get("wheel"):
+        sinkage = f"sinkage {1e3 * wheel['sinkage_m']:.2f} mm"
+        yield f"  wheel           slip {wheel['slip']:.3f}, {sinkage}, means of the last half"
+        yield f"                  pull {wheel['drawbar_pull_N']:.3g} N, torque {wheel['torque_Nm']:.3g} N m"
     if (cost := found.get("cost_of_transport")) is not None:
         yield f"  transport cost  {cost:.3g} of weight times distance"
     if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:

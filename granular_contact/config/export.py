@@ -144,7 +144,7 @@ def _add_space(schema: dict[str, Any]) -> None:
         planar, other = schema["properties"][key], spatial["properties"][key]
         forms = planar["anyOf"] if "anyOf" in planar else [{"$ref": planar["$ref"]}]
         more = [one for one in other.get("anyOf", [{"$ref": other.get("$ref")}]) if one not in forms]
-        schema["properties"][key] = {"anyOf": [*forms, *more], **{k: planar[k] for k in ("description",) if k in planar}}
+        schema["properties"][key] = {"anyOf": [*forms, *more], "description": planar.get("description", "")}
     file = {"type": "string", "description": "Robot file; what else may stand here: models/README.md."}
     schema["properties"]["model"]["anyOf"].append(
         {"type": "object", "required": ["urdf"], "properties": {"urdf": file}}
