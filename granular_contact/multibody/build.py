@@ -64,12 +64,18 @@ def _attach(system: AnySystem) -> AnySystem:
     if bed is not None:
         bed.attach(weights, joints)
     elif joints is not None:
-        some = next(iter(system.rigid.values()))  # what has a place in the overlay is asked for forces
-        overlay.coordinates([some.node], len(some.body.levers(0.0)))  # one for each coordinate
+        overlay.coordinates(*_any_node(system))  # what has a place in the overlay is asked for forces
         joints.attach(overlay, weights)
     elif weights:
         overlay.attach(weights)
     return replace(system, joints=joints)
+
+
+def _any_node(system: AnySystem) -> tuple[list[int], int]:
+    """A node of the system, and how many coordinates it has."""
+    for some in system.rigid.values():
+        return [some.node], len(some.body.levers(0.0))
+    return [next(iter(system.links.values())).nodes[0]], 4
 
 
 def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
