@@ -1,0 +1,22 @@
+"""A second door: the bed in a MuJoCo model of the user's own (extra `[mujoco]`).
+
+    bed = MujocoBed(model, preset("rft3d_sand"), surface=0.0)
+    bed.add_geoms("leg_.*")
+    while data.time < 10.0:
+        data.ctrl[:] = ...
+        bed.apply(data)                # once a step, after the controls; or bed.install() before the loop
+        mujoco.mj_step(model, data)
+    print(bed.of(data).work, bed.of(data).wrenches["leg_1"])
+
+bed         the door: what the sand acts on, `apply`, `install`
+of_data     what a bed keeps for one MjData: friction state, forces, work; state and restore
+trial       a step of MuJoCo that is taken back, with bodies heavier by what the sand adds: how forces are made implicit
+sand        elements in space and lines in the plane, with the kernels that both doors call
+geoms       geoms of a model -> shapes in space, sections in the plane
+checks      what of a model doubles the sand, or keeps it from acting
+"""
+
+from granular_contact.mujoco.bed import MujocoBed
+from granular_contact.mujoco.of_data import BedData, BedState, History
+
+__all__ = ["BedData", "BedState", "History", "MujocoBed"]

@@ -1,0 +1,351 @@
+"""The second door: a granular bed that acts on the bodies of a MuJoCo model as it is."""
+
+from __future__ import annotations
+
+import warnings
+import weakref
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.bed import contact_lines
+from granular_contact.bed.contact_lines import Body, ContactLine
+from granular_contact.bed.load import GranularLoad
+from granular_contact.errors import scene_error
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.mujoco import checks, geoms
+from granular_contact.mujoco.engine import mujoco, name_of
+from granular_contact.mujoco.of_data import BedData, BedState
+from granular_contact.mujoco.sand import PlanarSand, Sand, SpatialSand
+from granular_contact.mujoco.trial import General
+
+Vector = NDArray[np.float64]
+
+
+class Shared:
+    """What is the same for all data of a model.
+
+    names, numbers (bodies,): of the bodies in the sand; tops (bodies,): of the first body of the mechanism of each, at
+    whose centre of mass MuJoCo's twists are; last (bodies,): the last degree of freedom that moves each, -1 if none;
+    turn (3, 3): from the world to the frame of the bed.
+    """
+
+    def __init__(
+        self, model: Any, numbers: Sequence[int], sand: Sand, turn: Vector, record: bool, lenient: bool
+    ) -> None:
+        self.names = tuple(name_of(model, "body", n) for n in numbers)
+        self.numbers = np.array(numbers, dtype=np.int64)
+        self.tops = np.array([model.body_rootid[n] for n in numbers], dtype=np.int64)
+        self.last = np.array([_last_freedom(model, n) for n in numbers], dtype=np.int64)
+        self.sand, self.turn = sand, np.ascontiguousarray(turn)
+        self.record, self.lenient = record, lenient
+        self.general, self.checked = General(model), False
+
+
+class MujocoBed:
+    """Bed of one medium, or of several whose forces add, acting on bodies of a MuJoCo model.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        The model; it is not changed.
+    medium, slope, static, form, end_cap, floor
+        As of `GranularBed`. Layers, a profile and a floor that carries need `plane`; `form` does too.
+    surface : float or (k, 2) array
+        Height of the level surface (m) along `up`, above the origin of the world; in a plane also corners.
+    up : (3,) array, optional
+        Direction, world frame, against which depth is counted; opposite to the model's gravity unless given.
+    gravity : float, optional
+        Magnitude of gravity (m/s2) in the static resistance of the medium; the model's unless given.
+    plane : (3,) array, optional
+        Makes the bed planar: the horizontal direction (world frame) that spans, with `up`, the plane in which all
+        bodies move. Laws of strips then act on sections of the bodies.
+    record : bool
+        Whether `BedData.history` keeps a row of each step.
+    lenient : bool
+        Whether steps without a call of `apply` are passed over, and not an error.
+
+    Raises
+    ------
+    ValueError
+        One of these, or a number of a medium, is not allowed.
+
+    Notes
+    -----
+    Forces are implicit in the step (`kernels.added_mass`), of first order in it, and bodies stand still at any.
+    Friction state, forces and work belong to one `MjData` each: `of(data)`.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        medium: Law | Layer | Sequence[Law | Layer],
+        surface: ArrayLike = 0.0,
+        *,
+        slope: ArrayLike = 0.0,
+        up: ArrayLike | None = None,
+        gravity: float | None = None,
+        plane: ArrayLike | None = None,
+        static: Elastoplastic | Smooth | None = None,
+        form: str = "distributed",
+        end_cap: bool = False,
+        floor: Floor | None = None,
+        record: bool = False,
+        lenient: bool = False,
+    ) -> None:
+        self.model, self.planar = model, plane is not None
+        self._static = Elastoplastic() if static is None else static
+        pull = np.array(model.opt.gravity, float)
+        if (up is None or gravity is None) and not pull.any():
+            raise ValueError("up, gravity: the model has no gravity, give both")
+        self.up = _unit("up", -pull if up is None else up)
+        options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap}
+        options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
+        if plane is None:
+            if form != "distributed" or floor is not None:
+                raise ValueError("form, floor: allowed in space (without plane) are 'distributed' and no floor")
+            from granular_contact.bed.space.load import SpatialLoad
+
+            self.load: Any = SpatialLoad(medium, surface, up=self.up, **options)
+            self.turn: Vector = self.load.turn
+        else:
+            along = _unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ self.up) * self.up)
+            self.load = GranularLoad(medium, surface, **options, form=form, floor=floor)
+            self.turn = np.array([along, np.cross(self.up, along), self.up])
+        self._names: dict[int, Body] = {}
+        self._geoms: list[int] = []
+        self._options = {"record": record, "lenient": lenient}
+        self._shared: Shared | None = None
+        self._of: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()
+        self._installed: Any = None
+        self._before: Any = None
+
+    # ---- what the medium acts on ----
+
+    def body(self, name: str | int) -> Body:
+        """A body of the model by its name or number, as the bed has it; errors as of `add_geoms`."""
+        number = name if isinstance(name, int) else mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
+        if not 0 < number < self.model.nbody:
+            known = ", ".join(name_of(self.model, "body", n) for n in range(1, self.model.nbody))
+            raise scene_error("bed", f"got the body {name!r}, the model has {known or 'none'}")
+        self._check_open()
+        if int(self.model.body_weldid[number]) == 0:
+            raise scene_error(
+                "bed", f"body {name} is fixed to the world: sand does not move it (a missing <freejoint/>?)"
+            )
+        size, place = (3 if self.planar else 7), len(self._names)
+        if number not in self._names:
+            coordinates = np.arange(size * place, size * (place + 1))
+            self._names[number] = Body(name_of(self.model, "body", number), coordinates)
+        return self._names[number]
+
+    def add_geoms(self, pattern: str, *, facet_size: float | None = None, hull: bool = False) -> list[str]:
+        """Let the medium act on geoms of the model, primitives and meshes as they are; their names.
+
+        Where geoms of a body that are named in one call overlap, only what lies outside the others is met.
+
+        Parameters
+        ----------
+        pattern : str
+            Regular expression that the whole name of a geom fits, or that of its body if it has none.
+        facet_size : float, optional
+            Greatest edge of facets (m); an eighth of a geom's diagonal unless given.
+        hull : bool
+            Whether the convex hull of a mesh counts, as in MuJoCo's contacts.
+
+        Raises
+        ------
+        SceneError
+            Nothing fits; a geom has no volume, an open mesh or is fixed to the world; nothing acts on its shape.
+        """
+        self._check_open()
+        found = geoms.chosen(self.model, pattern, self._geoms)
+        for one in found:
+            body = self.body(one.body)
+            if self.planar:
+                self._add_section(body, one)
+                continue
+            shape, turn = geoms.shape(self.model, one, bars=self._takes_bars(), hull=hull)
+            others = [other for other in found if other.body == one.body and other is not one]
+            if others and "surface" in self._met():
+                shape = geoms.Outside(shape, one, others)
+            mass = float(self.model.body_mass[one.body])
+            self.load.add_shape(body, shape, one.place, turn, facet_size=facet_size, mass=mass)
+        self._geoms += [one.number for one in found]
+        return [one.name for one in found]
+
+    def _takes_bars(self) -> bool:
+        return "bar" in self._met() and "surface" not in self._met()
+
+    def _met(self) -> set[str]:
+        """As what the media meet bodies in space."""
+        from granular_contact.bed.space.load import kinds
+
+        return {kind for medium in self.load.media for kind in kinds(medium)}
+
+    def _add_section(self, body: Body, one: geoms.Geom) -> None:
+        along, up = self._in_body(one.body)
+        if one.kind == geoms.KIND.mjGEOM_SPHERE:
+            centre, mass = [one.place @ along, one.place @ up], float(self.model.body_mass[one.body])
+            self.load.add(contact_lines.ball(body, centre, 2.0 * float(one.size[0]), mass))
+            return
+        corners, width, turns = geoms.section(one, along, up)
+        self.load.add(contact_lines.outline(body, corners, width, turns=turns))
+
+    def add_lines(self, lines: Sequence[ContactLine]) -> None:
+        """Let the medium of a planar bed act on lines of `bed.contact_lines`, on bodies as of `body`.
+
+        Points in the frame of a body: along its x axis (its y axis where x lies across the plane), and along what is
+        ahead of that by a quarter turn from `plane` to `up`. Errors as of `GranularLoad.add`.
+        """
+        self._check_open()
+        if not self.planar:
+            raise scene_error("bed.add_lines", "the bed is one in space: use add_geoms, or give it plane=(x, y, z)")
+        self.load.add(lines)
+
+    def _in_body(self, number: int) -> tuple[Vector, Vector]:
+        """The axes s and t of the plane in the frame of a body: s its x axis, or its y axis if that lies across."""
+        data = mujoco.MjData(self.model)
+        mujoco.mj_kinematics(self.model, data)
+        across = data.xmat[number].reshape(3, 3).T @ -self.turn[1]
+        axis = np.eye(3)[0 if abs(across[0]) < 0.9 else 1]
+        s = _unit("plane", axis - (axis @ across) * across)
+        return s, np.cross(across, s)
+
+    def _check_open(self) -> None:
+        if self._shared is not None:
+            raise scene_error("bed", "it is in use already; name every geom before the first call with data")
+
+    # ---- one data ----
+
+    def of(self, data: Any) -> BedData:
+        """What the bed keeps for an MjData, made at the first call; the first of all compiles and looks at the model.
+
+        A copy of an MjData begins without stretched bristles; `copy` takes them along.
+        """
+        found = self._of.get(data)
+        if found is not None:
+            return found
+        if self._shared is None:
+            self._shared = self._close()
+        kept = BedData(self._shared, self.model, data)
+        rows = data.xfrc_applied[self._shared.numbers]
+        for other in list(self._of.values()):
+            if other.wrote(rows):
+                kept.adopt(other)
+        self._of[data] = kept
+        return kept
+
+    def _close(self) -> Shared:
+        if not self.load.lines:
+            raise scene_error("bed", "nothing was named: use add_geoms first")
+        self.load.close()
+        numbers = list(self._names)
+        for sentence in checks.warnings_of(self.model, numbers, self._height, self.up):
+            warnings.warn(sentence, stacklevel=4)
+        sand: Sand
+        if self.planar:
+            facings = np.array([self._in_body(number)[0] for number in numbers])
+            sand = PlanarSand(self.load, self._static, facings)
+        else:
+            sand = SpatialSand(self.load, self._static)
+        return Shared(self.model, numbers, sand, self.turn, **self._options)
+
+    def _height(self, place: Vector) -> float:
+        """Height of the surface along `up` at a place (3,) m of the world."""
+        x, y, _ = self.turn @ place
+        if self.planar:
+            profile = self.load.profile
+            return float(np.interp(x, profile[:, 0], profile[:, 1]))
+        ground = np.asarray(self.load.ground, float)
+        return float(ground[0] + ground[1] * x + ground[2] * y)
+
+    def apply(self, data: Any) -> BedData:
+        """Find the forces of the step from here and put them into `data.xfrc_applied`; before each `mj_step`.
+
+        Once a step, after the controls are set: friction state and work advance where `data.time` has moved since the
+        last call; where it went back, as after a reset, they begin anew. Other forces in `xfrc_applied` stay: set them,
+        do not add to what stands there.
+
+        Raises
+        ------
+        SceneError
+            Steps were made in between without a call.
+        """
+        kept = self.of(data)
+        kept.apply(data)
+        return kept
+
+    def copy(self, source: Any, target: Any) -> BedData:
+        """Give the friction state and the work of one MjData to another, as `mj_copyData` does with MuJoCo's state."""
+        kept = self.of(target)
+        kept.restore(self.of(source).state)
+        return kept
+
+    def restore(self, data: Any, state: BedState) -> None:
+        """As `BedData.restore`."""
+        self.of(data).restore(state)
+
+    # ---- as MuJoCo's callback ----
+
+    def install(self, *datas: Any) -> MujocoBed:
+        """Become MuJoCo's passive callback for these data, or for all of the model if none is named.
+
+        MuJoCo has one such callback for the whole process; what was there before is called too. Also a context:
+
+            with bed.install():
+                mujoco.mj_step(model, data, nstep=1000)
+        """
+        self.uninstall()
+        for data in datas:
+            self.of(data)
+        if self._shared is None:
+            self._shared = self._close()
+        self._before = mujoco.get_mjcb_passive()
+        only = weakref.WeakSet(datas) if datas else None
+        before = self._before if callable(self._before) else None
+
+        def passive(model: Any, data: Any) -> None:
+            if before is not None:
+                before(model, data)
+            if model is not self.model or (only is not None and data not in only):
+                return
+            kept = self.of(data)
+            if not kept.busy:
+                kept.evaluate(data)
+
+        self._installed = passive
+        mujoco.set_mjcb_passive(passive)
+        return self
+
+    def uninstall(self) -> None:
+        """Give MuJoCo the callback that it had before."""
+        if self._installed is not None and mujoco.get_mjcb_passive() is self._installed:
+            mujoco.set_mjcb_passive(self._before)
+        self._installed = None
+
+    def __enter__(self) -> MujocoBed:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.uninstall()
+
+
+def _last_freedom(model: Any, number: int) -> int:
+    """The last degree of freedom of a body, or of the next body before it that has any."""
+    while number > 0 and model.body_dofnum[number] == 0:
+        number = int(model.body_parentid[number])
+    return int(model.body_dofadr[number] + model.body_dofnum[number] - 1) if number > 0 else -1
+
+
+def _unit(name: str, given: ArrayLike) -> Vector:
+    direction = np.asarray(given, float)
+    if direction.shape != (3,) or not np.isfinite(direction).all() or np.linalg.norm(direction) < 1e-12:
+        raise ValueError(f"{name}: got {np.asarray(given).tolist()}, allowed is a direction of three finite numbers")
+    unit: Vector = direction / np.linalg.norm(direction)
+    return unit

@@ -1,0 +1,193 @@
+"""What of a bed is the same for all data of a model: elements in space or lines in the plane, and media.
+
+Both kinds have the same three calls. Arrays and signs are those of `kernels.added_mass`; a state is a list of arrays
+that a step changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.bed.load import GranularLoad
+from granular_contact.kernels import added_mass as kernels
+from granular_contact.kernels import planar_added_mass, space_added_mass
+from granular_contact.kernels.entry import entry
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+
+Vector = NDArray[np.float64]
+State = list[tuple[Vector, NDArray[np.bool_]]]  # of each batch: anchors, and what may be touched in this step
+
+
+class Sand(Protocol):
+    """What both kinds offer; sizes (bodies,): how far bodies reach from the origins of their frames (m)."""
+
+    sizes: Vector
+
+    def state(self) -> State:
+        """A new state."""
+
+    def follow(self, state: State, poses: Vector, step: float, seen: Vector, begins: bool) -> None:
+        """End of a step at these poses, or the begin of a motion; step (s): the next."""
+
+    def resist(self, state: State, poses: Vector, then: Vector, step: float, *found: Vector) -> None:
+        """Add forces and inertia; found: turn and what follows it in `space_added_mass.resist`."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Elements of one kind in one medium, as kernels take them; of_bed: places of their bodies; reaches (lines,) m."""
+
+    of_bed: NDArray[np.int64]
+    bristle: NDArray[np.void]
+    batch: Any
+    inner: NDArray[np.void]
+    rows: int
+    reaches: Vector = field(default_factory=lambda: np.zeros(0))
+
+
+class SpatialSand:
+    """Elements of a `SpatialLoad` whose bodies have seven coordinates each, one after another."""
+
+    def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
+        from granular_contact.bed.space.load import kinds
+
+        media = [m for m in load.media for kind in kinds(m) if any(one.meets == kind for one in load.lines)]
+        self.parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(media, load.batches, strict=True)]
+        self.sizes = np.zeros(1 + max(int(part.of_bed.max()) for part in self.parts))
+        for part in self.parts:
+            b = part.batch.bodies
+            far = b["radius"] + np.sqrt(b["x"] ** 2 + b["y"] ** 2 + b["z"] ** 2)
+            np.maximum.at(self.sizes, part.of_bed, far)
+        self._begin: Any = None
+
+    def state(self) -> State:
+        """As of `Sand`."""
+        return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.clusters), bool)) for p in self.parts]
+
+    def _compile(self, state: State, poses: Vector, step: float, seen: Vector) -> None:
+        turn = np.eye(3)
+        """Compile for arguments of these types, the first time on a machine."""
+        part, (anchors, active) = self.parts[0], state[0]
+        b, wrench, added = part.batch, np.zeros((1, 6)), np.zeros((1, 6, 6))
+        sand = (b.bodies, part.of_bed, b.clusters)
+        state_of = (b.elements, anchors, active, b.ground)
+        found = (turn, wrench[:, :3].copy(), wrench, added)
+        on = (*sand, part.inner, *state_of, b.medium, part.bristle)
+        self._resist = entry(space_added_mass.resist, *on, 1, poses, poses, step, *found)
+        self._follow = entry(space_added_mass.follow, *sand, *state_of, b.medium, poses, step, seen)
+        self._begin = entry(space_added_mass.begin, *sand, *state_of, poses, step, seen)
+        for other in self.parts:
+            _ = other.batch.medium
+
+    def follow(self, state: State, poses: Vector, step: float, seen: Vector, begins: bool) -> None:
+        """As of `Sand`."""
+        if self._begin is None:
+            self._compile(state, poses, step, seen)
+        for part, (anchors, active) in zip(self.parts, state, strict=True):
+            b = part.batch
+            if begins:
+                anchors[:] = 0.0
+                self._begin(b.bodies, part.of_bed, b.clusters, b.elements, anchors, active, b.ground, poses, step, seen)
+            else:
+                on = (b.bodies, part.of_bed, b.clusters, b.elements, anchors, active, b.ground, b.medium)
+                self._follow(*on, poses, step, seen)
+
+    def resist(self, state: State, poses: Vector, then: Vector, step: float, *found: Vector) -> None:
+        """As of `Sand`."""
+        for part, (anchors, active) in zip(self.parts, state, strict=True):
+            b = part.batch
+            on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
+            self._resist(*on, part.bristle, part.rows, poses, then, step, *found)
+
+
+def _part(batch: Any, bristle: NDArray[np.void]) -> _Part:
+    bar = bool((batch.clusters["width"] > 0.0).any() and not batch.clusters["mass"].any())
+    inner = batch.clusters
+    if bar:
+        inner = batch.clusters.copy()
+        inner["cap"] = False
+    return _Part(batch.places[batch.bodies["start"], 1] // 7, bristle, batch, inner, 2 if bar else 1)
+
+
+class PlanarSand:
+    """Lines of a `GranularLoad` whose bodies have three coordinates each, one after another; facings as of kernels."""
+
+    def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
+        self._facings = facings
+        media = [
+            load.media[i] if i < len(load.media) else None for i, kinds, *_ in load._meetings() if _met(load, kinds)
+        ]
+        self.parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(media, load.batches, strict=True)]
+        self.sizes = np.zeros(len(facings))
+        for part in self.parts:
+            np.maximum.at(self.sizes, part.of_bed, part.reaches)
+        self._follow: Any = None
+
+    def state(self) -> State:
+        """As of `Sand`."""
+        return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.records), bool)) for p in self.parts]
+
+    def _on(self, part: _Part, anchors: Vector, active: NDArray[np.bool_]) -> tuple[Any, ...]:
+        b = part.batch
+        return (
+            b.ends,
+            part.of_bed,
+            part.reaches,
+            self._facings,
+            b.geometry,
+            b.records,
+            b.profile,
+            b.medium,
+            anchors,
+            active,
+        )
+
+    def _compile(self, state: State, poses: Vector, step: float, seen: Vector) -> None:
+        turn = np.eye(3)
+        part, wrench, added = self.parts[0], np.zeros((1, 6)), np.zeros((1, 6, 6))
+        on = self._on(part, *state[0])
+        self._resist = entry(
+            planar_added_mass.resist, *on, part.bristle, poses, poses, step, turn, wrench[:, :3].copy(), wrench, added
+        )
+        self._follow = entry(planar_added_mass.follow, *on, poses, step, True, seen)
+        for other in self.parts:
+            _ = other.batch.medium
+
+    def follow(self, state: State, poses: Vector, step: float, seen: Vector, begins: bool) -> None:
+        """As of `Sand`."""
+        if self._follow is None:
+            self._compile(state, poses, step, seen)
+        for part, (anchors, active) in zip(self.parts, state, strict=True):
+            if begins:
+                anchors[:] = 0.0
+            self._follow(*self._on(part, anchors, active), poses, step, begins, seen)
+
+    def resist(self, state: State, poses: Vector, then: Vector, step: float, *found: Vector) -> None:
+        """As of `Sand`."""
+        for part, (anchors, active) in zip(self.parts, state, strict=True):
+            self._resist(*self._on(part, anchors, active), part.bristle, poses, then, step, *found)
+
+
+def _met(load: GranularLoad, kinds: Collection[str]) -> bool:
+    return any(line.kind in kinds for line in load.lines)
+
+
+def _line_part(batch: Any, bristle: NDArray[np.void]) -> _Part:
+    firsts = batch.ends[:-1, 1]
+    radii = np.hypot(batch.geometry["x"], batch.geometry["y"])
+    reaches = np.maximum.reduceat(radii, batch.ends[:-1, 0]) + batch.records["drop"]
+    return _Part(batch.places[firsts, 1] // 3, bristle, batch, batch.records, 1, reaches)
+
+
+def bristle_of(static: Elastoplastic | Smooth, medium: Any) -> NDArray[np.void]:
+    """Record (1,) of `kernels.added_mass.BRISTLE` for a medium; None: contact with the floor, which has no bristle."""
+    record = np.zeros(1, kernels.BRISTLE)
+    record["u_y"] = record["v_eps"] = 1.0
+    static.fill(record)
+    record["parted"] = bool(getattr(medium, "by_component", False))
+    return record

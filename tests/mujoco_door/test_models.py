@@ -1,0 +1,149 @@
+"""What of a model is in the sand, and what of it is wrong, in one line each."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from support_mujoco import BOX, SAND, model_of
+from support_runs import ROOT
+
+from granular_contact import Poncelet, Rft
+from granular_contact.errors import SceneError
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+from granular_contact.mujoco import MujocoBed  # noqa: E402
+
+CUBE = "-1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1 -1 -1 1 1 -1 1 1 1 1 -1 1 1"
+SIDES = "0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 2 3 7 2 7 6 0 4 7 0 7 3 1 2 6 1 6 5"
+
+
+def area(bed: Any) -> float:
+    return float(sum(one.rows[:, 7].sum() for one in bed.load.lines))
+
+
+def test_geoms_are_taken_as_they_are() -> None:
+    model = model_of(
+        '<geom name="box" type="box" size="0.02 0.02 0.02" pos="0.1 0 0"/>'
+        '<geom name="pin" type="cylinder" size="0.01 0.05" euler="90 0 0"/>'
+        '<geom name="egg" type="ellipsoid" size="0.03 0.02 0.01" pos="-0.1 0 0"/>'
+        '<geom name="ball" type="sphere" size="0.02" pos="0 0.2 0"/>'
+        '<geom name="cube" type="mesh" mesh="cube" pos="0 -0.2 0"/>'
+        '<geom name="picture" type="sphere" size="0.2" contype="0" conaffinity="0"/>',
+        more=f'<asset><mesh name="cube" vertex="{CUBE}" face="{SIDES}" scale="0.02 0.02 0.02"/></asset>',
+    )
+    bed = MujocoBed(model, SAND)
+    assert bed.add_geoms(".*", facet_size=0.004) == ["box", "pin", "egg", "ball", "cube"]
+    p = 1.6075
+    egg = 4 * np.pi * (((0.03 * 0.02) ** p + (0.03 * 0.01) ** p + (0.02 * 0.01) ** p) / 3) ** (1 / p)
+    sides = 2 * 6 * 0.04**2 + 2 * np.pi * 0.01 * (0.1 + 0.01) + egg + 4 * np.pi * 0.02**2
+    assert area(bed) == pytest.approx(sides, rel=0.02)
+
+
+def test_of_geoms_that_overlap_what_lies_outside_is_met() -> None:
+    two = '<geom name="a" type="box" size="0.05 0.02 0.02"/>'
+    two += '<geom name="b" type="box" size="0.05 0.02 0.02" pos="0.05 0 0"/>'
+    bed = MujocoBed(model_of(two), SAND)
+    bed.add_geoms("a|b", facet_size=0.005)
+    # The sides of both that lie on each other count twice along 50 mm; the ends within the other do not.
+    once = 2 * (0.15 * 0.04 + 0.15 * 0.04 + 0.04 * 0.04)
+    assert area(bed) == pytest.approx(once + 4 * 0.05 * 0.04, rel=1e-6)
+
+
+def refused(call: Any, *arguments: Any, **named: Any) -> str:
+    with pytest.raises((SceneError, ValueError)) as caught:
+        call(*arguments, **named)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_what_can_not_be_in_the_sand_is_told_in_one_line() -> None:
+    open_cube = SIDES.rsplit(" ", 3)[0]
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><asset><mesh name="open" vertex="{CUBE}" face="{open_cube}" scale="0.02 0.02 0.02"/></asset>'
+        '<worldbody><geom name="floor" type="plane" size="1 1 1"/><geom name="wall" type="box" size="1 1 1"/>'
+        '<body name="leg"><freejoint/><geom name="foot" type="sphere" size="0.02"/>'
+        '<geom name="shell" type="mesh" mesh="open" shellinertia="true"/>'
+        "</body></worldbody></mujoco>"
+    )
+    bed = MujocoBed(model, SAND)
+    assert refused(bed.add_geoms, "toe") == "bed.add_geoms: no geom fits 'toe'; the model has floor, wall, foot, shell"
+    assert "geom floor is a plane and has no volume" in refused(bed.add_geoms, "floor")
+    assert "geom wall is fixed to the world: sand does not move it (a missing <freejoint/>?)" in refused(
+        bed.add_geoms, "wall"
+    )
+    assert "geom shell: it is open" in refused(bed.add_geoms, "shell")
+    assert bed.add_geoms("shell", hull=True) == ["shell"]
+    bed.add_geoms("foot")
+    assert "geom foot is in the sand already" in refused(bed.add_geoms, "foot")
+    bed.apply(mujoco.MjData(model))
+    assert "it is in use already" in refused(bed.add_geoms, "foot")
+    assert "nothing was named" in refused(MujocoBed(model, SAND).apply, mujoco.MjData(model))
+    assert "nothing acts on a Box: poncelet takes a Sphere" in refused(
+        MujocoBed(model_of(), Poncelet(1, 1)).add_geoms, "box"
+    )
+    assert "floor: allowed in space" in refused(MujocoBed, model, SAND, form="resultant")
+    model.opt.gravity[:] = 0.0
+    assert "the model has no gravity" in refused(MujocoBed, model, SAND)
+
+
+def warned(xml: str, **options: Any) -> list[str]:
+    model = mujoco.MjModel.from_xml_string(xml)
+    bed = MujocoBed(model, SAND, **options)
+    bed.add_geoms("box")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        bed.apply(mujoco.MjData(model))
+    assert not any("\n" in str(one.message) for one in caught)
+    return [str(one.message) for one in caught]
+
+
+def test_what_doubles_the_sand_or_keeps_it_from_acting_is_told() -> None:
+    body = f'<body name="robot" pos="0 0 0.1"><freejoint/>{BOX}</body>'
+    floor = '<geom name="floor" type="plane" size="1 1 0.1"{}/>'
+    assert warned(f"<mujoco><worldbody>{body}</worldbody></mujoco>") == []
+    (said,) = warned(f"<mujoco><worldbody>{floor.format('')}{body}</worldbody></mujoco>")
+    assert said.startswith("geom floor is rigid at the surface of the sand and carries robot instead of it: remove it")
+    off = ' contype="0" conaffinity="0"'
+    assert warned(f"<mujoco><worldbody>{floor.format(off)}{body}</worldbody></mujoco>") == []
+    assert (
+        warned(f"<mujoco><worldbody>{floor.format('')}{body}</worldbody></mujoco>", surface=0.3) == []
+    )  # a deep bottom
+    pair = '<contact><pair geom1="floor" geom2="box"/></contact>'
+    (said,) = warned(f"<mujoco><worldbody>{floor.format(off)}{body}</worldbody>{pair}</mujoco>")
+    assert "contact pair 0 of geoms floor and box is left on beside the sand" in said or "box and floor" in said
+    leg = '<body name="trunk" pos="0 0 0.5"><geom size="0.1"/>'
+    leg += f'<body name="leg" pos="0 0 -0.3"><joint/>{BOX}</body></body>'
+    (said,) = warned(f"<mujoco><worldbody>{leg}</worldbody></mujoco>")
+    assert said.startswith("body trunk is fixed to the world")
+    assert said.endswith("give it a <freejoint/>")
+
+
+def test_sections_of_geoms_in_a_plane() -> None:
+    joints = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0"/>'
+    geoms = '<geom name="box" type="box" size="0.05 0.04 0.03"/>'
+    geoms += '<geom name="disc" type="cylinder" size="0.02 0.01" pos="0.1 0 0" euler="90 0 0"/>'
+    model = model_of(geoms, joint=joints)
+    bed = MujocoBed(model, Rft(), plane=(1, 0, 0))
+    bed.add_geoms("box|disc")
+    widths = [float(line.record["width"][0]) for line in bed.load.lines]
+    assert widths[0] == pytest.approx(0.08)
+    assert widths[-1] == pytest.approx(0.02)
+    points = np.concatenate([np.column_stack([line.stations["x"], line.stations["y"]]) for line in bed.load.lines])
+    np.testing.assert_allclose([points[:, 0].max(), points[:, 0].min()], [0.12, -0.05], atol=1e-9)
+    assert "got one without a section" in refused(
+        MujocoBed(
+            model_of('<geom name="c" type="capsule" size="0.01 0.02"/>', joint=joints), Rft(), plane=(1, 0, 0)
+        ).add_geoms,
+        "c",
+    )
+
+
+def test_without_mujoco_one_line_says_how_to_get_it() -> None:
+    code = "import sys; sys.modules['mujoco'] = None\nimport granular_contact.mujoco"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.stderr.strip().endswith("granular_contact.mujoco needs MuJoCo: pip install 'granular-contact[mujoco]'")

@@ -1,0 +1,197 @@
+"""Bodies of MuJoCo models in sand: energy, the other engine's motion, standing, forces of both kinds of bed."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from support_mujoco import BOX, GRAVITY, SAND, energy, go, model_of, thrown
+from support_runs import ROOT
+
+from granular_contact import Albert, LeeMarghitu, Poncelet, Rft, VerticalResistance
+from granular_contact.bed.contact_lines import Body, outline, polyline
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+from granular_contact.mujoco import MujocoBed  # noqa: E402
+
+PLAY = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1))
+FALLS: dict[str, tuple[Any, str, float]] = {
+    "box": (SAND, BOX, 0.25),
+    "bar": (PLAY, '<geom name="box" type="capsule" size="0.004 0.15" euler="0 80 0" density="2700"/>', 0.25),
+    "ball": (Poncelet(40.0, 2.0), '<geom name="box" type="sphere" size="0.05" density="2700"/>', 0.2),
+}
+
+
+@pytest.mark.parametrize("name", FALLS)
+def test_the_energy_that_a_body_loses_is_the_work_of_the_sand(name: str) -> None:
+    medium, geom, seconds = FALLS[name]
+    model = model_of(geom, step=2.5e-4)
+    data, bed = thrown(model), MujocoBed(model, medium)
+    bed.add_geoms("box")
+    before = energy(model, data)
+    go(model, data, bed, seconds)
+    lost = before - energy(model, data)
+    assert lost > 0.2 * before
+    kept = bed.apply(data)
+    # MuJoCo's steps put v h^2 g / 2 into a fall at v: at most 2e-3 of what is lost here.
+    assert -kept.work == pytest.approx(lost, rel=5e-3)
+    assert kept.works["body"] == kept.work
+    assert kept.depth > 0.002
+
+
+def exudyn_motion(seconds: float) -> np.ndarray:
+    """Where the box of `BOX` that `thrown` throws is after a time, in the other engine."""
+    exu = pytest.importorskip("exudyn")
+    from exudyn.rigidBodyUtilities import InertiaCuboid
+
+    from granular_contact import Box, GranularBed
+
+    sides, mbs = (0.1, 0.08, 0.06), exu.SystemContainer().AddSystem()
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(2700.0, sides),
+        referencePosition=[0, 0, 0.1],
+        initialVelocity=[0.5, 0.2, -1.0],
+        initialAngularVelocity=[1.0, 2.0, 3.0],
+        gravity=[0, 0, -GRAVITY],
+        nodeType=exu.NodeType.RotationEulerParameters,
+    )
+    bed = GranularBed(mbs, SAND, 0.0, up=(0, 0, 1))
+    bed.add_body(body, Box(sides))
+    bed.attach()
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = seconds, 400
+    settings.timeIntegration.newton.useModifiedNewton = True
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.7
+    settings.timeIntegration.verboseMode = 0
+    mbs.SolveDynamic(settings)
+    return np.asarray(mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0.0, 0.0, 0.0]))
+
+
+def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one() -> None:
+    steps = np.array([2e-4, 1e-4, 5e-5])
+    errors = []
+    there = exudyn_motion(0.1)
+    for step in steps:
+        model = model_of(step=float(step))
+        data, bed = thrown(model), MujocoBed(model, SAND)
+        bed.add_geoms("box")
+        go(model, data, bed, 0.1)
+        errors.append(float(np.linalg.norm(data.qpos[:3] - there)))
+    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert 0.8 < order < 1.3, errors
+    assert errors[0] < 2.5e-3 * 0.1  # of the way
+
+
+@pytest.fixture(scope="module")
+def hexapod() -> Any:
+    sys.path.insert(0, str(ROOT / "examples" / "mujoco"))
+    import hexapod
+
+    return hexapod
+
+
+@pytest.mark.parametrize("step", [1e-3, 2e-3])
+def test_a_robot_stands_still_under_its_servos(hexapod: Any, step: float) -> None:
+    model, bed = hexapod.make(step)
+    data = mujoco.MjData(model)
+    go(model, data, bed, 1.0)
+    before = data.qpos.copy()
+    go(model, data, bed, 0.5)
+    np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-8)
+    weight = GRAVITY * model.body_mass.sum()
+    np.testing.assert_allclose(bed.of(data).force, [0.0, 0.0, weight], atol=1e-4 * weight)
+
+
+def test_a_robot_walks_as_far_with_steps_of_two_milliseconds(hexapod: Any) -> None:
+    far = []
+    for step in (2e-3, 1e-3):
+        model, bed = hexapod.make(step)
+        data = mujoco.MjData(model)
+        for _ in range(round(1.6 / step)):
+            data.ctrl[:] = hexapod.angles(data.time)
+            bed.apply(data)
+            mujoco.mj_step(model, data)
+        far.append(data.qpos[0])
+    assert far[1] > 0.2
+    assert far[0] == pytest.approx(far[1], rel=0.02)
+
+
+def test_a_box_on_a_slope_is_held() -> None:
+    tilt = np.radians(10.0)
+    model = model_of('<geom name="box" type="box" size="0.05 0.04 0.03" density="2700"/>', step=2e-3, place="0 0 0.025")
+    model.opt.gravity[:] = GRAVITY * np.sin(tilt), 0.0, -GRAVITY * np.cos(tilt)
+    data = mujoco.MjData(model)
+    bed = MujocoBed(model, SAND, up=(0, 0, 1))
+    bed.add_geoms("box")
+    go(model, data, bed, 0.5)
+    before = data.qpos.copy()
+    go(model, data, bed, 1.0)
+    np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-9)
+    force = model.body_mass[1] * GRAVITY * np.array([-np.sin(tilt), 0.0, np.cos(tilt)])
+    np.testing.assert_allclose(bed.of(data).force, force, atol=1e-6)
+
+
+LINES: dict[str, Any] = {
+    "rft": (
+        Rft(zeta=0.3),
+        lambda body: outline(body, [[-0.05, -0.02], [0.05, -0.02], [0.04, 0.03], [-0.05, 0.02]], 0.06),
+    ),
+    "albert": (Albert(1600.0, 8.0), lambda body: polyline(body, [[-0.05, 0.0], [0.05, -0.01]], diameter=0.01)),
+}
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_a_planar_bed_has_the_forces_of_the_load_without_an_engine(name: str) -> None:
+    from granular_contact.bed.load import GranularLoad
+
+    medium, lines = LINES[name]
+    # The body turns in the plane of y and z of the world, about its own x axis.
+    joints = '<joint type="slide" axis="0 1 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="1 0 0"/>'
+    model = model_of(BOX, joint=joints, place="0 0 0", step=1e-5)
+    bed = MujocoBed(model, medium, plane=(0.0, 1.0, 0.0))
+    bed.add_lines(lines(bed.body("body")))
+    load = GranularLoad(medium, 0.0)
+    load.add(lines(Body("body", [0, 1, 2])))
+    data = mujoco.MjData(model)
+    q, v = np.array([0.0, -0.03, 0.2]), np.array([0.05, -0.1, 0.5])
+    load.start(q)
+    load.accept(0.0, q, v)
+    for i in range(60):
+        # The force of a step is that where it ends; so short a step ends where it starts.
+        data.qpos[:], data.qvel[:], data.time = q, v, 1e-5 * i
+        kept = bed.apply(data)
+        if i:
+            load.accept(1e-5 * i, q, v)
+        q = q + 1e-5 * v
+    wrench = kept.wrenches["body"]
+    expected = load.force(q, v, np.zeros(3))
+    x, y, _ = q
+    about_origin = expected[2] + x * expected[1] - y * expected[0]
+    got = [wrench[1], wrench[2], wrench[3]]
+    np.testing.assert_allclose(
+        got, [*expected[:2], about_origin], rtol=0.02, atol=0.02 * np.abs(expected[:2]).max() * 0.05
+    )
+    assert np.abs(expected).max() > 0.3
+
+
+def test_a_bristle_below_its_yield_is_felt_exactly() -> None:
+    """A ball in a law with a constant force alone: F = -F0 (e + tau v) / u_y, so v_1 has a closed form."""
+    model = model_of(
+        '<geom name="box" type="sphere" size="0.05" mass="1"/>',
+        place="0 0 0",
+        joint='<joint type="slide" axis="1 0 0"/>',
+    )
+    data = mujoco.MjData(model)
+    bed = MujocoBed(model, Poncelet(40.0, 0.0))
+    bed.add_geoms("box")
+    data.qvel[0] = v = 1e-4
+    h, k, c, e = 1e-3, 40.0 / 1e-5, 40.0 / 1e-5 * 1e-3, 0.0
+    for _ in range(6):
+        go(model, data, bed, h)
+        v = (v - h * k * e) / (1.0 + h * c + h * h * k)
+        e += h * v
+        np.testing.assert_allclose([data.qvel[0], data.qpos[0]], [v, e], rtol=1e-6, atol=1e-13)

@@ -1,0 +1,172 @@
+"""When friction state is advanced, several data of one model, going back, the callback, threads."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+from support_mujoco import SAND, go, model_of, thrown
+
+from granular_contact.errors import SceneError
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+from granular_contact.mujoco import MujocoBed  # noqa: E402
+
+INTEGRATORS = mujoco.mjtIntegrator
+
+
+def box(step: float = 1e-3, **options: Any) -> tuple[Any, Any, Any]:
+    model = model_of(step=step)
+    bed = MujocoBed(model, SAND, **options)
+    bed.add_geoms("box")
+    return model, thrown(model), bed
+
+
+@pytest.mark.parametrize("integrator", [INTEGRATORS.mjINT_EULER, INTEGRATORS.mjINT_RK4, INTEGRATORS.mjINT_IMPLICITFAST])
+def test_the_callback_does_what_a_call_before_each_step_does(integrator: Any) -> None:
+    model, data, bed = box()
+    model.opt.integrator = integrator
+    go(model, data, bed, 0.12)
+    other = thrown(model)
+    with bed.install(other):
+        mujoco.mj_step(model, other, nstep=60)
+        for _ in range(3):
+            mujoco.mj_forward(model, other)  # looks at the state, and is no step
+        mujoco.mj_step(model, other, nstep=60)
+    assert mujoco.get_mjcb_passive() is None
+    assert bed.of(other).accepted == bed.of(data).accepted == 119
+    np.testing.assert_array_equal(other.qpos, data.qpos)
+    assert bed.of(other).work == bed.of(data).work < -0.1
+
+
+def test_a_state_leads_to_the_same_end_again_in_any_data_and_after_a_reset() -> None:
+    model, data, bed = box(record=True)
+    first = data.qpos.copy()
+    go(model, data, bed, 0.1)
+    kept, whole = bed.of(data).state, mujoco.mjtState.mjSTATE_INTEGRATION
+    physics = np.zeros(mujoco.mj_stateSize(model, whole))
+    mujoco.mj_getState(model, data, physics, whole)
+    go(model, data, bed, 0.05)
+    end, work, rows = data.qpos.copy(), bed.of(data).work, bed.of(data).history
+    for again in (data, mujoco.MjData(model)):
+        mujoco.mj_setState(model, again, physics, whole)
+        bed.of(again).restore(kept)
+        go(model, again, bed, 0.05)
+        np.testing.assert_array_equal(again.qpos, end)
+        assert bed.of(again).work == work
+        np.testing.assert_array_equal(bed.of(again).history.work, rows.work)
+    # As rollouts have it: time goes back to that of the state.
+    mujoco.mj_setState(model, data, physics, whole)
+    go(model, data, bed, 0.05)
+    np.testing.assert_array_equal(data.qpos, end)
+    # A reset begins anew, wherever time was.
+    mujoco.mj_resetData(model, data)
+    data.qpos[:], data.qvel[:] = first, thrown(model).qvel
+    go(model, data, bed, 0.1)
+    mujoco.mj_getState(model, data, physics2 := physics.copy(), whole)
+    np.testing.assert_array_equal(physics2, physics)
+
+
+def test_a_copy_goes_on_as_its_original() -> None:
+    import copy
+
+    model, data, bed = box()
+    go(model, data, bed, 0.1)
+    other = copy.copy(data)
+    bed.copy(data, other)
+    for one in (data, other):
+        go(model, one, bed, 0.05)
+    np.testing.assert_array_equal(data.qpos, other.qpos)
+    # Without the friction state it begins anew, yet the forces on the original are none of its own.
+    third = copy.copy(data)
+    bed.apply(third)
+    np.testing.assert_allclose(third.xfrc_applied[1, :3], bed.of(third).force)
+
+
+def test_forces_of_others_stay() -> None:
+    model, data, bed = box()
+    go(model, data, bed, 0.15)
+    push = np.array([3.0, -1.0, 2.0, 0.0, 0.1, 0.0])
+    for size in (1.0, 0.5):
+        data.xfrc_applied[1] = size * push
+        for _ in range(3):
+            bed.apply(data)
+            np.testing.assert_allclose(data.xfrc_applied[1, :3], bed.of(data).force + size * push[:3], atol=1e-12)
+            mujoco.mj_step(model, data)
+
+
+def test_data_in_threads_are_stepped_as_one_after_the_other() -> None:
+    robot = mujoco.MjModel.from_xml_string(
+        '<mujoco><option timestep="0.002"/><worldbody><body name="a" pos="0 0 0.06"><freejoint/>'
+        '<geom name="box" type="box" size="0.05 0.04 0.03"/>'
+        '<body name="b" pos="0.06 0 0"><joint axis="0 1 0" damping="0.01"/>'
+        '<geom name="tail" type="capsule" size="0.01 0.04"/></body></body></worldbody></mujoco>'
+    )
+    bed = MujocoBed(robot, SAND)
+    bed.add_geoms("box|tail", facet_size=0.05)
+
+    def run(speed: float) -> np.ndarray:
+        data = mujoco.MjData(robot)
+        data.qvel[:3] = speed, 0.0, -0.5
+        go(robot, data, bed, 0.2)
+        return data.qpos.copy()
+
+    speeds = [0.1, 0.4, 0.7, 1.0]
+    alone = [run(speed) for speed in speeds]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(run, speeds))
+    np.testing.assert_array_equal(together, alone)
+    assert len({*np.round(np.array(alone)[:, 0], 6)}) == 4
+
+
+def test_a_rollout_of_mujoco_is_one_in_sand() -> None:
+    rollout = pytest.importorskip("mujoco.rollout")
+    model, data, bed = box()
+    starts = []
+    for speed in (0.2, 0.6):
+        data.qvel[0] = speed
+        state = np.zeros(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+        mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        starts.append(state)
+    datas = [mujoco.MjData(model) for _ in starts]
+    with bed.install():
+        states, _ = rollout.rollout(model, datas, np.array(starts), nstep=120)
+    for start, path in zip(starts, states, strict=True):
+        mujoco.mj_setState(model, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        bed.of(data).restart()
+        go(model, data, bed, 0.12)
+        np.testing.assert_allclose(path[-1, 1:8], data.qpos, atol=1e-12)
+        assert data.qpos[2] < 0.05
+
+
+def test_steps_without_a_call_are_told() -> None:
+    model, data, bed = box()
+    bed.apply(data)
+    mujoco.mj_step(model, data, nstep=3)
+    with pytest.raises(SceneError, match=r"3 steps were made since the last call: call apply before each mj_step"):
+        bed.apply(data)
+    model, data, bed = box(lenient=True)
+    bed.apply(data)
+    mujoco.mj_step(model, data, nstep=3)
+    bed.apply(data)
+
+
+def test_contact_with_a_rigid_body_and_the_dual_solver_are_felt_in_the_same_step() -> None:
+    """A slab on sand under a heavy ball: what the sand bears is the weight of both, however the contact is solved."""
+    for solver in ("Newton", "PGS"):
+        model = mujoco.MjModel.from_xml_string(
+            f'<mujoco><option timestep="0.002" solver="{solver}"/><worldbody>'
+            '<body name="slab" pos="0 0 0.005"><freejoint/>'
+            '<geom name="slab" type="box" size="0.1 0.1 0.01" mass="0.2"/></body><body name="ball" pos="0 0 0.066">'
+            '<joint type="slide" axis="0 0 1"/><geom type="sphere" size="0.05" mass="2"/></body></worldbody></mujoco>'
+        )
+        bed = MujocoBed(model, SAND)
+        bed.add_geoms("slab")
+        data = mujoco.MjData(model)
+        go(model, data, bed, 1.0)
+        before = data.qpos.copy()
+        go(model, data, bed, 0.5)
+        np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(bed.of(data).force[2], 2.2 * 9.81, rtol=1e-3)

@@ -1,0 +1,113 @@
+"""A planar scene of rigid bodies in MuJoCo: its bodies, hinges and drives as MJCF, its sand by `MujocoBed`.
+
+x ahead, z up, y into the plane, so that hinges about +y turn clockwise, as scenes have them. Joint coordinates are
+those of the scene.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.bed.of_scene import lines_of
+from granular_contact.mujoco import MujocoBed
+from granular_contact.scene import Scene
+from granular_contact.scene.types import Connection, Drive, RigidBody, rotation
+
+Array = NDArray[np.float64]
+FREE = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0"/>'
+
+
+def model_of(scene: Scene, step: float, integrator: str = "implicitfast") -> Any:
+    """Model of a tree of hinges on the ground or on a body that flies free, with a time step (s)."""
+    children: dict[str | None, list[Connection]] = {}
+    for joint in scene.connections:
+        children.setdefault(joint.parent, []).append(joint)
+    bodies = "".join(_body(scene, joint, children) for joint in children[None])
+    drives = "".join(_drive(drive) for drive in scene.drives)
+    option = f'timestep="{step!r}" gravity="0 0 {-scene.gravity!r}" integrator="{integrator}"'
+    return mujoco.MjModel.from_xml_string(
+        f"<mujoco><compiler angle='radian' autolimits='true'/><option {option}><flag contact='disable'/></option>"
+        f"<worldbody>{bodies}</worldbody><actuator>{drives}</actuator></mujoco>"
+    )
+
+
+def _body(scene: Scene, joint: Connection, children: dict[str | None, list[Connection]]) -> str:
+    body = scene.body(joint.child)
+    assert isinstance(body, RigidBody)
+    place, angle = body.motion.position, body.motion.angle
+    if joint.parent is not None:
+        parent = scene.body(joint.parent).motion
+        place, angle = rotation(-parent.angle) @ (place - parent.position), angle - parent.angle
+    x, z = joint.child_point
+    if joint.kind == "free":
+        degrees = FREE
+    else:
+        degrees = f'<joint name="{joint.name}" axis="0 1 0" pos="{x!r} 0 {z!r}" ref="{joint.start!r}"/>'
+    inner = "".join(_body(scene, other, children) for other in children.get(body.name, []))
+    inertia = " ".join([repr(body.inertia)] * 3)
+    return (
+        (
+            f'<body name="{body.name}" pos="{place[0]!r} 0 {place[1]!r}"'
+            f' quat="{math.cos(0.5 * angle)!r} 0 {-math.sin(0.5 * angle)!r} 0">{degrees}'
+            f'<inertial pos="0 0 0" mass="{body.mass!r}" diaginertia="{inertia}"/>{inner}</body>'
+        )
+        .replace("np.float64(", "")
+        .replace(")", "")
+    )
+
+
+def _drive(drive: Drive) -> str:
+    assert drive.kind == "control"
+    limit = "" if math.isinf(drive.limit) else f' forcerange="{-drive.limit!r} {drive.limit!r}"'
+    return (
+        f'<general joint="{drive.joint}" gainprm="{drive.gain!r}" biastype="affine" '
+        f'biasprm="0 {-drive.gain!r} {-drive.rate_gain!r}"{limit}/>'
+    )
+
+
+def controls_of(scene: Scene, times: Array) -> Array:
+    """Controls (n, drives) of the model's actuators at times (n,) s."""
+    made = [
+        [drive.signal.value(t) + drive.rate_gain / drive.gain * drive.signal.rate(t) for drive in scene.drives]
+        for t in times
+    ]
+    return np.array(made).reshape(len(times), len(scene.drives))
+
+
+def bed_of(scene: Scene, model: Any, **options: Any) -> MujocoBed:
+    """The scene's bed, with all its bodies in it."""
+    assert scene.bed is not None
+    bed = MujocoBed(
+        model,
+        scene.bed.layers,
+        scene.bed.profile,
+        plane=(1.0, 0.0, 0.0),
+        slope=scene.bed.slope,
+        static=scene.static,
+        form=scene.load.form,
+        end_cap=scene.load.end_cap,
+        floor=scene.bed.floor,
+        **options,
+    )
+    for body in scene.rigid:
+        for shape in body.shapes:
+            if shape.in_sand:
+                bed.add_lines(lines_of(bed.body(body.name), shape, scene.load.strips_per_rigid_part))
+    return bed
+
+
+def start(scene: Scene, model: Any) -> Any:
+    """Data at the start of the scene, with its rates."""
+    data = mujoco.MjData(model)
+    for joint in scene.connections:
+        if joint.kind == "free":
+            motion = scene.body(joint.child).motion
+            data.qvel[:3] = motion.velocity[0], motion.velocity[1], -motion.rate
+        else:
+            data.joint(joint.name).qvel = joint.rate
+    return data
