@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from granular_contact.scene.types import Connection, Drive, Vector, rotation
 
 if TYPE_CHECKING:
     from granular_contact.multibody.coordinates import Coordinate, End, Numbers
+    from granular_contact.scene.signals import Signal
 
 
 def add_joint(system: System, ground: Any, joint: Connection) -> None:
@@ -172,23 +174,41 @@ def add_constraint(mbs: Any, s: Coordinate, nodes: list[int], drive: Drive) -> i
     )
 
 
+class _Last:
+    """A coordinate that remembers its last state, and a signal's at the last instant: the engine asks for each twice."""
+
+    def __init__(self, s: Coordinate) -> None:
+        self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0, list[float]())
+        self._t, self._wanted = math.nan, (0.0, 0.0)
+
+    def __call__(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
+        """As `Coordinate.at`; the coordinates of a ground node come first, and are not asked for."""
+        if q != self._q or v != self._v:
+            size = self._s.size
+            self._found = self._s.at(q[len(q) - size :], v[len(v) - size :])
+            self._q, self._v = q, v
+        return self._found
+
+    def wanted(self, signal: Signal, t: float) -> tuple[float, float]:
+        """Value and rate of a signal; before the start it is held."""
+        if t != self._t:
+            self._t, self._wanted = t, (signal.value(max(t, 0.0)), signal.rate(t) if t >= 0.0 else 0.0)
+        return self._wanted
+
+
 def _motion_functions(s: Coordinate, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
-    signal, size = drive.signal, s.size
+    signal, at = drive.signal, _Last(s)
 
     def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
-        q, v = list(q), list(v)
-        # The coordinates of a ground node come first, and are not asked for.
-        value, rate, _ = s.at(q[len(q) - size :], v[len(v) - size :])
-        if by_velocity:
-            return [rate - (signal.rate(t) if t >= 0.0 else 0.0)]
-        return [value - signal.value(max(t, 0.0))]
+        value, rate, _ = at(list(q), list(v))
+        wanted, wanted_rate = at.wanted(signal, t)
+        return [rate - wanted_rate] if by_velocity else [value - wanted]
 
     def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
-        q, v = list(q), list(v)
-        ground = len(q) - size
-        _, _, slope = s.at(q[ground:], v[ground:])
+        q = list(q)
+        _, _, slope = at(q, list(v))
         container = exu.MatrixContainer()
-        container.SetWithDenseMatrix(np.array([[0.0] * ground + slope]), useDenseMatrix=True)
+        container.SetWithDenseMatrix(np.array([[0.0] * (len(q) - s.size) + slope]), useDenseMatrix=True)
         return container
 
     return constraint, jacobian
