@@ -1,4 +1,4 @@
-"""Meshes from files, by trimesh, which is loaded for this alone."""
+"""Meshes from files, but for binary STL by trimesh, which is loaded for this alone."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from granular_contact.errors import scene_error
 
 FORMATS = ("stl", "obj", "ply", "dae", "glb", "gltf")
 MOST_BYTES = 300_000_000
+# A facet of a binary STL file.
+_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
 
 
 def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -37,22 +39,37 @@ def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 def _read(path: Path, changed: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """As `read`; changed: when the file was, for the cache. The arrays can't be written to."""
     del changed
+    points, faces = _binary_stl(path) or _by_trimesh(path)
+    if len(faces) == 0 or not np.isfinite(points).all():
+        what = "has no triangles" if len(faces) == 0 else "has vertices that are not finite numbers"
+        raise scene_error(str(path), f"can't be read: it {what}")
+    points.setflags(write=False)
+    faces.setflags(write=False)
+    return points, faces
+
+
+def _binary_stl(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+    """Mesh of a binary STL file, whose length says whether it is one; to load trimesh takes longer than to read it."""
+    if path.suffix.lower() != ".stl":
+        return None
+    raw = path.read_bytes()
+    count = int.from_bytes(raw[80:84], "little")
+    if len(raw) < 84 or len(raw) != 84 + _FACET.itemsize * count:
+        return None
+    corners = np.frombuffer(raw, _FACET, offset=84)["corners"].reshape(-1, 3)
+    return corners.astype(float), np.arange(3 * count).reshape(-1, 3)
+
+
+def _by_trimesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     try:
         import trimesh
     except ImportError:
         raise scene_error(str(path), "mesh files are read by trimesh: pip install 'granular-contact[robot]'") from None
     try:
         found = trimesh.load_mesh(path, process=False)
-        points, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
+        return np.asarray(found.vertices, float) * _unit(found), np.array(found.faces, np.int64)
     except Exception as error:  # whatever its readers raise on a broken file
         raise scene_error(str(path), _unread(path, error)) from None
-    if len(faces) == 0 or not np.isfinite(points).all():
-        what = "has no triangles" if len(faces) == 0 else "has vertices that are not finite numbers"
-        raise scene_error(str(path), f"can't be read: it {what}")
-    points, faces = points * _unit(found), faces.copy()
-    points.setflags(write=False)
-    faces.setflags(write=False)
-    return points, faces
 
 
 def _unread(path: Path, error: Exception) -> str:

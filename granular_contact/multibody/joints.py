@@ -175,7 +175,7 @@ def add_constraint(mbs: Any, s: Coordinate, nodes: list[int], drive: Drive) -> i
 
 
 class _Last:
-    """A coordinate that remembers its last state, and a signal's at the last instant: the engine asks for each twice."""
+    """A coordinate that remembers its last state, and a signal its last instant: the engine asks for each twice."""
 
     def __init__(self, s: Coordinate) -> None:
         self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0, list[float]())
