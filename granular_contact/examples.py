@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
-FOLDERS, ENDINGS = ("models", "configs"), (".yaml", ".csv", ".txt")  # (the last: licences of data)
+FOLDERS, ENDINGS = ("models", "configs"), (".yaml", ".csv", ".txt", ".urdf", ".stl")  # (.txt: licences of data)
 
 
 def home() -> Path:

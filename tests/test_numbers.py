@@ -26,7 +26,11 @@ SHORT = {name: ("solver.end_time_s=0.3",) for name in ("c_leg", "dragged_plate",
 SHORT |= {name: ("solver.end_time_s=0.3",) for name in ("flexible_leg", "flexible_leg_rigid", "runner")}
 # Of configs that choose their steps, fixed ones (s).
 FIXED = {"c_leg": 2e-4, "runner": 2e-4, "stepping_leg": 5e-4, "walker": 5e-4, "chain": 1e-4, "chain_flexible": 1e-4}
-NAMES = sorted(path.stem for path in CONFIGS.glob("*.yaml") if is_run(path))
+NAMES = sorted(  # in the plane
+    path.stem
+    for path in CONFIGS.glob("*.yaml")
+    if is_run(path) and not getattr(load_scenario(path).model, "in_space", False)
+)
 _OF_THE_STEPS = ("cost", "versions", "warnings", "message", "status")
 VIBRATES = ("hub_stopping_time_s", "max_deflection_time_s", "energy.damping_work_J")
 

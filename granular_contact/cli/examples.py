@@ -28,8 +28,11 @@ def act(chosen: argparse.Namespace) -> int:
         # The project's own are sentences; the system's are numbers with a short reason.
         complain(f"examples: {f'{folder} cannot be written: {error.strerror}' if error.strerror else error}")
         return FAULTY_INPUT
-    configs = sum(name.startswith("configs/") for name in written)
-    print(f"{configs} configs and {len(written) - configs} models are in {folder}; the next step, for example:")
+    configs, models = (
+        sum(name.startswith(f"{kind}/") and name.endswith(".yaml") for name in written)
+        for kind in ("configs", "models")
+    )
+    print(f"{configs} configs and {models} models are in {folder}; the next step, for example:")
     print(f"  cd {shlex.quote(str(folder))}")
     print(f"  granular-contact run {FIRST} --animate")
     return FINE

@@ -81,12 +81,13 @@ def write_stl(path: Path, corners: np.ndarray) -> None:
 
 
 def link(name: str, mesh: str, mass: float, corners: np.ndarray) -> str:
-    """A link whose shape, in pictures and in sand, is a mesh."""
+    """A link whose shape, in pictures and in sand, is a mesh; on the right its mirror image, triangle by triangle."""
     (x, y, z), tensor = mass_properties(corners, mass)
     moments = " ".join(
         f'i{a}{b}="{tensor["xyz".index(a), "xyz".index(b)]:.6g}"' for a, b in ("xx", "yy", "zz", "xy", "xz", "yz")
     )
-    geometry = f'<geometry><mesh filename="meshes/{mesh}.stl"/></geometry>'
+    scale = ' scale="1 -1 1"' if name.endswith("right") else ""
+    geometry = f'<geometry><mesh filename="meshes/{mesh}.stl"{scale}/></geometry>'
     return f"""  <link name="{name}">
     <inertial>
       <origin xyz="{x:.6g} {y:.6g} {z:.6g}"/>

@@ -42,14 +42,19 @@ def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
 
 
 def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200) -> None:
-    """Write some of the frames of `results` into one PNG of few colours, see `animation.strip`.
+    """Write some of the frames of `results` into one PNG of few colours, see `animation.strip` and `space.strip`.
 
     Raises
     ------
     OSError
         The disk refuses.
     """
-    picture = strip(results, count, width)
+    if results.motion is not None and results.motion.in_space:
+        from granular_contact.report.figures import space
+
+        picture = space.strip(results, count, width)
+    else:
+        picture = strip(results, count, width)
     shown = Image.fromarray(picture).quantize(palette=_palette([picture]), dither=Image.Dither.NONE)
     shown.save(file, optimize=True)
 
