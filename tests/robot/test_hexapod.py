@@ -89,7 +89,7 @@ def test_it_walks_ahead_on_three_legs() -> None:
 
 
 def test_its_mirror_image_walks_in_mirrored_steps() -> None:
-    """Up to what Newton's method leaves, as legs stand in another order: a hundredth of the sway and roll of the trunk."""
+    """Up to what Newton's method leaves, as legs stand in another order: a hundredth of the trunk's sway and roll."""
     one, other = walk(), walk(mirrored=True)
     t = np.linspace(0.0, 0.25, 26)
     signs = {

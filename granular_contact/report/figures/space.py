@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
@@ -33,20 +35,21 @@ def strip(results: Results, count: int, width: int) -> Picture:
     """Pictures (h, w, 3) of `count` (even) instants, evenly spaced, as one that is about so many px wide."""
     motion = results.motion
     assert motion is not None  # which is what makes it a run in space
-    low, high = _window(motion, results.surface)
+    surface = float(results.surface) if isinstance(results.surface, int | float) else None
+    low, high = _window(motion, surface)
     wide, tall = high - low
     in_row = 2 if wide > tall else count
     rows = count // in_row
     size = width / DPI, width / in_row * tall / wide * rows / DPI
     with style():
         figure = Figure(figsize=size, dpi=DPI, facecolor="white")
-        canvas = FigureCanvasAgg(figure)
+        canvas: Any = FigureCanvasAgg(figure)  # whose methods have no types
         for i, k in enumerate(np.linspace(0, len(motion.time) - 1, count).round().astype(int)):
             place = (i % in_row / in_row, 1.0 - (i // in_row + 1) / rows, 1.0 / in_row, 1.0 / rows)
             axes = figure.add_axes(place, xlim=(low[0], high[0]), ylim=(low[1], high[1]))
             axes.set_axis_off()
             axes.set_aspect("equal")
-            _draw(axes, motion, int(k), results.surface, low, high)
+            _draw(axes, motion, int(k), surface, low, high)
         canvas.draw()
         shown: Picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
     return shown
@@ -63,7 +66,7 @@ def _window(motion: Motion, surface: float | None) -> tuple[Array, Array]:
     return low - margin, high + margin
 
 
-def _draw(axes: object, motion: Motion, k: int, surface: float | None, low: Array, high: Array) -> None:
+def _draw(axes: Any, motion: Motion, k: int, surface: float | None, low: Array, high: Array) -> None:
     """One instant: what is in the sand, the sand over it, then what is above."""
     corners, names = _triangles(motion, k)
     middle = corners.mean(axis=1)
@@ -73,7 +76,7 @@ def _draw(axes: object, motion: Motion, k: int, surface: float | None, low: Arra
     for chosen, height in ((buried, 1), (~buried, 4)):
         kept = order[chosen[order]]
         flat = corners[kept] @ view()[:2].T
-        axes.add_collection(  # type: ignore[attr-defined]
+        axes.add_collection(
             PolyCollection(
                 list(flat), facecolors=colours[kept], edgecolors=colours[kept], linewidths=0.2, zorder=height
             )
@@ -84,12 +87,12 @@ def _draw(axes: object, motion: Motion, k: int, surface: float | None, low: Arra
         head = dict(
             arrowstyle="-|>,head_width=0.15,head_length=0.3", color=VERMILION, linewidth=1.0, shrinkA=0, shrinkB=0
         )
-        axes.annotate("", point + force, point, arrowprops=head, zorder=6)  # type: ignore[attr-defined]
+        axes.annotate("", point + force, point, arrowprops=head, zorder=6)
     words = f"{motion.time[k]:.2f} s"
-    axes.text(0.03, 0.95, words, transform=axes.transAxes, va="top", color=INK)  # type: ignore[attr-defined]
+    axes.text(0.03, 0.95, words, transform=axes.transAxes, va="top", color=INK)
 
 
-def _draw_sand(axes: object, surface: float, low: Array, high: Array) -> None:
+def _draw_sand(axes: Any, surface: float, low: Array, high: Array) -> None:
     """The level surface as a grid of lines seen aslant, which goes on beyond the picture."""
     size = float((high - low).max())
     step = 10.0 ** np.floor(np.log10(0.4 * size))
@@ -97,14 +100,14 @@ def _draw_sand(axes: object, surface: float, low: Array, high: Array) -> None:
     reach = 4.0 * size
     corners = center + reach * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     ground = np.column_stack([corners, np.full(4, surface)]) @ view()[:2].T
-    axes.fill(*ground.T, color=SAND, alpha=COVER, linewidth=0, zorder=2)  # type: ignore[attr-defined]
+    axes.fill(*ground.T, color=SAND, alpha=COVER, linewidth=0, zorder=2)
     for axis in (0, 1):
         first, last = np.ceil((center[axis] - reach) / step), np.floor((center[axis] + reach) / step)
         for at in step * np.arange(first, last + 1):
             ends = np.full((2, 3), surface)
             ends[:, axis], ends[:, 1 - axis] = at, center[1 - axis] + reach * np.array([-1, 1])
             line = ends @ view()[:2].T
-            axes.plot(*line.T, color=SAND_EDGE, linewidth=0.3, alpha=0.5, zorder=3)  # type: ignore[attr-defined]
+            axes.plot(*line.T, color=SAND_EDGE, linewidth=0.3, alpha=0.5, zorder=3)
 
 
 def _triangles(motion: Motion, k: int) -> tuple[Array, list[int]]:
@@ -123,7 +126,7 @@ def _colours(corners: Array, parts: list[int]) -> Array:
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
     bright = SHADE + (1.0 - SHADE) * 0.5 * (1.0 + normal @ (LIGHT / np.linalg.norm(LIGHT)))
     own = np.array([to_rgb(GRID) if i == 0 else to_rgb(SKY) for i in parts]).reshape(-1, 3)
-    return np.clip(own * bright[:, None], 0.0, 1.0)
+    return np.asarray(np.clip(own * bright[:, None], 0.0, 1.0))
 
 
 def _arrows(motion: Motion, k: int, height: float) -> list[tuple[Array, Array]]:
