@@ -61,7 +61,8 @@ class StepControl:
         self.links = [places[:, axis] for places in links for axis in (0, 1)]
         self.rigid = np.array([i for rigid in system.rigid.values() for i in data.GetNodeLTGODE2(rigid.node)], int)
         arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.connections}
-        self.motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
+        motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
+        self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
         self.chosen = self.next  # step to come, but for where it has to end
