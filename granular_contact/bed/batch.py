@@ -40,8 +40,9 @@ class Batch:
         self.lines = lines
         self.profile, self._own = profile, medium
         self.columns = np.array(columns)
-        self.geometry = np.concatenate([line.stations for line in lines])
-        self.records = np.concatenate(list(records))
+        # The type is said, or numpy compares the records of every two lines field by field.
+        self.geometry = np.concatenate([line.stations for line in lines], dtype=lines[0].stations.dtype)
+        self.records = np.concatenate(list(records), dtype=records[0].dtype)
         sizes = [(len(line.stations), len(line.coordinates)) for line in lines]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), COLUMNS if ways else 2))

@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.bed.contact_lines import Body, ContactLine
-from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.load import APART, GranularLoad
 from granular_contact.bed.of_scene import lines_of
 from granular_contact.errors import scene_error
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.probe import STEADY
+from granular_contact.laws.scatter import Scatter
 from granular_contact.scene.types import RigidBody, Scene, Shape, rotation
 
 Vector = NDArray[np.float64]
@@ -75,16 +76,24 @@ class SteadyBody:
         points = [np.hypot(*(shape.points - self.center).T).max() + shape.drop for shape in _met(self.body)]
         return float(max(points))
 
-    def force(self, depth: Vector, velocity: Vector, rate: Vector, layers: Sequence[Layer] | None = None) -> Vector:
+    def force(
+        self,
+        depth: Vector,
+        velocity: Vector,
+        rate: Vector,
+        layers: Sequence[Layer] | None = None,
+        scatter: Scatter | None = None,
+    ) -> Vector:
         """Force of the medium x, y (N) and its moment about the centre (N m, counter-clockwise): (n, 3).
 
         depth (n,) m: of the lowest point below the surface; velocity (n, 2) m/s of the centre, y up; rate (n,) rad/s,
-        counter-clockwise; layers: of other media than the scene's, in the same bed.
+        counter-clockwise; layers: of other media than the scene's, in the same bed. scatter: of their resistance, in
+        which each pose has a place of its own; None: the mean.
         """
         count, scene = len(depth), self._scene
         assert scene.bed is not None  # or there was an error
         media = scene.bed.layers if layers is None else layers
-        load = self._copies(count, tuple(map(_mobilised, media)))
+        load = self._copies(count, tuple(_mobilised(layer, scatter) for layer in media), scatter is not None)
         arm = rotation(self.angle) @ self.center  # from the centre of mass
         height = float(scene.bed.profile[0, 1]) - depth - self.lowest
         pose = np.column_stack([np.full(count, -arm[0]), height - arm[1], np.full(count, self.angle)])
@@ -95,10 +104,10 @@ class SteadyBody:
         found[:, 2] += found[:, 0] * arm[1] - found[:, 1] * arm[0]
         return found
 
-    def _copies(self, count: int, layers: tuple[Layer, ...]) -> GranularLoad:
-        """Load of so many copies of the body, an earlier one again if it fits."""
+    def _copies(self, count: int, layers: tuple[Layer, ...], apart: bool) -> GranularLoad:
+        """Load of so many copies of the body, an earlier one again if it fits; apart: at places of their own."""
         scene, known = self._scene, self._loads.get(count)
-        if known is not None and known.renew(layers, STEADY, scene.gravity):
+        if known is not None and not apart and known.renew(layers, STEADY, scene.gravity):
             return known
         load = GranularLoad(
             layers,
@@ -109,8 +118,11 @@ class SteadyBody:
             end_cap=scene.load.end_cap,
         )
         places = np.arange(3 * count).reshape(count, 3)
-        load.add([replace(line, coordinates=place) for place in places for line in self._one])
+        away = APART * np.arange(1.0, count + 1.0) if apart else np.zeros(count)
+        load.add([_copy(line, *one) for one in zip(places, away, strict=True) for line in self._one])
         load.close()
+        if apart:
+            return load
         if len(self._loads) >= MOST_LOADS:
             self._loads.clear()
         self._loads[count] = load
@@ -121,10 +133,19 @@ class SteadyBody:
         return [line for shape in _met(self.body) for line in lines_of(body, shape, strips)]
 
 
-def _mobilised(layer: Layer) -> Layer:
-    """A layer whose shear needs no way to build up, and whose resistance is its mean, without scatter."""
+def _copy(line: ContactLine, places: NDArray[np.int64], away: float) -> ContactLine:
+    """The line on other coordinates, and elsewhere (m) on the lattice of a medium's scatter."""
+    record = line.record
+    if away:
+        record = record.copy()
+        record["place"] += away
+    return replace(line, coordinates=places, record=record)
+
+
+def _mobilised(layer: Layer, scatter: Scatter | None) -> Layer:
+    """A layer whose shear needs no way to build up, and whose resistance scatters as said, or is its mean."""
     medium = layer.medium
-    plain: dict[str, object] = {} if medium.scatter is None else {"scatter": None}
+    plain: dict[str, object] = {"scatter": scatter} if scatter is not medium.scatter else {}
     if medium.shear_grows:
         plain["shear_modulus"] = 0.0
     return replace(layer, medium=medium.model_copy(update=plain)) if plain else layer

@@ -53,6 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="soft_l1|linear",
         help="linear: ordinary least squares; soft_l1: outliers have limited weight (soft_l1)",
     )
+    words = "tell the scatter of grains apart from noise, in force tests: repeated ones tell it best"
+    parser.add_argument("--scatter", action="store_true", help=words)
     parser.add_argument("--starts", metavar="N", help="number of starting points (8)")
     parser.add_argument("--seed", metavar="N", help="seed of the choice of these points (0)")
     parser.add_argument("--workers", metavar="N", type=worker_count, help="worker processes (one per core)")
@@ -105,6 +107,12 @@ def _show(found: Fit) -> None:
     for column in found.goodness.columns:
         kind = "given" if column.given else "estimated"
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
+    if (grains := found.scatter) is not None:
+        print(
+            f"scatter of the force {100 * grains.force:.3g} +- {100 * grains.force_error:.1g} % over "
+            f"{1e3 * grains.length:.3g} +- {1e3 * grains.length_error:.1g} mm; "
+            f"of the medium {100 * grains.relative:.3g} %"
+        )
     good = found.goodness
     words = "the residuals look like noise" if good.status == "fits" else "the residuals do not look like noise"
     rest = f" ({good.without_outliers:.3g} without the outliers)" if good.outliers else ""

@@ -56,10 +56,13 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
         text = getattr(chosen, option)
         if text is not None:
             nodes[key] = read_text(text, f"--{option.replace('_', '-')}", faults, (), numbered=False)
+    if chosen.scatter:
+        nodes["scatter"] = tree.made(True, tree.Position("--scatter", None))
     return nodes
 
 
-_INSTEAD = ("parameters", "bounds", "columns", "time_offset", "noise", "force_test", "loss", "starts", "seed", "set")
+_DATA = ("parameters", "bounds", "columns", "time_offset", "noise", "force_test", "set")
+_INSTEAD = (*_DATA, "scatter", "loss", "starts", "seed")
 
 
 def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:

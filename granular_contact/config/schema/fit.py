@@ -175,6 +175,8 @@ class FitFile(Strict):
     """Standard deviation of columns; estimated where it is not given."""
     loss: Literal["soft_l1", "linear"] = "soft_l1"
     """soft_l1 limits the weight of outliers; linear: ordinary least squares."""
+    scatter: bool = False
+    """Whether the scatter of grains is told apart from noise, in force tests of one column each."""
     starts: Annotated[int, Field(ge=1, le=MOST_STARTS)] = 8
     """Number of starting points."""
     seed: Annotated[int, Field(ge=0, le=999_999)] = 0

@@ -2,11 +2,14 @@
 
 specification, sections, request    a fit file, or the command line in its place -> what is asked for
 columns, csv_table, measurements   names and units of what was measured; CSV files
+force_columns, force_tests, force_checks   the same of force tests: tables of forces against depth or speed
+law_alone                          a force test by the law, without a run
 parameters                         keys of a config -> start, bounds and scale
 prepare, checks                    all of it read and checked -> Problem
 problem, responses                    parameters -> curves of every run
 jacobian, noise, solve             least squares from many starts, weighted by the noise that is left
 uncertainty, goodness, diagnostics errors, what can't be told apart; whether the residuals are noise; what else to doubt
+scatter                            scatter of grains, told apart from noise and coefficients in force tests
 media_of_runs                      whose medium the coefficients go into, and in what else the media differ
 fitting, medium, writing           Fit; the medium found; fit.json, medium.yaml, residuals.csv and figures
 """

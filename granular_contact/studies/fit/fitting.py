@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.errors import SolveError
+from granular_contact.laws.scatter import MOST
 from granular_contact.studies.fit import media_of_runs
 from granular_contact.studies.fit.goodness import Goodness, goodness
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Problem
+from granular_contact.studies.fit.responses import ModelFailed
+from granular_contact.studies.fit.scatter import Scattering, apart
 from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, solve
 from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
 
@@ -31,7 +35,10 @@ class Curve:
 
 @dataclass(frozen=True)
 class Fit:
-    """Result of a fit. residuals: data less model (n, columns) of each run; curves: for figures."""
+    """Result of a fit. residuals: data less model (n, columns) of each run; curves: for figures.
+
+    scatter: of the grains, where it was told apart from noise.
+    """
 
     problem: Problem
     solution: Solution
@@ -39,6 +46,7 @@ class Fit:
     goodness: Goodness
     residuals: tuple[Vector, ...]
     curves: tuple[Curve, ...]
+    scatter: Scattering | None = None
 
     @property
     def values(self) -> Vector:
@@ -62,6 +70,9 @@ class Fit:
         found += [*self.goodness.warnings, *self.uncertainty.words]
         found += dict.fromkeys(note for run in self.problem.runs for note in run.measured.notes)
         found += media_of_runs.words(self.problem, self.values)
+        if self.scatter is not None and self.scatter.relative > MOST:
+            size = f"{self.scatter.relative:.2g}"
+            found.append(f"the medium would scatter by {size}, and {MOST:g} is the most that one can: that is written")
         count = len(self.solution.starts)
         if count > 1 and self.agreeing == 1:
             found.append(f"only 1 of {count} starting points led to this fit; there may be a better one: more starts")
@@ -89,7 +100,14 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
         The model fails wherever it is started.
     """
     solution = solve(problem, workers, progress)
-    known = uncertainty(problem, solution)
+    told, judged, covariance = None, solution, None
+    if problem.scatter:
+        try:
+            solution, told = apart(problem, solution)
+        except ModelFailed as error:
+            raise SolveError(f"the model fails near the best parameters: {error}") from error
+        judged, covariance = replace(solution, residuals=told.white * told.noise), told.covariance
+    known = uncertainty(problem, solution, covariance)
     times = [np.linspace(time[0], time[-1], BAND_POINTS) for time in problem.times()]
     model = _split(problem, problem.model(solution.scaled, times), times)
     width = _split(problem, band(known, jacobian(problem, solution.scaled, times)), times)
@@ -97,9 +115,10 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
         problem,
         solution,
         known,
-        goodness(problem, solution),
+        goodness(problem, judged),
         tuple(_split(problem, solution.residuals, problem.times())),
         tuple(Curve(*one) for one in zip(times, model, width, strict=True)),
+        told,
     )
 
 

@@ -14,8 +14,8 @@ UNITS = {
     "Nm": {"Nm": 1.0, "Nmm": 1e-3, "mNm": 1e-3, "kNm": 1e3},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
 }
-DEPTH, SPEED, RATE = "depth_m", "speed_m_s", "rate_rad_s"
-GIVEN = {"depth": "m", "speed": "m_s", "rate": "rad_s"}
+DEPTH, SPEED, RATE, WAY = "depth_m", "speed_m_s", "rate_rad_s", "way_m"
+GIVEN = {"depth": "m", "speed": "m_s", "rate": "rad_s", "way": "m"}
 FORCE, VERTICAL, HORIZONTAL, TORQUE, PRESSURE = (
     "force_N",
     "vertical_force_N",

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import scenario_to_dict
+from granular_contact.laws.scatter import MOST
 from granular_contact.results import Results
 from granular_contact.studies.fit.fitting import Fit
 from granular_contact.studies.fit.law_alone import LawAlone
@@ -53,7 +54,12 @@ def _described(
         source += "; misfit: this law does not describe these data"
     kept = {key: value for key, value in found.items() if key != "standing"}  # that of the numbers before
     new = {"name": f"{found.get('name') or MEDIUM}_fitted", "source": source}
-    return kept | new | {"provenance": PROVENANCE, "range": seen(fit, runs)}
+    found = kept | new | {"provenance": PROVENANCE, "range": seen(fit, runs)}
+    told = fit.scatter
+    if told is None:
+        return found
+    scatter = {"relative": min(float(f"{told.relative:.3g}"), MOST), "length_m": float(f"{told.length:.3g}"), "seed": 1}
+    return found | {"scatter": scatter}
 
 
 def _values(fit: Fit, run: MeasuredRun) -> tuple[float, ...]:

@@ -24,6 +24,7 @@ from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.request import RunRequest, Specification
 from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
+from granular_contact.studies.fit.scatter import faults as scatter_faults
 
 NO_KEYS = (OFFSET, DEPTH_OFFSET, FORCE_OFFSET)  # parameters that are in no config
 
@@ -197,6 +198,8 @@ def _problem(
             runs.append(_run(one, i, source, acting, parameters))
         else:
             runs.append(_force_test(one, i, source, acting, parameters))
+    if request.scatter:
+        faults += scatter_faults(request.runs, runs)
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
     return Problem(
         request.name,
@@ -206,6 +209,7 @@ def _problem(
         request.loss,
         request.starts,
         request.seed,
+        request.scatter,
     )
 
 

@@ -82,7 +82,8 @@ class MeasuredRun:
 class Problem:
     """Runs, parameters and noise (of a column, in its unit; None: unknown), and how to solve.
 
-    loss: of residuals in units of the noise; starts: how many points to start from; seed: of their choice.
+    loss: of residuals in units of the noise; starts: how many points to start from; seed: of their choice. scatter:
+    whether that of grains is told apart from noise.
     """
 
     name: str
@@ -92,6 +93,7 @@ class Problem:
     loss: Loss = "soft_l1"
     starts: int = 8
     seed: int = 0
+    scatter: bool = False
 
     @property
     def columns(self) -> list[str]:

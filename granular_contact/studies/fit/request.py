@@ -59,3 +59,4 @@ class Specification:
     loss: Loss
     starts: int
     seed: int
+    scatter: bool = False

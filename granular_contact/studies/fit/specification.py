@@ -51,6 +51,7 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
         loss=file.loss,
         starts=file.starts,
         seed=file.seed,
+        scatter=file.scatter,
     )
     if not found.parameters and not any(run.parameters for run in found.runs) and not faults:
         at = root.keys.get("parameters", root.position)

@@ -56,13 +56,14 @@ class Uncertainty:
     quantile: float
 
 
-def uncertainty(problem: Problem, solution: Solution) -> Uncertainty:
-    """Errors from the curvature at the solution and the scatter of the residuals.
+def uncertainty(problem: Problem, solution: Solution, covariance: Vector | None = None) -> Uncertainty:
+    """Errors from the curvature at the solution and the scatter of the residuals, or from a covariance that is known.
 
     A parameter at its bound is treated like the others: if it counted as known, those correlated with it would seem
     well known, too.
     """
-    covariance = _covariance(problem, solution)
+    if covariance is None:
+        covariance = _covariance(problem, solution)
     deviation = np.sqrt(np.diag(covariance))
     known = np.isfinite(deviation)
     product = np.outer(deviation, deviation)

@@ -92,6 +92,7 @@ def summary(fit: Fit) -> dict[str, Any]:
                 for one in good.columns
             },
         },
+        **_scatter(fit),
         "runs": [
             {
                 "name": run.name,
@@ -110,6 +111,24 @@ def summary(fit: Fit) -> dict[str, Any]:
             "seed": problem.seed,
         },
         "versions": versions(),
+    }
+
+
+def _scatter(fit: Fit) -> dict[str, Any]:
+    """Scatter of the grains, where it was told apart."""
+    one = fit.scatter
+    if one is None:
+        return {}
+    return {
+        "scatter": {
+            "of_the_force": one.force,
+            "of_the_force_error": one.force_error,
+            "relative": one.relative,
+            "relative_error": one.relative_error,
+            "length_m": one.length,
+            "length_error_m": one.length_error,
+            "noise": one.noise,
+        }
     }
 
 

@@ -1,0 +1,236 @@
+"""Repeated force tests: the scatter of grains, the noise of the sensor and the coefficients, told apart.
+
+A medium that scatters (`kernels.scatter`) gives a force F (1 + s xi), xi a smooth random function of the way that the
+body has gone, of the length L. Its residuals are as large as the force and alike over L; those of a sensor are neither.
+With F the force of the law, way w and noise sigma the residuals have the covariance
+
+    Omega_ij = s^2 F_i F_j rho((w_i - w_j) / L) + sigma^2 delta_ij
+
+s, L and sigma are those of the greatest likelihood, the coefficients those of least squares in the measure of Omega, in
+turn until neither changes. rho is that of the form of xi, averaged over where the lattice lies. A body of many strips
+scatters less than one: its share is that of four hundred equal bodies in the medium.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import minimize
+
+from granular_contact.errors import Fault
+from granular_contact.studies.fit.jacobian import jacobian
+from granular_contact.studies.fit.law_alone import LawAlone
+from granular_contact.studies.fit.measurements import Measured
+from granular_contact.studies.fit.problem import MeasuredRun, Problem
+from granular_contact.studies.fit.request import RunRequest
+from granular_contact.studies.fit.solve import Solution
+
+Vector = NDArray[np.float64]
+
+MOST_ROWS = 1000  # of a test: the time goes with their cube
+ROUNDS, SETTLED = 6, 1e-3  # of coefficients and scatter in turn; change of a coefficient in its errors that ends them
+TRIED_LENGTHS = 5  # starting points for L, from three rows to a fifth of the way
+STEP = 1e-2  # of the logarithms, for the curvature of the likelihood
+LEAST_SLOPE = 0.5  # sine of the direction from which on the way follows from the depth
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """Scatter with standard errors: of the body's force (-), its length (m), what is left as noise (SI).
+
+    relative: of the medium, on a piece no longer than the length. covariance: of the scaled parameters (p, p); white:
+    residuals (values,) in units of the noise, once what is alike in them is taken out.
+    """
+
+    force: float
+    force_error: float
+    length: float
+    length_error: float
+    noise: float
+    relative: float
+    covariance: Vector
+    white: Vector
+
+    @property
+    def relative_error(self) -> float:
+        """Standard error of `relative`."""
+        return self.relative * self.force_error / self.force
+
+
+def way_of(held: Measured, sine: float) -> Vector | None:
+    """Way (n,) m of the body, as its column tells it or from the depth; None where neither does."""
+    if "way_m" in held.given:
+        return held.given["way_m"]
+    depth = held.given["depth_m"]
+    if abs(sine) < LEAST_SLOPE or float(np.ptp(depth)) == 0.0:
+        return None
+    return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))]) / abs(sine)
+
+
+def faults(requests: Sequence[RunRequest], runs: Sequence[MeasuredRun]) -> Iterator[Fault]:
+    """Why the scatter of these runs can't be told apart from noise."""
+    for request, run in zip(requests, runs, strict=True):
+        model, held = run.simulator, run.measured
+        if not isinstance(model, LawAlone):
+            words = "is a run, and scatter is told apart in force tests alone"
+        elif len(held.columns) > 1:
+            words = f"measures {', '.join(held.columns)}, and scatter is told apart in tests of one column"
+        elif len(held.time) > MOST_ROWS:
+            words = (
+                f"has {len(held.time)} rows; at most {MOST_ROWS} are allowed with scatter: leave every other one out"
+            )
+        elif way_of(held, float(model.motion.along[1])) is None:
+            words = "does not tell how far the body went; allowed is a column way_m (cm, mm, um), or a depth that grows"
+        else:
+            continue
+        yield request.at_data.fault(("scatter",), f"{held.file} {words}")
+
+
+def apart(problem: Problem, solution: Solution) -> tuple[Solution, Scattering]:
+    """Coefficients and scatter, from the coefficients of a fit that took all for noise; raises ModelFailed."""
+    times, ways, data = problem.times(), list(_ways(problem)), problem.data()
+    scaled, (low, high) = solution.scaled, problem.bounds
+    start = None
+    for _ in range(ROUNDS):
+        model = problem.model(scaled, times)
+        slopes = jacobian(problem, scaled, times)
+        logs = start = _likeliest(ways, _split(model, ways), _split(data - model, ways), start)
+        rows, white = _whitened(ways, model, slopes, data - model, logs)
+        covariance = np.asarray(np.linalg.pinv(rows.T @ rows), float)
+        step = covariance @ rows.T @ white
+        scaled = np.clip(scaled + step, low, high)
+        if float(np.max(np.abs(step) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)))) < SETTLED:
+            break
+    force, length, noise = np.exp(logs)
+    errors = _errors(ways, _split(model, ways), _split(data - model, ways), logs)
+    found = Scattering(
+        float(force),
+        float(force * errors[0]),
+        float(length),
+        float(length * errors[1]),
+        float(noise),
+        float(force) / _share(problem, scaled, float(length)),
+        covariance,
+        white,
+    )
+    sigma = np.full(len(problem.columns), float(noise))
+    return replace(solution, scaled=scaled, sigma=sigma, residuals=data - model, jacobian=slopes), found
+
+
+def _ways(problem: Problem) -> Iterator[Vector]:
+    for run in problem.runs:
+        assert isinstance(run.simulator, LawAlone)  # or there was a fault
+        way = way_of(run.measured, float(run.simulator.motion.along[1]))
+        assert way is not None
+        yield way
+
+
+def _split(values: Vector, ways: list[Vector]) -> list[Vector]:
+    return np.split(values, np.cumsum([len(way) for way in ways])[:-1])
+
+
+def correlation(lag: Vector) -> Vector:
+    """Correlation of xi over lags in lengths, averaged over where the lattice lies; 0 from two lengths on."""
+    grid, table = _table()
+    return np.asarray(np.interp(np.abs(lag), grid, table, right=0.0))
+
+
+@cache
+def _table() -> tuple[Vector, Vector]:
+    t, grid = np.linspace(0.0, 1.0, 64, endpoint=False), np.linspace(0.0, 2.0, 65)
+    return grid, np.array([np.mean(_weight_products(t, float(x))) for x in grid])
+
+
+def _weight_products(t: Vector, lag: float) -> Vector:
+    """Sum over the lattice of the weights at t and at t + lag."""
+    total = np.zeros_like(t)
+    for i in (0, 1):
+        for j in (0, 1):
+            cell = np.floor(t + lag)
+            same = i == j + cell
+            total += np.where(same, _weight(t, i) * _weight(t + lag - cell, j), 0.0)
+    return total
+
+
+def _weight(t: Vector, which: int) -> Vector:
+    q = t * t * (3.0 - 2.0 * t)
+    parts = (1.0 - q, q)
+    return np.asarray(parts[which] / np.sqrt(parts[0] ** 2 + parts[1] ** 2))
+
+
+def _omega(way: Vector, model: Vector, logs: Vector) -> Vector:
+    force, length, noise = np.exp(logs)
+    alike = correlation((way[:, None] - way[None, :]) / length)
+    return np.asarray(force**2 * np.outer(model, model) * alike + noise**2 * np.eye(len(way)))
+
+
+def _cost(ways: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> float:
+    """Half the negative logarithm of the likelihood, twice."""
+    total = 0.0
+    for way, model, rest in zip(ways, models, residuals, strict=True):
+        try:
+            factor = cho_factor(_omega(way, model, logs), lower=True)
+        except np.linalg.LinAlgError:
+            return np.inf
+        total += float(rest @ cho_solve(factor, rest)) + 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
+    return total
+
+
+def _likeliest(ways: list[Vector], models: list[Vector], residuals: list[Vector], start: Vector | None) -> Vector:
+    """Logarithms of s, L and sigma of the greatest likelihood, from an earlier one or from several lengths."""
+    rest, model = np.concatenate(residuals), np.concatenate(models)
+    rms = float(np.sqrt(np.mean(rest**2)))
+    size = rms / float(np.sqrt(np.mean(model**2)))
+    step = float(np.median(np.concatenate([np.diff(way) for way in ways])))
+    span = max(float(np.ptp(way)) for way in ways)
+    lengths = np.geomspace(3.0 * step, max(0.2 * span, 4.0 * step), TRIED_LENGTHS)
+    points = [np.log([size, length, 0.3 * rms]) for length in lengths] if start is None else [start]
+    floor = np.log([1e-6, step, 1e-6 * rms])
+    best = min(points, key=lambda one: _cost(ways, models, residuals, one))
+    found = minimize(
+        lambda one: _cost(ways, models, residuals, np.maximum(one, floor)),
+        best,
+        method="Nelder-Mead",
+        options={"xatol": 2e-3, "fatol": 1e-3, "maxiter": 200},
+    )
+    return np.maximum(found.x, floor)
+
+
+def _errors(ways: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> Vector:
+    """Standard errors of the logarithms, from the curvature of the likelihood."""
+    curvature = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            a, b = STEP * np.eye(3)[i], STEP * np.eye(3)[j]
+            corners = [(1.0, a + b), (-1.0, a - b), (-1.0, b - a), (1.0, -a - b)]
+            curvature[i, j] = sum(sign * _cost(ways, models, residuals, logs + x) for sign, x in corners)
+    inverse = np.linalg.pinv(curvature / (8.0 * STEP**2))  # of half the cost
+    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)))
+
+
+def _whitened(ways: list[Vector], model: Vector, slopes: Vector, rest: Vector, logs: Vector) -> tuple[Vector, Vector]:
+    """Derivatives (values, p) and residuals (values,) in the measure of Omega."""
+    ends = np.cumsum([len(way) for way in ways])[:-1]
+    blocks = zip(ways, _split(model, ways), np.split(slopes, ends), _split(rest, ways), strict=True)
+    rows, white = [], []
+    for way, own, derivative, residual in blocks:
+        lower = np.linalg.cholesky(_omega(way, own, logs))
+        rows.append(solve_triangular(lower, derivative, lower=True))
+        white.append(solve_triangular(lower, residual, lower=True))
+    return np.concatenate(rows), np.concatenate(white)
+
+
+def _share(problem: Problem, scaled: Vector, length: float) -> float:
+    """Scatter of the body's force over that of a piece no longer than the length; the mean of all tests."""
+    x = problem.values(scaled)
+    return float(np.mean([_share_of(run, x, length) for run in problem.runs]))
+
+
+def _share_of(run: MeasuredRun, x: Vector, length: float) -> float:
+    assert isinstance(run.simulator, LawAlone)
+    return run.simulator.share(tuple(float(x[i]) for i in run.acting), length)
