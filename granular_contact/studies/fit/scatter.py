@@ -198,7 +198,7 @@ def _likeliest(ways: list[Vector], models: list[Vector], residuals: list[Vector]
         method="Nelder-Mead",
         options={"xatol": 2e-3, "fatol": 1e-3, "maxiter": 200},
     )
-    return np.maximum(found.x, floor)
+    return np.asarray(np.maximum(found.x, floor))
 
 
 def _errors(ways: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> Vector:
