@@ -14,7 +14,6 @@ MEDIUM = "medium"
 MOST_SHOWN = 6
 # What a medium is called, and where its numbers are from: no property of the sand.
 _ABOUT = (("name",), ("source",), ("provenance",), ("range",), ("standing",))
-_ABSENT = object()
 
 
 def fitted(problem: Problem) -> list[Parameter]:
@@ -42,7 +41,7 @@ def words(problem: Problem, values: NDArray[Any]) -> Iterator[str]:
     differing: dict[str, None] = {}
     for other in media:
         keys = dict.fromkeys([*media[held], *other])
-        own = [key for key in keys if media[held].get(key, _ABSENT) != other.get(key, _ABSENT)]
+        own = [key for key in keys if media[held].get(key) != other.get(key)]  # null is as good as left out
         differing.update(dict.fromkeys(".".join(key) for key in own if key not in shared and key[-1:] not in _ABOUT))
     if differing:
         listed = ", ".join([*differing][:MOST_SHOWN]) + (", ..." if len(differing) > MOST_SHOWN else "")
