@@ -39,7 +39,7 @@ def test_presets_that_lack_a_number_say_so_and_take_it() -> None:
 def test_every_law_has_a_shape() -> None:
     assert all(law.takes for law in LAWS.values())
     assert set(laws_for("ball")) & set(laws_for("round")) == set()
-    assert set(laws_for("outline")) == {"rft", "drft", "rft3d", "pressure_sinkage", "reece"}
+    assert set(laws_for("outline")) == {"rft", "drft", "rft3d", "pressure_sinkage", "reece", "table"}
 
 
 def test_a_probe_gives_the_resultant() -> None:

@@ -55,8 +55,8 @@ def _table(node: Mapping, path: tuple[str, ...], folder: Path, faults: list[Faul
     source = f"{file}, column {column}"
     nodes: dict[str, Node] = {
         "type": Scalar(at, "table", "table"),
-        "time_s": _numbers(at, table[0]),
-        "values": _numbers(at, table[1]),
+        "time_s": numbers_of(at, table[0]),
+        "values": numbers_of(at, table[1]),
         "source": Scalar(at, source, source),
     }
     if "interpolation" in node.nodes:
@@ -69,7 +69,8 @@ def _text(node: Mapping, key: str) -> str | None:
     return held.value if isinstance(held, Scalar) and isinstance(held.value, str) else None
 
 
-def _numbers(at: Position, values: list[float]) -> Items:
+def numbers_of(at: Position, values: list[float]) -> Items:
+    """A list of numbers as a node."""
     return Items(at, tuple(Scalar(at, value, repr(value)) for value in values))
 
 

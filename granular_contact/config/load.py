@@ -28,6 +28,7 @@ from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.schema.chain import names
 from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.sizes import too_large
+from granular_contact.config.stress_table import with_tables
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.scalars import resolve
@@ -191,6 +192,7 @@ class Template:
         node = renewed(_restated(read, node), notices)
         found += too_large(node)
         node = with_columns(_named(node, self._path), self._path.parent, found)
+        node = with_tables(node, self._path.parent, found)
         node = with_paths(node, self._path.parent)
         return Loaded(scenario_of(node, found), SourceMap(node, notices))
 

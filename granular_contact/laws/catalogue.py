@@ -16,6 +16,7 @@ from granular_contact.laws.pressure_sinkage import PressureSinkage
 from granular_contact.laws.reece import Reece
 from granular_contact.laws.rft import Rft
 from granular_contact.laws.rft3d import Rft3d
+from granular_contact.laws.table import StressTable
 from granular_contact.laws.tsimring_volfson import TsimringVolfson
 
 LAWS: dict[str, type[Law]] = {
@@ -29,6 +30,7 @@ LAWS: dict[str, type[Law]] = {
         Rft3d,
         PressureSinkage,
         Reece,
+        StressTable,
         Bingham,
         Poncelet,
         Allen,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.law import ABOUT, Law
 from granular_contact.laws.probe import Probe, ball, force, plate
+from granular_contact.laws.rft import GENERIC
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,8 @@ def unit(key: str) -> tuple[tuple[int, int, int], float]:
 def sample(law: type[Coefficients], scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Any:
     """A medium of a law; scale: by how much the units of mass, length and time are smaller."""
     given = {}
+    if law.tag() == "table":
+        return table(law, scale)
     for name, field in law.model_fields.items():
         kind, more = field.annotation, MORE.get(law.tag(), {}) if issubclass(law, Law) else {}
         powers, size = unit(field.alias or name)
@@ -56,6 +59,30 @@ def sample(law: type[Coefficients], scale: tuple[float, float, float] = (1.0, 1.
         elif field.is_required() or name in more:
             given[name] = factor * more.get(name, size)
     return law(**given)
+
+
+def table(law: type[Coefficients], scale: tuple[float, float, float]) -> Any:
+    """The generic set of resistive force theory as a table, times (1 + z / 0.1 m)."""
+    mass, length, time = scale
+    depth, beta, gamma = (0.01, 0.03, 0.08), range(-90, 91, 30), range(-90, 91, 18)
+    of_x, of_z = [], []
+    for z in depth:
+        for b in beta:
+            for g in gamma:
+                x, up = rft(b, g)
+                factor = 1e5 * z * (1.0 + z / 0.1) * mass / length / time**2
+                of_x.append(factor * x)
+                of_z.append(factor * up)
+    angles = [tuple(map(float, one)) for one in (beta, gamma)]
+    return law(tuple(length * z for z in depth), *angles, tuple(of_x), tuple(of_z))
+
+
+def rft(beta: float, gamma: float) -> tuple[float, float]:
+    """alpha_x, alpha_z (N/cm3) of the generic set at angles in degrees."""
+    b, g, c = math.radians(beta), math.radians(gamma), GENERIC
+    x = c.C11 * math.cos(2 * b + g) + c.C01 * math.cos(g) + c.C_11 * math.cos(-2 * b + g) + c.D10 * math.sin(2 * b)
+    z = c.A00 + c.A10 * math.cos(2 * b) + c.B11 * math.sin(2 * b + g) + c.B01 * math.sin(g)
+    return x, z + c.B_11 * math.sin(-2 * b + g)
 
 
 def bodies(medium: Law, depth: float, scale: float = 1.0, mass: float = 1.0) -> list[Probe]:

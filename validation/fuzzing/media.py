@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from random import Random
 from typing import Any
@@ -10,7 +11,7 @@ Tree = dict[str, Any]
 
 FAMILIES = {
     "bar": ("lee_marghitu", "albert", "hill"),
-    "plate": ("rft", "drft", "rft3d", "pressure_sinkage", "reece"),
+    "plate": ("rft", "drft", "rft3d", "pressure_sinkage", "reece", "table"),
     "ball": ("bingham", "poncelet", "allen", "linear_depth", "tsimring_volfson", "katsuragi_durian"),
 }
 PRESETS = {
@@ -64,6 +65,21 @@ def _shear(rng: Random) -> Tree:
     return {"exponent": rng.uniform(0.3, 2.5), "friction_angle_deg": rng.choice((0.0, rng.uniform(0.0, 60.0)))} | some
 
 
+def _table(rng: Random) -> Tree:
+    """Resistance against the motion, at random between depths and angles, and some of it to its side."""
+    depth = sorted({round(rng.uniform(0.001, 0.2), 4) for _ in range(rng.randint(1, 3))})
+    beta = [-90.0, *sorted({float(rng.randint(-80, 80)) for _ in range(rng.randint(0, 3))}), 90.0]
+    gamma = [-90.0, *sorted({float(rng.randint(-80, 80)) for _ in range(rng.randint(1, 4))}), 90.0]
+    of_x, of_z = [], []
+    for z in depth:
+        for _ in beta:
+            for g in map(math.radians, gamma):
+                along, beside = rng.uniform(0.0, 1e6) * z, rng.uniform(-1e5, 1e5) * z
+                of_x.append(along * math.cos(g) + beside * math.sin(g))
+                of_z.append(along * math.sin(g) - beside * math.cos(g))
+    return {"depth_m": depth, "beta_deg": beta, "gamma_deg": gamma, "stress_x_Pa": of_x, "stress_z_Pa": of_z}
+
+
 # One line a law; `tests/fuzz` sees to it that none is left out.
 LAWS: dict[str, Callable[[Random], Tree]] = {
     "lee_marghitu": _lee_marghitu,
@@ -79,6 +95,7 @@ LAWS: dict[str, Callable[[Random], Tree]] = {
     "pressure_sinkage": lambda rng: _shear(rng)
     | {"k_phi_Pa": _some(rng, 1e6), "k_c_N_m": _some(rng, 1e4), "reference_depth_m": 10.0 ** rng.uniform(-2, 0)},
     "reece": lambda rng: _shear(rng) | _density(rng) | {"k_phi": _some(rng, 100), "k_c": _some(rng, 100)},
+    "table": _table,
     "bingham": lambda rng: {"yield_force_N": _some(rng, 50), "viscosity_N_s_m": _some(rng, 50)},
     "poncelet": lambda rng: {"constant_force_N": _some(rng, 50), "drag_kg_m": _some(rng, 50)},
     "allen": lambda rng: {
