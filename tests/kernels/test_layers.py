@@ -9,6 +9,7 @@ from support_slow import fitted_order
 
 from granular_contact.kernels import law, strips
 from granular_contact.kernels.forces import medium_record
+from granular_contact.laws.surface_pressure import SurfacePressure
 
 LEVEL = np.array([[0.0, 0.0]])
 
@@ -44,8 +45,10 @@ def test_layers_of_one_medium_are_the_whole_bed(medium: object) -> None:
         P = np.cumsum(rng.uniform(-0.05, 0.05, (5, 2)), axis=0) - np.array([0.0, 0.02])
         V, stretch = rng.uniform(-1, 1, 2), rng.uniform(-0.03, 0.03, 2)
         want, got = whole_and_layers(medium, P, np.tile(V, (5, 1)), P - stretch)
-        # Closed forms with cancellation, see test_lee_marghitu: 1e-10, and z^lam over thin clipped parts likewise.
-        np.testing.assert_allclose(got, want, atol=1e-9 * max(1e-3, np.abs(want).max()))
+        # Closed forms with cancellation, see test_lee_marghitu: 1e-10, and z^lam over thin clipped parts likewise; of
+        # a pressure z^1.3 three points leave 5e-4 of a strip that pierces the surface, see `plates`.
+        close = 1e-3 if isinstance(medium, SurfacePressure) else 1e-9
+        np.testing.assert_allclose(got, want, atol=close * max(1e-3, np.abs(want).max()))
 
 
 @pytest.mark.parametrize("medium", BAR_LAWS, ids=label)

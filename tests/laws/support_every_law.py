@@ -12,6 +12,7 @@ from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.law import ABOUT, Law
 from granular_contact.laws.probe import Probe, ball, force, plate
 from granular_contact.laws.rft import GENERIC
+from granular_contact.laws.table import StressTable
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ def unit(key: str) -> tuple[tuple[int, int, int], float]:
 def sample(law: type[Coefficients], scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Any:
     """A medium of a law; scale: by how much the units of mass, length and time are smaller."""
     given = {}
-    if law.tag() == "table":
+    if law is StressTable:
         return table(law, scale)
     for name, field in law.model_fields.items():
         kind, more = field.annotation, MORE.get(law.tag(), {}) if issubclass(law, Law) else {}
