@@ -109,7 +109,7 @@ def _holes(table: Table, rows: Rows, axes: list[list[float]]) -> Iterator[Fault]
     if not rows:
         yield Fault(table.file, table.header_line, "", "has no rows; a table needs one for each depth, beta and gamma")
         return
-    for path, message in axis_faults(*(tuple(one) for one in axes)):  # type: ignore[call-arg]
+    for path, message in axis_faults(*(tuple(one) for one in axes)):
         yield Fault(table.file, table.header_line, str(path[0]), message)
     for z, b, g in product(*axes):
         if (z, b, g) not in rows:

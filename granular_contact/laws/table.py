@@ -88,17 +88,28 @@ class StressTable(Law):
     @staticmethod
     def facet_traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
         """Stress on the slices along the motion, as in `kernels.slices`; as `kernels.facets.traction`."""
-        ahead = math.sqrt(ux * ux + uy * uy)
-        rx, ry = (ux / ahead, uy / ahead) if ahead > 0.0 else (1.0, 0.0)
-        nr = nx * rx + ny * ry
-        if ahead == 0.0:
-            nr = math.sqrt(nx * nx + ny * ny)
-            rx, ry = (nx / nr, ny / nr) if nr > 0.0 else (1.0, 0.0)
-        w = math.sqrt(nr * nr + nz * nz)
-        if w == 0.0:
-            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        sr, sz = stress(z, -nz / w, nr / w, ahead, uz, m)
-        return w * sr * rx, w * sr * ry, w * sz, 0.0, 0.0, 0.0
+        level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
+        share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)
+        sx, sy, sz = 0.0, 0.0, 0.0
+        if share > 0.0:  # of the plane of the motion
+            rx, ry = (ux / ahead, uy / ahead) if ahead > 0.0 else (1.0, 0.0)
+            sx, sy, sz = slice_stress(z, nx * rx + ny * ry, nz, ahead, uz, rx, ry, share, m)
+        if share < 1.0:  # of that of the normal
+            rx, ry = nx / level, ny / level
+            ur = ux * rx + uy * ry
+            one = 1.0 / math.sqrt(ur * ur + uz * uz)
+            x, y, up = slice_stress(z, level, nz, one * ur, one * uz, rx, ry, 1.0 - share, m)
+            sx, sy, sz = sx + x, sy + y, sz + up
+        return sx, sy, sz, 0.0, 0.0, 0.0
+
+
+def slice_stress(z, nr, nz, ur, uz, rx, ry, share, m):
+    """Share of the stress (3,) Pa on a slice along the horizontal direction r, whose normal is (nr, nz)."""
+    w = math.sqrt(nr * nr + nz * nz)
+    if w == 0.0:
+        return 0.0, 0.0, 0.0
+    sr, up = stress(z, -nz / w, nr / w, ur, uz, m)
+    return share * w * sr * rx, share * w * sr * ry, share * w * up
 
 
 def stress(z, tx, ty, ux, uy, m):
