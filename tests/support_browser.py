@@ -29,7 +29,7 @@ class Browser:
         assert self._driver.stdout is not None
         started = next(m for line in self._driver.stdout if (m := re.search(r"successfully on port (\d+)", line)))
         self._root = f"http://127.0.0.1:{started[1]}"
-        wanted = {"goog:chromeOptions": {"args": ARGUMENTS}, "goog:loggingPrefs": {"browser": "WARNING"}}
+        wanted = {"goog:chromeOptions": {"args": ARGUMENTS}, "goog:loggingPrefs": {"browser": "SEVERE"}}
         self._session = self._post("/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
         return self
 

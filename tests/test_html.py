@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import re
 import shutil
 import time
@@ -24,7 +25,9 @@ from support_runs import CONFIGS, scenario_of
 from granular_contact import cli, report
 from granular_contact.report.pages import FolderError, html, rendering
 from granular_contact.report.pages import write as write_page
+from granular_contact.report.pages.folder import Folder
 from granular_contact.report.units import column, label, quantity
+from granular_contact.results.motion import Motion, Part, coarser, over_ground
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies import compare
@@ -626,6 +629,68 @@ def test_tables_sort_and_the_whole_series_is_saved(pages: dict[str, Path], brows
     )
     assert up == sorted(up)
     assert down == up[::-1]
+
+
+def spun() -> Motion:
+    """A block that moves ahead and turns by half a turn about the vertical, with a force on it."""
+    corners = np.array([[x, y, z] for x in (-0.03, 0.03) for y in (-0.02, 0.02) for z in (-0.01, 0.01)])
+    faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6]])
+    share = np.linspace(0.0, 1.0, 11)
+    half = 0.5 * np.pi * share
+    flat, zero = 0.1 * share, np.zeros(11)
+    poses = np.column_stack([flat, zero, zero + 0.05, np.cos(half), zero, zero, np.sin(half)])[:, None]
+    force = {"block": (poses[:, 0, :3], np.column_stack([zero, zero, zero + 2.0]))}
+    moved = Motion(np.linspace(0.0, 0.03, 11), (Part("block", corners, faces),), poses, {}, force)
+    return over_ground(moved, lambda x, y: 0.1 * x + 0.0 * y, level=False)
+
+
+def test_a_motion_in_space_is_saved_and_fine_meshes_are_made_coarser(tmp_path: Path) -> None:
+    moved = spun()
+    report.write(dataclasses.replace(make(), motion=moved), tmp_path / "r", figures=False)
+    again = Folder(tmp_path / "r", "run").motion()
+    assert again is not None
+    assert again.in_space
+    np.testing.assert_allclose(again.points(0), moved.points(0), atol=1e-7)
+    # Half a turn about the vertical: what was behind is ahead, 0.1 m further.
+    np.testing.assert_allclose(again.points(0)[-1, 0], [0.13, 0.02, 0.04], atol=1e-6)
+    turn, height = np.meshgrid(np.linspace(0, 2 * np.pi, 201), np.linspace(0, 1, 101))
+    points = np.column_stack([np.cos(turn.ravel()), np.sin(turn.ravel()), height.ravel()])
+    rows = np.arange(100)[:, None] * 201 + np.arange(200)
+    faces = np.concatenate([np.stack([rows, rows + 1, rows + 202], -1).reshape(-1, 3)])
+    fewer = coarser(Part("tube", points, faces), 500)
+    assert fewer.faces is not None
+    assert 50 < len(fewer.faces) <= 500
+    assert np.abs(np.hypot(*fewer.points[:, :2].T) - 1.0).max() < 0.2
+
+
+RENDERER = """const gl = document.createElement('canvas').getContext('webgl');
+const told = gl && gl.getExtension('WEBGL_debug_renderer_info');
+return gl ? gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER) : ''"""
+
+
+@IN_BROWSER
+def test_the_player_in_space_moves_its_bodies(tmp_path: Path, browser: Browser) -> None:
+    """With a graphics card, or where GC_SOFTWARE_GL is set: without one a picture takes seconds of processor time."""
+    renderer = browser.run(RENDERER)
+    if not renderer or ("SwiftShader" in renderer and "GC_SOFTWARE_GL" not in os.environ):
+        pytest.skip(f"no WebGL by a graphics card here ({renderer or 'none at all'})")
+    report.write(dataclasses.replace(make(), motion=spun(), frames=()), tmp_path / "r", figures=False)
+    opened(browser, write_page(tmp_path / "r"))
+    browser.run(
+        """const slider = document.querySelector('input[type=range]');
+        slider.value = 0.03; slider.dispatchEvent(new Event('input'));"""
+    )
+    for _ in range(200):  # it draws when it can
+        x, y, z = browser.run(
+            "const one = document.querySelector('#space').data[0]; return [one.x[0], one.y[0], one.z[0]]"
+        )
+        if x > 0.1299:
+            break
+        time.sleep(0.05)
+    assert [x, y, z] == pytest.approx([0.13, 0.02, 0.04], abs=1e-6)
+    kinds = browser.run("return document.querySelector('#space').data.map(t => t.type)")
+    assert kinds == ["mesh3d", "scatter3d", "scatter3d", "surface"]
+    assert browser.faults() == []
 
 
 @IN_BROWSER

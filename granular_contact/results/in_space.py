@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from granular_contact.results import CENTRAL_MOMENT, Column, series
 from granular_contact.results.frames import instants
-from granular_contact.results.motion import Motion
+from granular_contact.results.motion import Motion, over_ground
 from granular_contact.results.observation import Observation
 
 Vector = NDArray[np.float64]
@@ -46,7 +46,11 @@ class SpatialObservation(Observation):
     def film(self, most: int) -> dict[str, Any]:
         """The motion at evenly spaced times, as `Results` has it."""
         at = instants(float(self.time[0]), float(self.time[-1]), most)
-        return {"motion": self.moved(np.minimum(at, self.time[-1]))}
+        motion = self.moved(np.minimum(at, self.time[-1]))
+        bed: Any = self.scene.bed  # one of space
+        if bed is not None and self.scene.media:
+            motion = over_ground(motion, bed.height, level=bed.level)
+        return {"motion": motion}
 
 
 def vector(column: str, what: str, values: Vector) -> series.Series:

@@ -6,8 +6,8 @@ gives it directly.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 RIGID = 1e-6  # of the size of the mechanism: what changes its shape by less is drawn as rigid
 DIGITS = 7  # of positions in files, of the largest
+MOST_FACES = 12_000  # triangles that are drawn of all parts; finer meshes are made coarser
+GROUND = 41  # points of the ground along each side, where it is not level
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ class Motion:
     poses: Array
     bent: Mapping[int, Array] = field(default_factory=dict)
     forces: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+    ground: tuple[Array, Array, Array] | None = None
 
     @property
     def in_space(self) -> bool:
@@ -67,6 +70,37 @@ class Motion:
         c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
         turned = np.stack([c * own[:, 0] - s * own[:, 1], s * own[:, 0] + c * own[:, 1]], axis=-1)
         return np.asarray(turned + poses[:, None, :2])
+
+
+def over_ground(motion: Motion, height: Callable[[Array, Array], Array], *, level: bool) -> Motion:
+    """A motion in space with the ground below it, from heights (n,) m at x, y (n,) m."""
+    reach = max((float(np.linalg.norm(part.points, axis=1).max()) for part in motion.parts), default=0.0)
+    places = motion.poses[..., :2].reshape(-1, 2)
+    low, high = places.min(axis=0) - 2.0 * reach, places.max(axis=0) + 2.0 * reach
+    count = 2 if level else GROUND
+    x, y = (np.linspace(a, b, count) for a, b in zip(low, high, strict=True))
+    grid = np.meshgrid(x, y)
+    z = np.asarray(height(grid[0].ravel(), grid[1].ravel()), float) * np.ones(count * count)
+    return replace(motion, ground=(x, y, z.reshape(count, count)))
+
+
+def coarser(part: Part, most: int) -> Part:
+    """A part in space with at most about so many triangles: corners in one cell of a grid become their mean."""
+    cells = 64
+    while part.faces is not None and len(part.faces) > most and cells > 2:
+        low, size = part.points.min(axis=0), float(np.ptp(part.points, axis=0).max()) or 1.0
+        place = np.floor((part.points - low) / size * cells).astype(np.int64)
+        _, own = np.unique(place, axis=0, return_inverse=True)
+        own = own.ravel()
+        count = np.bincount(own)
+        points = np.column_stack([np.bincount(own, part.points[:, i]) / count for i in range(3)])
+        faces = own[part.faces]
+        corners = np.sort(faces, axis=1)
+        kept = (corners[:, 0] < corners[:, 1]) & (corners[:, 1] < corners[:, 2])
+        if kept.sum() <= most or cells <= 4:
+            return replace(part, points=points, faces=faces[kept])
+        cells = int(cells / 1.4)
+    return part
 
 
 def rotations(quaternions: Array) -> Array:
@@ -147,12 +181,20 @@ def frames_of(motion: Motion) -> tuple[Snapshot, ...]:
 def plain(motion: Motion) -> dict[str, Any]:
     """A motion in JSON types, positions to `DIGITS` of the largest."""
     bodies = {body: {"point_m": _listed(at), "force_N": _listed(force)} for body, (at, force) in motion.forces.items()}
+    count = sum(len(part.faces) for part in motion.parts if part.faces is not None)
+    share = min(1.0, MOST_FACES / count) if count else 1.0
+    drawn = [
+        part if part.faces is None or share == 1.0 else coarser(part, max(60, int(share * len(part.faces))))
+        for part in motion.parts
+    ]
+    ground = {} if motion.ground is None else {"ground": [_listed(one) for one in motion.ground]}
     return {
         "time_s": _listed(motion.time),
-        "parts": [_part(part) for part in motion.parts],
+        "parts": [_part(part) for part in drawn],
         "poses": _poses(motion.poses),
         "bent": {str(i): _listed(points) for i, points in motion.bent.items()},
         "forces": bodies,
+        **ground,
     }
 
 
@@ -192,7 +234,11 @@ def of_plain(told: Mapping[str, Any]) -> Motion:
     )
     bent = {int(i): _array(points, 3) for i, points in told["bent"].items()}
     forces = {str(body): (_array(one["point_m"], 2), _array(one["force_N"], 2)) for body, one in told["forces"].items()}
-    return Motion(_array(told["time_s"], 1), parts, _array(told["poses"], 3), bent, forces)
+    ground = None
+    if told.get("ground") is not None:
+        x, y, z = told["ground"]
+        ground = _array(x, 1), _array(y, 1), _array(z, 2)
+    return Motion(_array(told["time_s"], 1), parts, _array(told["poses"], 3), bent, forces, ground)
 
 
 def _array(values: ArrayLike, dimensions: int) -> Array:

@@ -3,7 +3,7 @@
 looks    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
 series   panels, events, hinges     panels over time, what is marked in them, what the hinges are called
          motion, series             their figures
-         robots                     figures of what travels: first body, joints, contacts
+         robots, space_views            figures of what travels: first body, joints, contacts; views in space
 picture  outlines, views            edges and depths; windows on the plane
          mechanism                  their figure
 """
@@ -19,6 +19,7 @@ from granular_contact.report.figures.mechanism import mechanism
 from granular_contact.report.figures.motion import motion
 from granular_contact.report.figures.robots import contacts, groups_of, in_contact, joints, over_time
 from granular_contact.report.figures.series import deflection, energy, forces
+from granular_contact.report.figures.space_views import views
 from granular_contact.report.figures.style import DPI, style
 from granular_contact.results import Results
 
@@ -63,6 +64,9 @@ def figures(results: Results) -> dict[str, Figure]:
             made["energy"] = energy
     if told and len(in_contact(results)) > 1:
         made["contacts"] = lambda one: contacts(one, told.get("depth"))
-    if results.snapshots:
+    if results.motion is not None and results.motion.in_space and results.motion.parts:
+        moved = results.motion
+        made["views"] = lambda one: views(one, moved)
+    elif results.snapshots:
         made["mechanism"] = mechanism
     return {name: make(results) for name, make in made.items()}

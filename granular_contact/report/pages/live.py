@@ -23,7 +23,7 @@ _TERM = "_force_x_N"
 def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     """Data for scripts, and what templates need of it: stage and groups of panels; empty without a table."""
     if not folder.has(SERIES):
-        return {"data": {}, "stage": None, "groups": [], "thinned": 0}
+        return {"data": {}, "in_space": False, "stage": None, "groups": [], "thinned": 0}
     names, table = folder.numbers(SERIES)
     every = max(1, -(-table.size // MOST_NUMBERS))
     columns = dict(zip(names, table.T, strict=True))
@@ -44,7 +44,8 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
         data["stage"] = {key: shown[key] for key in _OF_STAGE}
     if played is not None:
         data["motion"] = plain(played[0])
-    return {"data": data, "stage": shown, "groups": found, "thinned": every if every > 1 else 0}
+    told = {"stage": shown, "groups": found, "thinned": every if every > 1 else 0}
+    return {"data": data, "in_space": played is not None and played[0].in_space, **told}
 
 
 def _groups(names: list[str], columns: dict[str, Array]) -> list[Group]:

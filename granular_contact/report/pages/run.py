@@ -56,7 +56,7 @@ def content(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
         "numbers": known | {"energy.imbalance_relative": imbalance},
         "pictures": pictures,
         "film": folder.film(),
-        "still": next((path for path in pictures if path.stem == "mechanism"), None),
+        "still": next((path for path in pictures if path.stem in ("mechanism", "views")), None),
         "energies": [[words, quantity(k, energy[k])] for k, words in ENERGIES.items() if energy.get(k) is not None],
         "drives": list(_drives(summary.get("drives") or {})),
         "strides": list(_strides(summary.get("strides") or {})),

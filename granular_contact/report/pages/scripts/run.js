@@ -6,7 +6,7 @@ async function start() {
     [clock.start, clock.end] = [motion.time_s[0], motion.time_s[motion.time_s.length - 1]];
     controls(motion);
     if (data.stage) drawing(motion, data.stage);
-    setTime(data.stage ? motion.time_s[$("#stage").dataset.shown] : clock.start);
+    setTime(data.stage ? motion.time_s[$("#stage").dataset.shown] : data.moments.deepest || clock.start);
   }
   if (!data.table || !window.DecompressionStream) return offer(files);
   const columns = await tableOf(data.table);
@@ -15,6 +15,7 @@ async function start() {
   if (!(await plotly())) return;
   document.documentElement.classList.add("draws");
   histories(columns);
+  if (motion && !data.stage) new SpacePlayer(motion, columns);
   if (!motion) setTime(clock.end);
 }
 start();
