@@ -70,6 +70,7 @@ class StepControl:
         self.change = self.slope = np.zeros_like(lever)
         self.now = 0.0
         self.refused = 0
+        self.tried: tuple[float, float] | None = None  # step and need of the attempt before, from the same start
 
     def __call__(self, mbs: Any, t: float) -> list[float]:  # noqa: ARG002
         """Error of the step just solved, as the engine wants it, and a step to take instead."""
@@ -80,12 +81,24 @@ class StepControl:
         self.change = self.lever * data.GetODE2Coordinates_tt() - self.start
         need = self._need(step, float(np.abs(self.lever * data.GetODE2Coordinates_t(copy=False)).max()))
         factor = min(MOST, max(LEAST, SAFETY / max(need, 1e-6)))
-        if need > 1.0 and step > it.minStepSize:
+        if need > 1.0 and step > it.minStepSize and not self._in_vain(step, need):
             self.refused += 1
+            self.tried = step, need
             self.solver.conv.jacobianUpdateRequested = True
             return [REFUSED, factor * step]
-        self.next = min(factor * step, self.longest)
+        self.next = min(factor * step, self.longest) if need <= 1.0 or self.tried is None else step
         return [0.0, -1.0]
+
+    def _in_vain(self, step: float, need: float) -> bool:
+        """Whether a shorter step was of no use, in space.
+
+        What is wrong with the positions of constrained bodies, round-off or the rest that Newton's method leaves, is put
+        right within one step by a force that grows as steps shrink: the estimate then hardly falls, and would lead to
+        the shortest step there is, where that force is all that is left. An error of the motion falls as the step.
+        """
+        if self.tried is None or not self.system.scene.in_space:
+            return False
+        return need > self.tried[1] * math.sqrt(step / self.tried[0])
 
     def _need(self, step: float, speed: float) -> float:
         """How many times longer a step (s) was than it should be, where it ends at this speed (m/s)."""
@@ -118,6 +131,7 @@ class StepControl:
     def accept(self, mbs: Any, v: Vector) -> None:
         """Set the step to come; after the accepted step that ended with the rates v (m,)."""
         it = self.solver.it
+        self.tried = None
         self.slope = self.change / it.currentStepSize
         self.start = self.lever * mbs.systemData.GetODE2Coordinates_tt()
         self.now = float(np.abs(self.lever * v).max())
