@@ -92,9 +92,9 @@ class StepControl:
     def _in_vain(self, step: float, need: float) -> bool:
         """Whether a shorter step was of no use, in space.
 
-        What is wrong with the positions of constrained bodies, round-off or the rest that Newton's method leaves, is put
-        right within one step by a force that grows as steps shrink: the estimate then hardly falls, and would lead to
-        the shortest step there is, where that force is all that is left. An error of the motion falls as the step.
+        What is wrong with the positions of constrained bodies, round-off or the rest that Newton's method leaves, is
+        put right within one step by a force that grows as steps shrink: the estimate then hardly falls, and would lead
+        to the shortest step there is, where that force is all that is left. An error of the motion falls as the step.
         """
         if self.tried is None or not self.system.scene.in_space:
             return False
