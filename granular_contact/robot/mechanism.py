@@ -122,6 +122,8 @@ def _shape(shape: Shape, reader: Reader, wishes: Wishes) -> Said | None:
     made |= {"center_m": _three(shape.pose.xyz), "rpy_deg": _degrees(shape.pose.rpy)}
     if wishes.sand is not None and shape.link not in wishes.sand:
         made["in_sand"] = False
+        if made["type"] == "mesh":
+            made["thin"] = True  # what is drawn alone need not be closed
     elif wishes.facet_size is not None:
         made["facet_size_m"] = wishes.facet_size
     return Said(made, shape.line)

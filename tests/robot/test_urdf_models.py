@@ -167,6 +167,7 @@ def test_faults_stand_at_the_lines_of_the_robot_file(tmp_path: Path) -> None:
     stl(tmp_path / "meshes" / "foot.stl", block((60, 40, 20))[2:])
     (line,) = faults(run_of(path))
     assert line.startswith(f"{path}:6: model.bodies.foot.shapes.0.file: it is open: 4 edges")
+    assert len(scene.build(config.load(run_of(path, in_sand=["leg"]))).rigid) == 4  # the mesh is drawn, and no more
     robot_in(tmp_path)
     (line,) = faults({**run_of(path), "drives": {"knee": {"type": "torque", "torque_Nm": 1}}})
     assert "there is no joint 'knee'" in line
