@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 DEPTH, SPEED, LOWEST = 0, 1, 2
+RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 SLOW = 0.05  # m/s, below which a step is not foreseen by the one before
 SKIPPED = 1.5  # steps between two calls, from which on one was left out
 
@@ -70,7 +71,7 @@ class BedData:
     """What a bed keeps for one MjData; made and found by `MujocoBed.of`."""
 
     def __init__(self, shared: Shared, model: Any, data: Any) -> None:
-        self._shared, self._model = shared, model
+        self._shared, self._model, self._option = shared, model, model.opt
         count = len(shared.numbers)
         self.time: float | None = None
         self.accepted = 0
@@ -121,8 +122,7 @@ class BedData:
             self.busy = False
 
     def _is_stage(self, time: float) -> bool:
-        step = self._model.opt.timestep
-        rk4 = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        step, rk4 = self._option.timestep, int(self._option.integrator) == RK4
         if not rk4 or self.time is None or time <= self.time:
             self._stages = 3 if rk4 else 0
             return False
@@ -136,7 +136,7 @@ class BedData:
 
     def _act(self, data: Any) -> None:
         """Accept the step that ended here, if one did, and find and set the forces of the next."""
-        step, time, call = float(self._model.opt.timestep), float(data.time), self._compiled
+        step, time, call = self._option.timestep, data.time, self._compiled
         call.twists(self._v, self._later)
         call.place(self._later, self._poses, self._arms)
         self._accept(time, step)

@@ -1,0 +1,182 @@
+"""The same sand in MuJoCo and in Exudyn: shorter steps lead to the same motion, and what stands stands.
+
+    python validation/two_engines.py [--quick]
+
+A plate that is thrown into 3D-RFT sand in space, a chain of four links that strikes play sand, and the walker of
+configs/walker.yaml on poppy seeds, by `MujocoBed` at ever shorter steps. Their errors are those against Exudyn's motion
+(of the chain: minimal coordinates) at a step or tolerance where it has converged; the order is their slope. For
+standing the hexapod of examples/mujoco stands for 2 s under its servos, and is watched for 3 s more.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parents[1]
+sys.path[:0] = [str(HERE), str(HERE / "examples" / "mujoco")]
+
+import exudyn as exu
+import hexapod
+import mujoco
+import numpy as np
+from exudyn.rigidBodyUtilities import InertiaCuboid
+from numpy.typing import NDArray
+
+from granular_contact import Box, GranularBed, Rft3d
+from granular_contact.config import load_scenario
+from granular_contact.mujoco import MujocoBed
+from granular_contact.run import run
+from granular_contact.scene import Scene, build
+from validation.chains import chain
+from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
+from validation.tables import machine, markdown
+
+Array = NDArray[np.float64]
+SAND = Rft3d(1600.0, 0.5, 0.3)
+PLATE, THROWN = (0.12, 0.08, 0.01), [0.4, 0.1, -0.8, 1.0, 3.0, 0.5]  # m; m/s and rad/s
+FALL, STRIKE, WALK = 0.12, 0.04, 2.0  # s
+
+
+def plate_there(steps: int) -> Array:
+    """Place (3,) m of the plate at the end, by Exudyn."""
+    mbs = exu.SystemContainer().AddSystem()
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(2700.0, PLATE),
+        referencePosition=[0, 0, 0.03],
+        initialVelocity=THROWN[:3],
+        initialAngularVelocity=THROWN[3:],
+        gravity=[0, 0, -9.81],
+        nodeType=exu.NodeType.RotationEulerParameters,
+    )
+    bed = GranularBed(mbs, SAND, 0.0, up=(0, 0, 1))
+    bed.add_body(body, Box(PLATE))
+    bed.attach()
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = FALL, steps
+    settings.timeIntegration.newton.useModifiedNewton = True
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.7
+    settings.timeIntegration.verboseMode = 0
+    mbs.SolveDynamic(settings)
+    return np.asarray(mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0.0, 0.0, 0.0]))
+
+
+def plate_here(step: float) -> Array:
+    """The same by MuJoCo."""
+    half = " ".join(str(0.5 * side) for side in PLATE)
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="{step}"/><worldbody><body pos="0 0 0.03"><freejoint/>'
+        f'<geom name="plate" type="box" size="{half}" density="2700"/></body></worldbody></mujoco>'
+    )
+    bed, data = MujocoBed(model, SAND), mujoco.MjData(model)
+    bed.add_geoms("plate")
+    data.qvel[:] = THROWN
+    for _ in range(round(FALL / step)):
+        bed.apply(data)
+        mujoco.mj_step(model, data)
+    return data.qpos[:3].copy()
+
+
+def paths(scene: Scene, step: float, seconds: float, body: str, point: Array) -> Array:
+    """Path (n, 2) m of a point of a body by MuJoCo, with the start."""
+    model = model_of(scene, step)
+    bed, data, number = (
+        bed_of(scene, model),
+        start(scene, model),
+        mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body),
+    )
+    controls = controls_of(scene, np.arange(round(seconds / step)) * step)
+    made = []
+    for control in controls:
+        if model.nu:
+            data.ctrl[:] = control
+        bed.apply(data)
+        made.append(_point(data, number, point))
+        mujoco.mj_step(model, data)
+    mujoco.mj_kinematics(model, data)
+    return np.array([*made, _point(data, number, point)])
+
+
+def _point(data: Any, number: int, point: Array) -> Array:
+    turn, place = data.xmat[number].reshape(3, 3), data.xpos[number]
+    return np.array(
+        [
+            place[0] + turn[0, 0] * point[0] + turn[0, 2] * point[1],
+            place[2] + turn[2, 0] * point[0] + turn[2, 2] * point[1],
+        ]
+    )
+
+
+def chain_errors(steps: list[float]) -> list[float]:
+    """Greatest distance (mm) of the tip of the chain from its path in minimal coordinates."""
+    scene = chain(4, end_time_s=STRIKE, method={"minimal": {"rtol": 1e-7}})
+    there = run(scene)
+    time, tip = there["time_s"], np.column_stack([there["tip_x_m"], there["tip_y_m"]])
+    errors = []
+    for step in steps:
+        here = paths(scene, step, STRIKE, *scene.tip)
+        at = np.column_stack([np.interp(np.arange(len(here)) * step, time, one) for one in tip.T])
+        errors.append(1e3 * float(np.linalg.norm(here - at, axis=1).max()))
+    return errors
+
+
+def walker_speeds(steps: list[float]) -> tuple[float, list[float]]:
+    """Mean speed (m/s) of the walker's trunk in the second half, by Exudyn, and by MuJoCo at some steps."""
+    path = HERE / "configs" / "walker.yaml"
+    there = run(build(load_scenario(path, ["solver.accuracy=null", "solver.step_s=2.5e-4"])))
+    x = np.interp([0.5 * WALK, WALK], there["time_s"], there["trunk_x_m"])
+    scene = build(load_scenario(path))
+    speeds = []
+    for step in steps:
+        here = paths(scene, step, WALK, "trunk", np.zeros(2))
+        speeds.append(float(here[-1, 0] - here[len(here) // 2, 0]) / (0.5 * WALK))
+    return float(x[1] - x[0]) / (0.5 * WALK), speeds
+
+
+def drift(step: float) -> float:
+    """How fast the hexapod sinks (um/s), after 2 s, by the mean of 3 s."""
+    model, bed = hexapod.make(step)
+    data = mujoco.MjData(model)
+    heights = []
+    for seconds in (2.0, 5.0):
+        while data.time < seconds:
+            bed.apply(data)
+            mujoco.mj_step(model, data)
+        heights.append(data.qpos[2])
+    return 1e6 * (heights[0] - heights[1]) / 3.0
+
+
+def order(steps: list[float], errors: list[float]) -> float:
+    """Slope of the errors."""
+    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+
+
+def main() -> int:
+    """Print the tables; 0 when orders are near one and robots stand, else 1."""
+    quick = "--quick" in sys.argv
+    print(f"{machine('mujoco', 'exudyn')}\n")
+    steps = [4e-4, 2e-4, 1e-4]
+    place = plate_there(600 if quick else 2400)
+    plate = [1e3 * float(np.linalg.norm(plate_here(step) - place)) for step in steps]
+    links = chain_errors(steps)
+    orders = order(steps, plate), order(steps, links)
+    rows = [[f"{1e3 * s:g}", f"{a:.3f}", f"{b:.4f}"] for s, a, b in zip(steps, plate, links, strict=True)]
+    rows.append(["order", *(f"{one:.2f}" for one in orders)])
+    print(markdown(["step ms", "plate, end mm", "chain, tip path mm"], rows))
+    walk = [1e-3, 5e-4] if quick else [2e-3, 1e-3, 5e-4, 2e-4, 1e-4]
+    there, speeds = walker_speeds(walk)
+    rows = [[f"{1e3 * s:g}", f"{v:.4f}", f"{100 * (v / there - 1):+.2f} %"] for s, v in zip(walk, speeds, strict=True)]
+    print(f"\nWalker: {there:.4f} m/s in the second half by Exudyn.\n")
+    print(markdown(["step ms", "m/s by MuJoCo", "to Exudyn"], rows))
+    rates = {step: drift(step) for step in (1e-3, 2e-3, 4e-3)}
+    print("\nThe hexapod stands.\n")
+    print(markdown(["step ms", "sinks um/s"], [[f"{1e3 * s:g}", f"{rate:.2g}"] for s, rate in rates.items()]))
+    stands = max(abs(rate) for rate in rates.values()) < 0.1
+    return 0 if stands and all(0.7 < one < 1.4 for one in orders) and abs(speeds[-1] / there - 1) < 0.02 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
