@@ -187,9 +187,10 @@ def add_to_mass(last, parents, starts, axes, added, matrix):
 def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, step, loads):
     """Fill loads (bodies, 6), about centres of mass inertial (all, 3) m, that bodies get for a trial step; world frame.
 
-    centres[tops] (all, 3) m: the points of twists. past (bodies, 6): the gain of twists that was foreseen.
+    centres[tops] (all, 3) m: the points of twists. past (bodies, 6): the gain of twists that was foreseen. Returns
+    whether there is any wrench.
     """
-    w, p = np.empty(6), np.empty(6)
+    w, p, some = np.empty(6), np.empty(6), False
     for b in range(numbers.shape[0]):
         n, c = numbers[b], centres[tops[b]]
         fx, fy, fz = to_world(turn, wrench[b, 0], wrench[b, 1], wrench[b, 2])
@@ -201,6 +202,9 @@ def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past
         w[4] = my + z * fx - x * fz + p[4] / step
         w[5] = mz + x * fy - y * fx + p[5] / step
         about(w, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], loads[b])
+        for k in range(6):
+            some = some or wrench[b, k] != 0.0
+    return some
 
 
 @njit(cache=True, nogil=True, no_cfunc_wrapper=True)
@@ -225,26 +229,51 @@ def settle(numbers, tops, inertial, centres, added, gained, step, loads):
 
 
 @njit(cache=True, nogil=True, no_cfunc_wrapper=True)
-def work_of(numbers, tops, inertial, centres, loads, twists, works):
-    """Add the power (W) of the loads (bodies, 6) to works (bodies,); twists (bodies, 6) are about centres[tops]."""
+def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works, gained):
+    """End of a step that took a time (s): work (J) of the loads (bodies, 6) is added to works (bodies,).
+
+    On the mean of the twists (bodies, 6) at its start and now; gained is filled with their difference.
+    """
     for b in range(numbers.shape[0]):
         n, c = numbers[b], centres[tops[b]]
         x, y, z = inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2]
-        V = twists[b]
-        vx, vy, vz = V[3] + V[1] * z - V[2] * y, V[4] + V[2] * x - V[0] * z, V[5] + V[0] * y - V[1] * x
-        L = loads[b]
-        works[b] += L[0] * vx + L[1] * vy + L[2] * vz + L[3] * V[0] + L[4] * V[1] + L[5] * V[2]
+        power = 0.0
+        for V in (twists[b], now[b]):
+            vx, vy, vz = V[3] + V[1] * z - V[2] * y, V[4] + V[2] * x - V[0] * z, V[5] + V[0] * y - V[1] * x
+            power += loads[b, 0] * vx + loads[b, 1] * vy + loads[b, 2] * vz
+            power += loads[b, 3] * V[0] + loads[b, 4] * V[1] + loads[b, 5] * V[2]
+        works[b] += 0.5 * passed * power
+        for k in range(6):
+            gained[b, k] = now[b, k] - twists[b, k]
 
 
 @njit(cache=True, nogil=True, no_cfunc_wrapper=True)
-def foresee(poses, sizes, speed, twists, gained, share, later):
+def blank(seen):
+    """Begin to see bodies anew, see `space_law.DEPTH`."""
+    for b in range(seen.shape[0]):
+        seen[b, 0], seen[b, 1], seen[b, 2] = -np.inf, 0.0, np.inf
+
+
+@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+def keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept):
+    """Copy arrays of an engine to others of their sizes."""
+    q_kept[:], v_kept[:], act_kept[:], warm_kept[:], mass_kept[:] = q, v, act, warm, mass
+
+
+@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
     """Where a step leads if twists gain what they gained in the one before: that in share, their sum in later.
 
     Only as much of it as leaves half of a twist, so that nothing turns round that only comes to rest; and little of it
     below a speed (m/s), where bristles bear that do not slide: there it would drive what it comes too late for. sizes
-    (bodies,): how far bodies reach from their reference points (m).
+    (bodies,): how far bodies reach from their reference points (m). Before, later has the twists of now; they go to
+    twists. wrench and added are emptied.
     """
+    wrench[:] = 0.0
+    added[:] = 0.0
     for b in range(twists.shape[0]):
+        for k in range(6):
+            twists[b, k] = later[b, k]
         square, along = 0.0, 0.0
         for k in range(6):
             square += twists[b, k] * twists[b, k]

@@ -80,7 +80,7 @@ class BedData:
         self._loads, self._base = np.zeros((count, 6)), np.zeros((count, 6))
         self._written = np.zeros((count, 6))
         self._brought = np.zeros((count, 6))  # what MuJoCo's own state may bring back of them
-        self._seen, self._works, self._powers = np.zeros((count, 3)), np.zeros(count), np.zeros(count)
+        self._seen, self._works = np.zeros((count, 3)), np.zeros(count)
         self._poses, self._then = np.zeros((count, 6, 3)), np.zeros((count, 6, 3))
         self._twists, self._later, self._past, self._gained = (np.zeros((count, 6)) for _ in range(4))
         self._wrench, self._arms, self._added = np.zeros((count, 6)), np.zeros((count, 3)), np.zeros((count, 6, 6))
@@ -97,6 +97,7 @@ class BedData:
             shared.checked = True
         self._compiled = _Compiled(self, shared, model)
         rows = (self._applied, shared.numbers, self._written)
+        self._blank = entry(kernels.blank, self._seen)
         self._base_of = entry(kernels.find_base, *rows, self._brought, self._base)
         self._write = entry(kernels.write_loads, *rows[:2], self._base, self._loads, self._written)
 
@@ -140,7 +141,6 @@ class BedData:
         call.twists(self._v, self._later)
         call.place(self._later, self._poses, self._arms)
         self._accept(time, step)
-        self._twists[:] = self._later
         self._base_of(self._applied, self._shared.numbers, self._written, self._brought, self._base)
         self._find(data, step, call)
         self._write(self._applied, self._shared.numbers, self._base, self._loads, self._written)
@@ -159,11 +159,7 @@ class BedData:
             if passed > SKIPPED * step and not self._shared.lenient:
                 what = f"{passed / step:.3g} steps were made since the last call"
                 raise scene_error("bed", f"{what}: call apply before each mj_step, or install() the bed")
-            self._powers[:] = 0.0
-            self._compiled.work(self._loads, self._twists, self._powers)
-            self._compiled.work(self._loads, self._later, self._powers)
-            self._works += 0.5 * passed * self._powers
-            np.subtract(self._later, self._twists, out=self._gained)
+            self._compiled.end(self._loads, self._twists, self._later, passed, self._works, self._gained)
             self.accepted += 1
         elif before == time and self.accepted:
             return
@@ -171,19 +167,18 @@ class BedData:
         if begins:
             self._works[:], self._loads[:], self._gained[:] = 0.0, 0.0, 0.0
             self.accepted = 0
-        self._seen[:] = -np.inf, 0.0, np.inf
+        self._blank(self._seen)
         sand.follow(self._state, self._poses, step, self._seen, begins)
         self.time = time
 
     def _find(self, data: Any, step: float, call: _Compiled) -> None:
         """Find the loads of the step."""
-        self._wrench[:], self._added[:] = 0.0, 0.0
-        call.foresee(self._poses, self._shared.sand.sizes, SLOW, self._twists, self._gained, self._past, self._later)
+        motion = (self._twists, self._gained, self._past, self._later)
+        call.foresee(self._poses, self._shared.sand.sizes, SLOW, *motion, self._wrench, self._added)
         call.place(self._later, self._then, self._arms)
         found = (self._shared.turn, self._arms, self._wrench, self._added)
         self._shared.sand.resist(self._state, self._poses, self._then, step, *found)
-        call.load(self._wrench, self._arms, self._added, self._past, step, self._loads)
-        if not self._wrench.any():
+        if not call.load(self._wrench, self._arms, self._added, self._past, step, self._loads):
             return
         mujoco.mj_fwdVelocity(self._model, data)
         self._write(self._applied, self._shared.numbers, self._base, self._loads, self._written)
@@ -315,9 +310,9 @@ class _Compiled:
         load = (shared.turn, *at)
         self._load = entry(kernels.load_trial, *load, loads, kept._arms, added, twists, 1.0, loads), load
         self._settle = entry(kernels.settle, *at, added, twists, 1.0, loads), at
-        self._work = entry(kernels.work_of, *at, loads, twists, works), at
+        self._end = entry(kernels.end_step, *at, loads, twists, twists, 1.0, works, twists), at
         self._turn = shared.turn
-        self.foresee = entry(kernels.foresee, kept._poses, shared.sand.sizes, 1.0, *[twists] * 4)
+        self.foresee = entry(kernels.foresee, kept._poses, shared.sand.sizes, 1.0, *[twists] * 4, kept._wrench, added)
 
     def twists(self, rates: Vector, out: Vector) -> None:
         call, first = self._twists
@@ -327,14 +322,14 @@ class _Compiled:
         call, first = self._place
         call(*first, twists, self._turn, out, arms)
 
-    def load(self, wrench: Vector, arms: Vector, added: Vector, past: Vector, step: float, loads: Vector) -> None:
+    def load(self, wrench: Vector, arms: Vector, added: Vector, past: Vector, step: float, loads: Vector) -> bool:
         call, first = self._load
-        call(*first, wrench, arms, added, past, step, loads)
+        return bool(call(*first, wrench, arms, added, past, step, loads))
 
     def settle(self, added: Vector, gained: Vector, step: float, loads: Vector) -> None:
         call, first = self._settle
         call(*first, added, gained, step, loads)
 
-    def work(self, loads: Vector, twists: Vector, out: Vector) -> None:
-        call, first = self._work
-        call(*first, loads, twists, out)
+    def end(self, loads: Vector, twists: Vector, now: Vector, passed: float, works: Vector, gained: Vector) -> None:
+        call, first = self._end
+        call(*first, loads, twists, now, passed, works, gained)

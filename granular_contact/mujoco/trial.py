@@ -60,8 +60,9 @@ class Trial:
         self._model, self._general = model, general
         self._mass, self._v = data.qM, data.qvel
         self._own = np.zeros_like(self._mass)
-        states = (data.qpos, data.qvel, data.act, data.qacc_warmstart)
-        self._states = [(array, array.copy()) for array in states if array.size]
+        self._states = (data.qpos, data.qvel, data.act, data.qacc_warmstart, data.qM)
+        self._kept = tuple(array.copy() for array in self._states)
+        self._keep = entry(kernels.keep, *self._states, *self._kept)
         self._rates = np.zeros(model.nv)
         self._option, self._dual = model.opt, int(model.opt.solver) == int(mujoco.mjtSolver.mjSOL_PGS)
         self._tree = (last, model.dof_parentid, model.dof_Madr, data.cdof)
@@ -76,24 +77,20 @@ class Trial:
 
     def _step(self, data: Any, added: Vector) -> Vector:
         model = self._model
-        self._own[:] = self._mass
+        self._keep(*self._states, *self._kept)
         self._add(*self._tree, added, self._mass)
         self._factor(data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         mujoco.mj_fwdConstraint(model, data)
         time = data.time
-        for array, kept in self._states:
-            kept[:] = array
         if int(self._option.integrator) in _IMPLICIT:
             mujoco.mj_implicit(model, data)
         else:
             mujoco.mj_Euler(model, data)
         self._rates[:] = self._v
         data.time = time
-        for array, kept in self._states:
-            array[:] = kept
-        self._mass[:] = self._own
+        self._keep(*self._kept, *self._states)
         self._factor(data)
         return self._rates
 
