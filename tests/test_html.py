@@ -289,6 +289,19 @@ def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Pa
         assert ("<img " in page) == name.endswith(".png")
 
 
+def test_several_runs_make_a_gallery(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("one", "two"):
+        report.write(make(), tmp_path / name, figures=name == "one")
+    write_page(tmp_path / "two")
+    assert cli.main(["report", str(tmp_path / "one"), str(tmp_path / "two")]) == 0
+    assert capsys.readouterr().out == f"saved in {tmp_path / 'gallery.html'}\n"
+    outline = Outline((tmp_path / "gallery.html").read_text(encoding="utf-8"))
+    assert not outline.open
+    assert [str(one["src"])[:14] for one in outline.all("img")] == ["data:image/png"]
+    assert [one["href"] for one in outline.all("a") if not str(one["href"]).startswith("#")] == ["two/report.html"]
+    assert "stopping time (ms)" in "".join(outline.text)
+
+
 def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:
     report.write(make(), tmp_path / "r", figures=False)
     (tmp_path / "r" / "animation.mp4").write_bytes(b"\0" * 10)

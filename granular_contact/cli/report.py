@@ -12,8 +12,11 @@ HELP = "make one HTML file of a results folder, to read, print and pass on"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("directory", metavar="DIR", help="folder of a run, a comparison, a sweep, a search or a fit")
-    parser.add_argument("--out", metavar="FILE", help="file to write (DIR/report.html)")
+    words = "folder of a run, a comparison, a sweep, a search or a fit; several of runs make a gallery"
+    parser.add_argument("directory", metavar="DIR", nargs="+", help=words)
+    parser.add_argument(
+        "--out", metavar="FILE", help="file to write (DIR/report.html; of several gallery.html beside them)"
+    )
 
 
 def act(chosen: argparse.Namespace) -> int:
@@ -22,12 +25,13 @@ def act(chosen: argparse.Namespace) -> int:
 
     file = Path(chosen.out) if chosen.out else None
     try:
-        written = pages.write(Path(chosen.directory), file)
+        folders = [Path(one) for one in chosen.directory]
+        written = pages.write(folders[0] if len(folders) == 1 else folders, file)
     except pages.FolderError as error:
         complain(f"report: {error}")
         return FAULTY_INPUT
     except OSError as error:
-        complain(f"report: {file or chosen.directory} can't be written: {error.strerror or error}")
+        complain(f"report: {file or chosen.directory[0]} can't be written: {error.strerror or error}")
         return FAULTY_INPUT
     print(f"saved in {written}")
     return FINE

@@ -2,6 +2,7 @@
 
 folder                        what is on the disk
 run, comparison, sweep, fit, optimise   what is shown of each kind of results
+gallery                       a page of several runs
 templates, rendering          the words and the look of pages; what templates ask for
 """
 
@@ -11,19 +12,20 @@ import os
 import secrets
 import struct
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from jinja2 import TemplateError
 
 from granular_contact.report import ENTRIES, PAGE, version
-from granular_contact.report.pages import comparison, fit, optimise, run, sweep
+from granular_contact.report.pages import comparison, fit, gallery, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
 from granular_contact.report.pages.rendering import GENERATOR, rendered
 
 __all__ = ["FolderError", "html", "write"]
 
+GALLERY = "gallery.html"
 MOST_BYTES = 5_000_000  # of a file that can be saved from a page
 
 _ODD = (
@@ -79,8 +81,10 @@ def _tables(folder: Folder) -> dict[str, Any]:
     }
 
 
-def write(directory: Path, file: Path | None = None) -> Path:
+def write(directory: Path | Sequence[Path], file: Path | None = None) -> Path:
     """Write the page of a results folder to a file, `report.html` in the folder unless given, whole or not at all.
+
+    Of several folders of runs it is a gallery, `gallery.html` in the folder that holds the first unless given.
 
     Raises
     ------
@@ -89,10 +93,12 @@ def write(directory: Path, file: Path | None = None) -> Path:
     OSError
         The disk refuses.
     """
-    file = directory / PAGE if file is None else file
+    several = [] if isinstance(directory, Path) else list(directory)
+    if file is None:
+        file = directory / PAGE if isinstance(directory, Path) else several[0].resolve().parent / GALLERY
     if file.exists() and not _is_ours(file):
         raise FolderError(f"{file} is there already and is not a report of this program: give another name, or move it")
-    text = html(directory)
+    text = html(directory) if isinstance(directory, Path) else gallery.html(several, file)
     making = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:
         making.write_text(text, encoding="utf-8")
