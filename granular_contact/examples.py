@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
-FOLDERS, ENDINGS = ("models", "configs"), (".yaml", ".csv", ".txt", ".urdf", ".stl")  # (.txt: licences of data)
+FOLDERS = ("models", "configs", "schemas")
+ENDINGS = (".yaml", ".csv", ".json", ".txt", ".urdf", ".stl")  # (.txt: licences of data)
 
 
 def home() -> Path:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+import yaml
+from support_runs import ROOT
 
 from granular_contact import starter
 from granular_contact.cli import main
-from granular_contact.config import load, medium_names
+from granular_contact.config import json_schema, load, medium_names
+from granular_contact.config.export import SCHEMAS
 
 
 def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
@@ -57,6 +61,31 @@ def test_an_unknown_model_is_told_what_there_is(capsys: pytest.CaptureFixture[st
     assert "did you mean runner?" in capsys.readouterr().err
     assert main(["new"]) == 0
     assert "stepping_leg " in capsys.readouterr().out
+
+
+SHIPPED = sorted(
+    path for folder in ("configs", "models", "granular_contact/laws/presets") for path in (ROOT / folder).glob("*.yaml")
+)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_a_shipped_file_leads_editors_to_the_schema_of_its_kind(path: Path) -> None:
+    first, _, text = path.read_text(encoding="utf-8").partition("\n")
+    assert first.startswith("# yaml-language-server: $schema="), (
+        "the line for editors is missing"
+    )
+    schema = (path.parent / first.partition("=")[2]).resolve()
+    assert schema.parent == ROOT / "schemas"
+    keys = set(yaml.safe_load(text))
+    kinds = {"models": "model", "presets": "medium"}
+    ways = (("fit", "runs"), ("optimise", "objective"), ("run", "model"), ("sweep", "config"))
+    assert schema.stem == kinds.get(path.parent.name, next((kind for kind, key in ways if key in keys), None))
+
+
+def test_the_schemas_are_those_of_now() -> None:
+    for kind in SCHEMAS:
+        held = json.loads((ROOT / "schemas" / f"{kind}.json").read_text(encoding="utf-8"))
+        assert held == json.loads(json.dumps(json_schema(kind))), "run granular-contact schema --write schemas"
 
 
 def test_paths_of_set_start_where_one_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

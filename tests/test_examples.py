@@ -26,7 +26,7 @@ def test_all_models_and_configs_are_written_and_say_what_next(
     assert set(SOURCES) <= set(written)
     for name in SOURCES:
         assert written[name].read_bytes() == (ROOT / name).read_bytes()
-    assert {path.suffix for path in written.values()} <= {".yaml", ".csv", ".txt", ".urdf", ".stl"}
+    assert {path.suffix for path in written.values()} <= {".yaml", ".csv", ".json", ".txt", ".urdf", ".stl"}
     assert "models/hexapod/meshes/leg.stl" in written
     out = capsys.readouterr().out
     assert f"cd '{tmp_path / 'my sand'}'" in out

@@ -33,6 +33,7 @@ NUMBERS = (
     ("max_depth_m", "largest depth", 1e3, "mm"),
     ("energy.final_J", "energy at the end", 1e3, "mJ"),
 )
+EDITORS = "# yaml-language-server:"  # begins the line for editors, which is no comment on the config
 PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
 INTRODUCTION = """# Configs
 
@@ -118,7 +119,10 @@ def rows(name: str) -> str:
 
 def comment(path: Path) -> str:
     """The first sentence of the comment that a file begins with."""
-    lines = itertools.takewhile(lambda line: line.startswith("#"), path.read_text(encoding="utf-8").splitlines())
+    text = path.read_text(encoding="utf-8").splitlines()
+    lines = itertools.takewhile(
+        lambda line: line.startswith("#"), (line for line in text if not line.startswith(EDITORS))
+    )
     words = " ".join(line.lstrip("#").strip() for line in lines)
     return re.split(r"(?<=\.) ", words)[0]
 

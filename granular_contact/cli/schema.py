@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
 from granular_contact import config
-from granular_contact.cli.common import FINE, Refusal
+from granular_contact.cli.common import FINE, Refusal, reason
 from granular_contact.config.export import SCHEMAS
 
 HELP = "print the JSON Schema of a config, a model, a medium, or the file of a sweep, a fit or a search, for editors"
@@ -16,11 +17,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("kind", nargs="?", choices=SCHEMAS, help=argparse.SUPPRESS)  # as it was called once
     parser.add_argument("--of", choices=SCHEMAS, help="which of them (run)")
+    words = "write all of them into a folder, as the lines for editors in the shipped files name them"
+    parser.add_argument("--write", metavar="DIR", help=words)
 
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     if chosen.kind and chosen.of:
         raise Refusal(f"schema: got {chosen.kind} and --of {chosen.of}; allowed is one of them")
+    if chosen.write:
+        return _written(Path(chosen.write))
     print(json.dumps(config.json_schema(chosen.of or chosen.kind or "run"), indent=2))
+    return FINE
+
+
+def _written(folder: Path) -> int:
+    """Write the schemas of all kinds of files; returns the exit code."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for kind in SCHEMAS:
+            text = json.dumps(config.json_schema(kind), ensure_ascii=False, separators=(",", ":"))
+            (folder / f"{kind}.json").write_text(f"{text}\n", encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"schema: {folder} can't be written: {reason(error)}") from None
+    print(f"{', '.join(SCHEMAS)} are in {folder}")
     return FINE

@@ -125,7 +125,23 @@ def _part_schema(key: str) -> dict[str, Any]:
     _, patch, whole, *more = run["properties"][key]["anyOf"]
     if key == "medium":
         whole, more = _single(whole), []
-    return {"$defs": run["$defs"], "title": key.capitalize(), "anyOf": [whole, patch, *more]}
+    forms, kept = [whole, patch, *more], dict[str, Any]()
+    queue = _references(forms)
+    while queue:
+        if (name := queue.pop()) not in kept:
+            kept[name] = run["$defs"][name]
+            queue += _references(kept[name])
+    return {"$defs": dict(sorted(kept.items())), "title": key.capitalize(), "anyOf": forms}
+
+
+def _references(node: Any) -> list[str]:
+    """Names of the definitions that a piece of a schema refers to."""
+    if isinstance(node, list):
+        return [name for item in node for name in _references(item)]
+    if not isinstance(node, dict):
+        return []
+    own = [node["$ref"].rpartition("/")[2]] if isinstance(node.get("$ref"), str) else []
+    return own + [name for item in node.values() for name in _references(item)]
 
 
 def _names(noun: str, known: Sequence[str], others: bool) -> dict[str, Any]:
