@@ -49,7 +49,7 @@ def text(name: str, file: str) -> str:
     """A config of its own, for a file of a name; KeyError where nothing shipped has the `name`."""
     config = _read(names()[name.removesuffix(".yaml")])
     body = "\n".join(line for line in _without_comment(config) if not line.startswith("# yaml-language-server"))
-    body = _MODEL.sub(lambda found: "model:\n" + _indented(found[1]), body)
+    body = _MODEL.sub(lambda found: _in_place(found[1]), body)
     lines = [
         f"# {about(names()[name.removesuffix('.yaml')])}",
         "#",
@@ -81,11 +81,13 @@ def _without_comment(config: str) -> Iterator[str]:
     return itertools.dropwhile(lambda line: line.startswith("#"), config.splitlines())
 
 
-def _indented(model: str) -> str:
-    """A shipped model as what stands under the key `model`, its comments with it."""
+def _in_place(model: str) -> str:
+    """A shipped model under the key `model`, its comments with it; one with files of its own stays named."""
     text = (examples.home() / "models" / f"{model}.yaml").read_text(encoding="utf-8")
+    if re.search(r"\b(urdf|file): ", text):  # paths start from the folder of the model
+        return f"model: {model} # a shipped one; `granular-contact examples DIR` writes its files"
     kept = (line for line in text.splitlines() if not line.startswith("# yaml-language-server"))
-    return "\n".join(f"  {line}".rstrip() for line in kept)
+    return "\n".join(["model:", *(f"  {line}".rstrip() for line in kept)])
 
 
 def _more(body: str) -> Iterator[str]:
