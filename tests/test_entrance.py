@@ -71,9 +71,7 @@ SHIPPED = sorted(
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_a_shipped_file_leads_editors_to_the_schema_of_its_kind(path: Path) -> None:
     first, _, text = path.read_text(encoding="utf-8").partition("\n")
-    assert first.startswith("# yaml-language-server: $schema="), (
-        "the line for editors is missing"
-    )
+    assert first.startswith("# yaml-language-server: $schema="), "the line for editors is missing"
     schema = (path.parent / first.partition("=")[2]).resolve()
     assert schema.parent == ROOT / "schemas"
     keys = set(yaml.safe_load(text))
