@@ -11,7 +11,7 @@ import yaml
 from support_blocks import ROOT, Page, assert_told, blocks, run
 
 DOCS = ROOT / "docs"
-NEEDS = {"howto/gym.md": "gymnasium", "howto/optimise.md": "cma"}
+NEEDS = {"howto/gym.md": "gymnasium", "howto/optimise.md": "cma", "tutorials/robot.md": "trimesh"}
 OWN = ("tutorials/fit.md", "tutorials/sweep.md")  # those with more to be asked of
 PAGES = sorted(
     name
