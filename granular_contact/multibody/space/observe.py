@@ -16,7 +16,7 @@ from granular_contact.multibody.system import Trajectory
 from granular_contact.results import in_space, series
 from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
-from granular_contact.results.interpolation import at_times
+from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.limits import Reach
 from granular_contact.results.motion import Motion, Part
 from granular_contact.results.observation import pictures
@@ -38,7 +38,7 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
             status=trajectory.status,
             cost=trajectory.cost,
             time=trajectory.time,
-            motion=columns | body_columns(motion, forces),
+            motion=columns | body_columns(motion, forces, depths),
             mean_rate=None,
             tip=motion.position(*scene.tip)[0],
             deflection=None,
@@ -58,8 +58,10 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         )
 
 
-def body_columns(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> series.Series:
-    """Motion of every body, and the medium's force on it; forces (n, 6) by body, moments about the origin."""
+def body_columns(
+    motion: SpatialKinematics, forces: Mapping[str, Vector], depths: Mapping[str, list[Track]]
+) -> series.Series:
+    """Motion of every body, the medium's force on it and its depth; forces (n, 6) by body, moments about the origin."""
     columns: series.Series = {}
     for body in motion.scene.bodies if motion.scene.body_columns else ():
         name, (center, velocity) = mechanism.label(body.name), motion.center(body.name)
@@ -67,6 +69,8 @@ def body_columns(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> ser
         columns |= in_space.body(name, center, rpy, velocity, motion.spin(body.name))
         if body.name in forces:
             columns |= in_space.body_force(name, forces[body.name], center)
+            if tracks := depths.get(body.name):
+                columns |= series.body_depth(name, np.max([track.values for track in tracks], axis=0))
     return columns
 
 
