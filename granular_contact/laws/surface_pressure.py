@@ -11,7 +11,8 @@ nothing is given back.
 
 The stresses do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface: there both
 are faded, over the angle FADE [ours]. The laws are of what presses down: on what leads with a normal that looks up the
-stresses go down in proportion to its sine, to none on a face that is lifted as it lies [ours].
+stresses go down in proportion to its sine, to none on a face that is lifted as it lies [ours]. Cohesion grows from
+nothing over the first SHALLOW b of the depth, so that the force is continuous at the touch [ours].
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from granular_contact.laws.law import ABOUT, Law
 from granular_contact.values.strict import NotNegative, Positive
 
 SHEAR = ("friction_angle", "cohesion", "shear_modulus", "plate_width")
+SHALLOW = 1e-2  # of b
 FADE = 0.05  # sine: 2.9 degrees
 Exponent = Annotated[float, Field(gt=0, le=5)]
 Angle = Annotated[float, Field(ge=0, lt=90)]
@@ -90,7 +92,7 @@ class SurfacePressure(Law):
         lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
         p = pressure(z, width, m)
         lead *= downward(math.copysign(1.0, across) * tx)
-        s = abs(lead) * faded(along) * shear(p, j, m)
+        s = abs(lead) * faded(along) * shear(p, z, width, j, m)
         return p * lead * ty, -p * lead * tx, -s * tx, -s * ty
 
     @staticmethod
@@ -101,7 +103,7 @@ class SurfacePressure(Law):
         p = pressure(z, 0.0, m)
         lead *= downward(math.copysign(1.0, across) * nz)
         tx, ty, tz = ux - across * nx, uy - across * ny, uz - across * nz
-        s = abs(lead) * shear(p, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
+        s = abs(lead) * shear(p, z, 0.0, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
         p *= lead
         return -p * nx, -p * ny, -p * nz, -s * tx, -s * ty, -s * tz
 
@@ -125,7 +127,8 @@ def pressure(z, width, m):
     return k * (z / (m.scale if m.scale > 0.0 else b)) ** m.n
 
 
-def shear(p, j, m):
-    """Shear tau (Pa) under a pressure p (Pa) after the shear displacement j (m)."""
-    most = m.cohesion + p * m.tan_phi
+def shear(p, z, width, j, m):
+    """Shear tau (Pa) under a pressure p (Pa) at a depth z > 0 (m) after the shear displacement j (m)."""
+    skin = SHALLOW * (m.b if m.b > 0.0 else width)
+    most = m.cohesion * (min(1.0, z / skin) if skin > 0.0 else 1.0) + p * m.tan_phi
     return most * (1.0 - math.exp(-j / m.K)) if m.K > 0.0 else most

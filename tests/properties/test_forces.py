@@ -64,7 +64,7 @@ def test_force_is_continuous(body: State, rng: Random) -> None:
     # 2^-48 of 5 cm and 1 m/s: 2e-16 m, 4e-15 m/s, hardly more than the round-off of positions. The steepest slopes are
     # 1 / u_y of 1e5 /m and, where an element of an outline begins to lead, a thousand times that: 2e-8 of the force.
     # A force that grows as the depth to a power below one has no slope at the touch; to the power of zero it jumps.
-    names = {"p", "lam_plunge", "lam_withdraw"} & set(body.record.dtype.names or ())
+    names = {"p", "n", "lam_plunge", "lam_withdraw"} & set(body.record.dtype.names or ())
     power = min([1.0, *(float(body.record[name][0]) for name in names)])
     assert np.abs(f[0] - f[1]).max() <= 1e-6**power * most
 
