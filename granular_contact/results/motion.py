@@ -76,7 +76,7 @@ def over_ground(motion: Motion, height: Callable[[Array, Array], Array], *, leve
     """A motion in space with the ground below it, from heights (n,) m at x, y (n,) m."""
     reach = max((float(np.linalg.norm(part.points, axis=1).max()) for part in motion.parts), default=0.0)
     places = motion.poses[..., :2].reshape(-1, 2)
-    low, high = places.min(axis=0) - 2.0 * reach, places.max(axis=0) + 2.0 * reach
+    low, high = places.min(axis=0) - reach, places.max(axis=0) + reach
     count = 2 if level else GROUND
     x, y = (np.linspace(a, b, count) for a, b in zip(low, high, strict=True))
     grid = np.meshgrid(x, y)
