@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results import CENTRAL_MOMENT, Column, series
-from granular_contact.results.frames import instants
+from granular_contact.results import CENTRAL_MOMENT, Column, Force, Outline, Snapshot, series
+from granular_contact.results.frames import Later, instants
 from granular_contact.results.motion import Motion, over_ground
 from granular_contact.results.observation import Observation
 
@@ -44,13 +44,14 @@ class SpatialObservation(Observation):
         return series.tabulate(found | self.energies)
 
     def film(self, most: int) -> dict[str, Any]:
-        """The motion at evenly spaced times, as `Results` has it."""
+        """The motion at evenly spaced times, and its pictures in side view, as `Results` has them."""
         at = instants(float(self.time[0]), float(self.time[-1]), most)
         motion = self.moved(np.minimum(at, self.time[-1]))
         bed: Any = self.scene.bed  # one of space
+        grounded = motion
         if bed is not None and self.scene.media:
-            motion = over_ground(motion, bed.height, level=bed.level)
-        return {"motion": motion}
+            grounded = over_ground(motion, bed.height, level=bed.level)
+        return {"motion": grounded, "frames": Later(lambda: side_view(motion))}
 
 
 def vector(column: str, what: str, values: Vector) -> series.Series:
@@ -82,3 +83,33 @@ def body_force(name: str, wrench: Vector, center: Vector) -> series.Series:
     of = f"moment of that force about the centre of mass of {name}, about the axis"
     found = vector(f"{name}_granular_{{}}_N", f"force of the medium on {name}", wrench[:, :3])
     return found | vector(f"{name}_granular_moment_{{}}_Nm", of, moment)
+
+
+# ---- pictures of the plane ----
+
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+_DIRECTIONS = np.column_stack([np.cos(_AROUND), np.sin(_AROUND)])
+
+
+def silhouette(points: Vector) -> Vector:
+    """Polygon (65, 2) m, closed, around points (k, 2) m: what of them is outermost in 64 directions, in each one."""
+    corners: Vector = points[(points @ _DIRECTIONS.T).argmax(axis=0)]
+    return np.vstack([corners, corners[:1]])
+
+
+def side_view(motion: Motion) -> tuple[Snapshot, ...]:
+    """A motion in space seen from the right: ahead and up, each part by its silhouette."""
+    seen = [(part.name, motion.points(i)[:, :, [0, 2]]) for i, part in enumerate(motion.parts)]
+    return tuple(
+        Snapshot(
+            "frame",
+            float(time),
+            tuple(Outline(name, silhouette(points[k]), 0.0) for name, points in seen),
+            tuple(
+                Force(body, at[k, [0, 2]], force[k, [0, 2]])
+                for body, (at, force) in motion.forces.items()
+                if force[k, [0, 2]].any()
+            ),
+        )
+        for k, time in enumerate(motion.time)
+    )

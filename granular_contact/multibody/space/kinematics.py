@@ -12,6 +12,7 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Outline
+from granular_contact.results.in_space import silhouette
 from granular_contact.results.interpolation import Track
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Part, SpatialConnection, Vector
@@ -140,25 +141,5 @@ class SpatialKinematics(Kinematics):
                 seen = (part.points @ R.T + at)[:, [0, 2]]
                 bar = part.meets == ("bar",)
                 across = part.shape.diameter if bar else 2.0 * part.drop
-                drawn.append(Outline(part.name, seen if bar or len(seen) == 1 else hull(seen), across))
+                drawn.append(Outline(part.name, seen if bar or len(seen) == 1 else silhouette(seen), across))
         return tuple(drawn)
-
-
-def hull(points: Vector) -> Vector:
-    """Convex hull of points (n, 2), closed, counter-clockwise."""
-    ordered = np.unique(points, axis=0)
-    if len(ordered) < 3:
-        return ordered
-
-    def half(line: Vector) -> list[Vector]:
-        kept: list[Vector] = []
-        for p in line:
-            while len(kept) > 1:
-                (ax, ay), (bx, by) = kept[-1] - kept[-2], p - kept[-2]
-                if ax * by - ay * bx > 0.0:
-                    break
-                kept.pop()
-            kept.append(p)
-        return kept
-
-    return np.array([*half(ordered)[:-1], *half(ordered[::-1])])
