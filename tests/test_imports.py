@@ -46,6 +46,7 @@ MAY = {
         "scene.space",
         "laws",
         "kernels",
+        "errors",
     },
     # The second door: it knows nothing of the first.
     "mujoco": {"mujoco", "bed", "bed.space", "laws", "kernels", "errors"},

@@ -11,7 +11,7 @@ TEXT = (ROOT / "models" / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
-    (leg,) = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    leg, _ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
     run = simulate(leg)
     assert run.status.code == "end_time"
     # Let down: it starts in the sand, at rest.
@@ -25,6 +25,16 @@ def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
     assert np.ptp(run["knee_angle_deg"]) > 30.0
     assert run.summary["energy"]["imbalance_relative"] < 1e-3
     assert run.summary["contacts"]["shank"]
+
+
+def test_the_flail_swings_in_space_into_the_sand_and_slows_down() -> None:
+    _, flail = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    run = simulate(flail)
+    assert run.status.code == "end_time"
+    assert run["depth_m"].max() > 5e-3
+    assert run.summary["energy"]["granular_work_J"] < -0.01
+    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.ptp(run["head_y_m"]) > 5e-3
 
 
 def test_every_kind_of_joint_signal_and_drive_is_named() -> None:

@@ -20,6 +20,9 @@ SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
 OF_CHANGING_STEPS, CLOSER, LOOSEST = 0.5, 1e-3, 0.1
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
 SHORTEST = 1e-4
+# In space joints have constraints of positions and directions, and what Newton's method leaves in them over a step is a
+# speed: of 1 nm over 20 ns 0.05 m/s. A long step leaves it to the short one after it, so the tolerance is one for all.
+SHORTEST_IN_SPACE = 1e-2
 NEVER = 2**30
 GAIN, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 14, 40  # of Newton's method where steps are chosen
 
@@ -56,7 +59,7 @@ def settings(scene: Scene) -> Any:
     t = s.timeIntegration
     t.endTime = solver.end_time_s
     t.numberOfSteps = max(1, math.ceil(solver.end_time_s / solver.step_s - 1e-9))
-    t.minimumStepSize = SHORTEST * solver.step_s
+    t.minimumStepSize = (SHORTEST_IN_SPACE if scene.in_space else SHORTEST) * solver.step_s
     t.verboseMode = 0
     newton = t.newton
     newton.absoluteTolerance = solver.tolerance * scene.force_scale
@@ -89,7 +92,7 @@ def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | No
     """Tolerances of `predictor.Predictor`: where steps are chosen and joints ask for less; None elsewhere."""
     newton, whole = simulation.timeIntegration.newton, scene.solver.tolerance * scene.force_scale
     least = newton.absoluteTolerance
-    if scene.solver.accuracy is None or newton.residualMode != 0 or least >= LOOSEST * whole:
+    if scene.in_space or scene.solver.accuracy is None or newton.residualMode != 0 or least >= LOOSEST * whole:
         return None
     return least, LOOSEST * whole, scene.solver.step_s
 

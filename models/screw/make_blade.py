@@ -1,4 +1,4 @@
-"""Writes blade.obj, the helical blade of the screw: a thin sheet around z, right-handed.
+"""Writes blade.stl, the helical blade of the screw: a thin sheet around z, right-handed.
 
     python models/screw/make_blade.py
 """
@@ -6,23 +6,28 @@
 from __future__ import annotations
 
 import math
+import struct
 from pathlib import Path
 
 INNER, OUTER, PITCH, TURNS, EACH = 0.005, 0.02, 0.025, 3, 24  # m, m, m, turns, pieces of a turn
 
 
+def corner(step: int, radius: float) -> tuple[float, float, float]:
+    """Point (m) of the blade after so many pieces, at a radius (m)."""
+    angle = 2.0 * math.pi * step / EACH
+    return radius * math.cos(angle), radius * math.sin(angle), PITCH * step / EACH
+
+
 def main() -> None:
-    """Write the file beside this one."""
-    lines = ["# helical blade, written by make_blade.py; metres"]
-    count = TURNS * EACH
-    for i in range(count + 1):
-        angle, height = 2.0 * math.pi * i / EACH, PITCH * i / EACH
-        for radius in (INNER, OUTER):
-            lines.append(f"v {radius * math.cos(angle):.7f} {radius * math.sin(angle):.7f} {height:.7f}")
-    for i in range(count):
-        a, b, c, d = (2 * i + k for k in (1, 2, 4, 3))
-        lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
-    Path(__file__).with_name("blade.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    """Write the file beside this one, as binary STL in metres."""
+    faces = []
+    for step in range(TURNS * EACH):
+        a, b = corner(step, INNER), corner(step, OUTER)
+        c, d = corner(step + 1, OUTER), corner(step + 1, INNER)
+        faces += [(a, b, c), (a, c, d)]
+    rows = [struct.pack("<12fH", 0.0, 0.0, 0.0, *(x for point in face for x in point), 0) for face in faces]
+    head = b"helical blade, written by make_blade.py; metres".ljust(80)
+    Path(__file__).with_name("blade.stl").write_bytes(head + struct.pack("<I", len(rows)) + b"".join(rows))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import numpy as np
 from exudyn import itemInterface as items
 
 from granular_contact.bed.space.load import SpatialLoad
+from granular_contact.errors import scene_error
 from granular_contact.kernels.space_bodies import turning
 from granular_contact.multibody.build import assembled
 from granular_contact.multibody.coupling import Coupling
@@ -115,7 +116,10 @@ def _granular_load(system: SpatialSystem) -> Coupling | None:
         return None
     slope = np.array([*bed.rise, 0.0])
     options: dict[str, Any] = {"gravity": scene.gravity, "static": scene.static, "end_cap": scene.load.end_cap}
-    load = SpatialLoad(bed.media, bed.origin, slope=slope, heights=bed.heights, **options)
+    try:
+        load = SpatialLoad(bed.media, bed.origin, slope=slope, heights=bed.heights, **options)
+    except ValueError as error:  # what a medium has for the plane alone
+        raise scene_error("medium", str(error)) from None
     coupling = Coupling(system.mbs, load)
     for handle, part in parts:
         on = coupling.body(handle.object, in_space=True)

@@ -177,9 +177,10 @@ class _Film:
 
     def _trace_points(self) -> tuple[Array, Array]:
         has = {column.name for column in self.results.columns}
-        if not {"tip_x_m", "tip_y_m"} <= has:
+        up = "tip_z_m" if "tip_z_m" in has else "tip_y_m"
+        if not {"tip_x_m", up} <= has:
             return np.zeros(0), np.zeros((0, 2))
-        return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results["tip_y_m"]])
+        return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results[up]])
 
     def _tail(self, until: int) -> int:
         """Start of the trace that ends at a row: the last part of the path, as long as the picture is wide."""

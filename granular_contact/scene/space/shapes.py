@@ -75,10 +75,12 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
 def _part(
     name: str, shape: Any, meets: tuple[Meets, ...], position: Vector, turn: Vector, in_sand: bool, size: float | None
 ) -> Part:
-    drawn = shape.corners(NOT_CUT if _has_flat_faces(shape) else size) @ turn.T + position
+    flat = _has_flat_faces(shape)
+    drawn = shape.corners(NOT_CUT if flat else None) @ turn.T + position
+    met = drawn if flat or size is None else shape.corners(size) @ turn.T + position
     if meets == ("ball",):
         return Part(name, shape, meets, position, turn, in_sand, size, drawn, position[None], 0.5 * shape.diameter)
-    return Part(name, shape, meets, position, turn, in_sand, size, drawn, outermost(drawn.reshape(-1, 3)))
+    return Part(name, shape, meets, position, turn, in_sand, size, drawn, outermost(met.reshape(-1, 3)))
 
 
 def _has_flat_faces(shape: Any) -> bool:
