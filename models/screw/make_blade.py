@@ -1,6 +1,6 @@
 """Writes blade.stl, the helical blade of the screw: a thin sheet around z, right-handed.
 
-    python models/screw/make_blade.py
+python models/screw/make_blade.py
 """
 
 from __future__ import annotations
