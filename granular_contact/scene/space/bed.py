@@ -1,4 +1,4 @@
-"""Where the media lie in space: a level or sloped surface, or a map of heights; and the container."""
+"""Where the media lie in space: a level or sloped surface, or a map of heights."""
 
 from __future__ import annotations
 
@@ -26,15 +26,13 @@ STEEPEST_RISE = math.tan(math.radians(STEEPEST))
 @dataclass(frozen=True)
 class SpatialBed:
     """origin: height (m) of the surface at the world's origin, or of the zero of a map; rise (2,) per length along x
-    and y; container: walls in x and y (m).
+    and y.
     """
 
     origin: float
     rise: tuple[float, float]
     layers: tuple[Layer, ...]
     heights: Heights | None = None
-    container_x: tuple[float, float] | None = None
-    container_y: tuple[float, float] | None = None
     # What a bed in the plane has, for those who ask both.
     floor = None
     container = None
@@ -84,11 +82,11 @@ def bed(
     slope, toward = math.tan(math.radians(spec.slope_deg)), math.radians(spec.slope_direction_deg)
     rise = (slope * math.cos(toward), slope * math.sin(toward)) if slope else (0.0, 0.0)
     heights = None if spec.height_map is None else _read(spec.height_map, faults)
-    placed = SpatialBed(0.0, rise, tuple(_layers(scenario, faults)), heights, spec.container_x_m, spec.container_y_m)
+    placed = SpatialBed(0.0, rise, tuple(_layers(scenario, faults)), heights)
     height = scenario.surface_height_m if spec.height_m is None else spec.height_m
     if height is None:
         height = min((_above(placed, body, part) for body in rigid for part in body.parts if part.in_sand), default=0.0)
-    return SpatialBed(height, rise, placed.layers, heights, spec.container_x_m, spec.container_y_m)
+    return SpatialBed(height, rise, placed.layers, heights)
 
 
 def _above(placed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:

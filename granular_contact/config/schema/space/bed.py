@@ -1,4 +1,4 @@
-"""Schema of the bed in space: level, sloped in any direction, or a map of heights; floor, container and layers."""
+"""Schema of the bed in space: level, sloped in any direction, or a map of heights."""
 
 from __future__ import annotations
 
@@ -34,20 +34,12 @@ class SpatialBed(Strict):
     slope_direction_deg: float = 0.0
     """Direction in which the surface rises: counter-clockwise from x, seen from above; 90 is to the left."""
     height_map: HeightMap | None = None
-    container_x_m: Point | None = None
-    """Walls behind and ahead; a body beyond them gives a warning, but the walls exert no force."""
-    container_y_m: Point | None = None
-    """Walls to the right and to the left, likewise."""
 
     @model_validator(mode="after")
     def _fits_together(self) -> SpatialBed:
         faults: list[LocalFault] = []
         if self.height_map is not None and self.slope_deg != 0.0:
             faults.append((("height_map",), "got a height map and slope_deg; one of the two is allowed"))
-        for key in ("container_x_m", "container_y_m"):
-            walls = getattr(self, key)
-            if walls is not None and not walls[0] < walls[1]:
-                faults.append(((key,), f"got {list(walls)}; the first must be below the second"))
         if faults:
             raise refusal(faults)
         return self

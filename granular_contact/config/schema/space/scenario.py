@@ -21,7 +21,7 @@ class SpatialScenario(Scenario):
     """Height of the free surface above the origin; null: the mechanism touches the surface at the start. Parts below it
     start in the medium with zero friction state, as if placed there without disturbing a grain."""
     bed: SpatialBed | None = None  # type: ignore[assignment]
-    """Slope or heights of the surface, and container; null: level and unbounded."""
+    """Slope or heights of the surface; null: level and unbounded."""
     initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
     """Joints left out start at rest in the reference configuration."""
 
