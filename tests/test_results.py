@@ -235,7 +235,7 @@ def test_what_is_nowhere_is_told() -> None:
 
 def test_faults_of_the_geometry_have_their_lines() -> None:
     with pytest.raises(SceneError) as caught:
-        simulate(load(CONFIGS / "runner.yaml", method={"reduced": {"modes": 0}}))
+        simulate(load(CONFIGS / "flexible_leg.yaml", method={"reduced": {"modes": 0}}))
     assert {fault.file for fault in caught.value.faults} == {"load method={'reduced': {'modes': 0}}"}
 
 

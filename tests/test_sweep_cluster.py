@@ -75,6 +75,14 @@ def numbered(tmp_path) -> sweep.WorkerPool:
     return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
 
 
+def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):
+    path = write(tmp_path, QUICK)
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler[0]]) == 2
+    said = f"--scheduler {scheduler[0]}: it has no workers; start some with dask worker {scheduler[0]}\n"
+    assert capsys.readouterr() == ("", said)
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_an_ensemble_is_the_same_on_one_worker_on_two_and_on_a_cluster(workers, tmp_path) -> None:
     words = (
         CONFIGS / "pendulum_rigid.yaml",
@@ -94,14 +102,6 @@ def test_an_ensemble_is_the_same_on_one_worker_on_two_and_on_a_cluster(workers, 
         found[name] = [(tmp_path / name / table).read_bytes() for table in tables]
     assert found["one"] == found["two"] == found["dask"]
     assert found["one"][0].count(b"\n") > 5
-
-
-def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):
-    path = write(tmp_path, QUICK)
-    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler[0]]) == 2
-    said = f"--scheduler {scheduler[0]}: it has no workers; start some with dask worker {scheduler[0]}\n"
-    assert capsys.readouterr() == ("", said)
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_cluster_gives_the_table_of_one_worker_and_of_two(workers, tmp_path):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from support_properties import COMMON, LEVEL, Array, State, floors, states
 
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.laws.table import StressTable
 
 FAST = settings(max_examples=200, deadline=None)
 RANDOM = st.randoms(use_true_random=False)
@@ -77,8 +78,8 @@ def _noise(rng: Random, n: int, size: float) -> Array:
 @given(states(COMMON), RANDOM)
 def test_how_a_straight_bar_is_cut_does_not_matter(body: State, rng: Random) -> None:
     """One straight piece: a bar in any motion, a plate as it moves as one with all bristles alike."""
-    if body.kind in ("ball", "outline") or len(body.profile) > 1:
-        return
+    if body.kind in ("ball", "outline") or len(body.profile) > 1 or isinstance(body.medium, StressTable):
+        return  # (a table has kinks, which strips of any cut miss)
     run = body.run.copy()
     run["cap"] = False
     ends = body.P[[0, -1]]
@@ -104,7 +105,7 @@ def test_how_a_straight_bar_is_cut_does_not_matter(body: State, rng: Random) -> 
     # carry round-off of positions, 1e-16 m. Parts of opposite sign may cancel: next to what a strip can bear.
     scale = max(1e-9, float(np.abs(totals).max()), float(np.abs(sums).max()), body.scale() if exact else 0.0)
     # Where the stress is a power z^n of the depth, three Gauss points err in the strip that pierces the surface: by
-    # 0.05 % for n = 1.3, by 0.5 % for n = 0.3; in a table the stress has kinks at its depths.
-    close = 0.1 if hasattr(body.medium, "traction") else 1e-8
+    # 0.05 % for n = 1.3, by 0.5 % for n = 0.3.
+    close = 0.02 if hasattr(body.medium, "traction") else 1e-8
     np.testing.assert_allclose(G, F, atol=close * scale)
     np.testing.assert_allclose(sums, totals, atol=close * scale)
