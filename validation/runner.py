@@ -72,7 +72,7 @@ class Gait:
 
 def simulate(frequency: float, changes: dict[str, object], end_time: float) -> Results:
     """Results of the runner at a limb frequency (Hz)."""
-    # Fixed steps: chosen ones give the same motion, and take three times as long where a heavy trunk slides on its belly.
+    # Fixed steps: chosen ones give the same motion, in three times the time where a heavy trunk slides on its belly.
     sets = [f"signals.stride.frequency_Hz={frequency}", f"solver.end_time_s={end_time}", "solver.accuracy=null"]
     scenario = load_scenario(CONFIG, [*sets, *(f"{key}={value}" for key, value in changes.items())])
     return run(build(scenario), scenario)
