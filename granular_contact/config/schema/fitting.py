@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
@@ -22,20 +22,32 @@ def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
         words = f"got {initial.impact_angle_deg:g}, but no hinge and no weld is on the ground: use initial.joints"
         yield ("initial", "impact_angle_deg"), words
     for name, start in (initial.joints or {}).items():
-        path = ("initial", "joints", name)
-        if name not in joints:
-            what = "closes a loop, which follows from the others" if name in model.closures else None
-            yield path, f"{name} {what}" if what else no_such("joint", name, joints)
-            continue
-        kind = joints[name].type
-        if kind == "weld":
-            yield path, f"{name} is a weld, which has no state; allowed are hinges, sliders and free joints"
-            continue
-        given = {key for key in start.model_fields_set if getattr(start, key) is not None}
-        for key in sorted(given - set(KEYS[kind])):
-            yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(KEYS[kind])}"
-        if start.angle_deg is not None and initial.impact_angle_deg is not None and joints[name].parent == GROUND:
-            yield (*path, "angle_deg"), "got this and initial.impact_angle_deg; allowed is one of them"
+        yield from joint_state_faults(name, start, model, KEYS, "hinges, sliders and free joints")
+        pinned = name in joints and joints[name].type != "weld" and joints[name].parent == GROUND
+        if pinned and start.angle_deg is not None and initial.impact_angle_deg is not None:
+            words = "got this and initial.impact_angle_deg; allowed is one of them"
+            yield ("initial", "joints", name, "angle_deg"), words
+
+
+def joint_state_faults(
+    name: str, start: Any, model: Any, keys: Mapping[str, Iterable[str]], allowed: str
+) -> Iterator[LocalFault]:
+    """Faults of the initial state of one joint, in the plane or in space.
+
+    keys: those of a state, by type of joint; allowed: words for the joints that have one.
+    """
+    joints, path = model.all_joints, ("initial", "joints", name)
+    if name not in joints:
+        what = "closes a loop, which follows from the others" if name in model.closures else None
+        yield path, f"{name} {what}" if what else no_such("joint", name, joints)
+        return
+    kind = joints[name].type
+    if kind == "weld":
+        yield path, f"{name} is a weld, which has no state; allowed are {allowed}"
+        return
+    given = {key for key in start.model_fields_set if getattr(start, key) is not None}
+    for key in sorted(given - set(keys[kind])):
+        yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(keys[kind])}"
 
 
 def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal], model: Any) -> Iterator[LocalFault]:

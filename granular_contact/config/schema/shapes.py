@@ -131,6 +131,14 @@ class _Bent(_Shape):
         return self
 
 
+def check_opening(from_deg: float, to_deg: float) -> None:
+    """Refuse an arc (deg) without an opening, or of more than a turn."""
+    sweep = abs(to_deg - from_deg)
+    if not 0.0 < sweep <= 360.0:
+        got = f"got {to_deg:g}, which is {sweep:g} from from_deg"
+        raise refusal([(("to_deg",), f"{got}; allowed is above 0 and at most 360")])
+
+
 class ArcShape(_Bent, Renewed):
     """A round or flat bar along a circular arc, as a C-leg."""
 
@@ -145,10 +153,7 @@ class ArcShape(_Bent, Renewed):
 
     @model_validator(mode="after")
     def _has_an_opening(self) -> ArcShape:
-        sweep = abs(self.to_deg - self.from_deg)
-        if not 0.0 < sweep <= 360.0:
-            got = f"got {self.to_deg:g}, which is {sweep:g} from from_deg"
-            raise refusal([(("to_deg",), f"{got}; allowed is above 0 and at most 360")])
+        check_opening(self.from_deg, self.to_deg)
         return self
 
 

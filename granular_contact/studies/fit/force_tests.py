@@ -17,7 +17,7 @@ from granular_contact.studies.fit import force_columns as columns
 from granular_contact.studies.fit.columns import TIME
 from granular_contact.studies.fit.columns import recognise as recognise_motion
 from granular_contact.studies.fit.force_columns import DEPTH, PRESSURE
-from granular_contact.studies.fit.measurements import Measured, column_numbers
+from granular_contact.studies.fit.measurements import Measured, column_numbers, mapped_columns
 
 Vector = NDArray[np.float64]
 Chosen = dict[str, tuple[str, float]]  # header -> column of a force test, factor to its unit
@@ -130,21 +130,9 @@ def _named(table: Table, faults: list[Fault]) -> Chosen:
 
 
 def _mapped(table: Table, mapping: Mapping[str, tuple[str, Position]], faults: list[Fault]) -> Chosen:
-    found: Chosen = {}
-    for name, (header, at) in mapping.items():
-        hit = columns.recognise(name)
-        if hit is None:
-            known = columns.in_words((*columns.GIVEN, *columns.MEASURED))
-            faults.append(at.fault(("columns", name), f"is no column of a force test; allowed are {known}"))
-        elif header not in table.header:
-            words = f"got {header!r}, but {table.file} has no such column; {unknown(header, table.header)}"
-            faults.append(at.fault(("columns", name), words))
-        elif header in found:
-            words = f"got {header!r}, which is {found[header][0]} already; each needs a column of its own"
-            faults.append(at.fault(("columns", name), words))
-        else:
-            found[header] = hit
-    return found
+    known = columns.in_words((*columns.GIVEN, *columns.MEASURED))
+    words = f"is no column of a force test; allowed are {known}"
+    return mapped_columns(table, mapping, columns.recognise, lambda _: words, faults)
 
 
 def _complete(table: Table, chosen: Chosen, test: ForceTest, faults: list[Fault]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
@@ -111,12 +111,34 @@ def _mapped(
     faults: list[Fault],
     others: Sequence[str],
 ) -> Chosen | None:
-    found: Chosen = {}
     before = len(faults)
+    found = mapped_columns(
+        table,
+        mapping,
+        lambda name: recognise(name, [TIME, *known]),
+        lambda name: f"{_why_not(name, others)}; {_nearest(name, (*known, TIME))}",
+        faults,
+    )
+    at = next(iter(mapping.values()))[1]
+    return _complete(at.file, at.line, found, known, faults) if len(faults) == before else None
+
+
+def mapped_columns(
+    table: Table,
+    mapping: Mapping[str, tuple[str, Position]],
+    recognised: Callable[[str], tuple[str, float] | None],
+    why_not: Callable[[str], str],
+    faults: list[Fault],
+) -> Chosen:
+    """Columns of a table by their headers, as `columns` of a fit file names them.
+
+    recognised: what a name means, None for nothing that can be fitted; why_not: the words for that.
+    """
+    found: Chosen = {}
     for name, (header, at) in mapping.items():
-        hit = recognise(name, [TIME, *known])
+        hit = recognised(name)
         if hit is None:
-            faults.append(at.fault(("columns", name), f"{_why_not(name, others)}; {_nearest(name, (*known, TIME))}"))
+            faults.append(at.fault(("columns", name), why_not(name)))
         elif header not in table.header:
             message = f"got {header!r}, but {table.file} has no such column; {unknown(header, table.header)}"
             faults.append(at.fault(("columns", name), message))
@@ -125,8 +147,7 @@ def _mapped(
             faults.append(at.fault(("columns", name), message))
         else:
             found[header] = hit
-    at = next(iter(mapping.values()))[1]
-    return _complete(at.file, at.line, found, known, faults) if len(faults) == before else None
+    return found
 
 
 def _why_not(name: str, others: Sequence[str]) -> str:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
+from granular_contact.config.schema.shapes import check_opening
 from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.values.strict import Listed, LocalFault, OneOrMore, Point, Positive, Strict, Tagged, Text, refusal
@@ -118,10 +119,7 @@ class SpatialArc(_Shape):
 
     @model_validator(mode="after")
     def _has_an_opening(self) -> SpatialArc:
-        sweep = abs(self.to_deg - self.from_deg)
-        if not 0.0 < sweep <= 360.0:
-            got = f"got {self.to_deg:g}, which is {sweep:g} from from_deg"
-            raise refusal([(("to_deg",), f"{got}; allowed is above 0 and at most 360")])
+        check_opening(self.from_deg, self.to_deg)
         return self
 
 

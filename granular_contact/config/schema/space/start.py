@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
-from granular_contact.config.schema.joints import SINGULAR
+from granular_contact.config.schema.fitting import joint_state_faults
 from granular_contact.config.schema.space.model import SpatialModel
 from granular_contact.config.schema.space.turned import Oriented, Point3
-from granular_contact.values.strict import LocalFault, Strict, no_such, refusal
+from granular_contact.values.strict import LocalFault, Strict, refusal
 
 
 class SpatialJointStart(Oriented):
@@ -71,17 +71,5 @@ class SpatialInitial(Strict):
 
 def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Iterator[LocalFault]:
     """Faults of an initial state, with paths below the scenario."""
-    joints = model.all_joints
     for name, start in (initial.joints or {}).items():
-        path = ("initial", "joints", name)
-        if name not in joints:
-            what = "closes a loop, which follows from the others" if name in model.closures else None
-            yield path, f"{name} {what}" if what else no_such("joint", name, joints)
-            continue
-        kind = joints[name].type
-        if kind == "weld":
-            yield path, f"{name} is a weld, which has no state; allowed are all other joints"
-            continue
-        given = {key for key in start.model_fields_set if getattr(start, key) is not None}
-        for key in sorted(given - set(KEYS[kind])):
-            yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(KEYS[kind])}"
+        yield from joint_state_faults(name, start, model, KEYS, "all other joints")
