@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,6 +112,10 @@ class Batch:
         """Body, kind and width (m) of the lines that were ever immersed."""
         ever = [line for line, depth in zip(self.lines, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0]
         return {(line.body, line.kind, float(line.record["width"][0])) for line in ever}
+
+    def state(self) -> tuple[NDArray[Any], ...]:
+        """What accepted steps change."""
+        return self.anchors, self.proximity, self.active
 
     @property
     def depths(self) -> Vector:

@@ -192,14 +192,15 @@ class GranularLoad:
     def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:
         """A state that counts as accepted for as long as the block lasts, and is taken back after it."""
         length, time = self.table.length, self.time
-        kept = [(batch.anchors.copy(), batch.proximity.copy()) for batch in self.batches]
+        kept = [[array.copy() for array in batch.state()] for batch in self.batches]
         self.accept(t, q, v)
         try:
             yield
         finally:
             self.table.length, self.time = length, time
             for batch, state in zip(self.batches, kept, strict=True):
-                batch.anchors[:], batch.proximity[:] = state
+                for array, old in zip(batch.state(), state, strict=True):
+                    array[:] = old
 
     # ---- what is read ----
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,7 @@ from granular_contact.bed.load import GranularLoad
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class BatchState:
-    """Arrays of a batch, as it explains them."""
-
-    anchors: Vector
-    proximity: Vector
-    active: NDArray[np.bool_]
+BatchState = tuple[NDArray[Any], ...]  # of `Batch.state`
 
 
 @dataclass(frozen=True)
@@ -48,10 +43,11 @@ def restore(load: GranularLoad, kept: LoadState) -> None:
 
 def batch_states(batches: Sequence[Batch]) -> tuple[BatchState, ...]:
     """Copies of the states of batches."""
-    return tuple(BatchState(b.anchors.copy(), b.proximity.copy(), b.active.copy()) for b in batches)
+    return tuple(tuple(array.copy() for array in batch.state()) for batch in batches)
 
 
 def restore_batches(batches: Sequence[Batch], states: Sequence[BatchState]) -> None:
     """Bring batches to their states, in the arrays that they have."""
     for batch, kept in zip(batches, states, strict=True):
-        batch.anchors[:], batch.proximity[:], batch.active[:] = kept.anchors, kept.proximity, kept.active
+        for array, old in zip(batch.state(), kept, strict=True):
+            array[:] = old

@@ -19,6 +19,8 @@ from granular_contact.scene.types import Connection, Vector
 if TYPE_CHECKING:
     from granular_contact.bed.load import GranularLoad
     from granular_contact.multibody.coordinates import Coordinate, End
+    from granular_contact.multibody.kinematics import Kinematics
+    from granular_contact.multibody.system import Trajectory
 
 
 Places = NDArray[np.int64]
@@ -27,7 +29,7 @@ Places = NDArray[np.int64]
 class Senses:
     """Reads observations of a system; `seen`: what there is of them.
 
-    It follows links that bend from row to row, for their slopes do not tell whole turns.
+    It follows links that bend from row to row, for their slopes do not tell whole turns; `follows`: whether it has to.
     """
 
     def __init__(self, system: System, load: GranularLoad | None) -> None:
@@ -54,6 +56,17 @@ class Senses:
         self._met = np.array([bodies.index(name) for name in of_load], int)
         self._lines = _lines_of(load)
         self._above = np.full(len(of_load), -np.inf)
+
+    @property
+    def follows(self) -> bool:
+        """Whether it has to be told of all rows."""
+        return bool(self._turning)
+
+    def kinematics(self, trajectory: Trajectory) -> Kinematics:
+        """Kinematics of its system along a trajectory."""
+        from granular_contact.multibody.kinematics import Kinematics
+
+        return Kinematics(self.system, trajectory)
 
     def _all_nodes(self) -> dict[str, tuple[int, ...]]:
         rigid = {name: (handle.node,) for name, handle in self.system.rigid.items()}

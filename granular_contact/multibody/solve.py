@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.errors import SolveError, scene_error
+from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
@@ -71,10 +71,6 @@ class Solve:
         back to its states on the way.
         """
         self.system, mbs, scene = system, system.mbs, system.scene
-        if pauses and scene.in_space:
-            raise scene_error(
-                "model.in_space", "a run in space can't be stepped or steered yet; allowed is to simulate it"
-            )
         self.simulation = settings(scene) if simulation is None else simulation
         self.recorder = Recorder(system, progress)
         self.solver = exu.MainSolverImplicitSecondOrder()
@@ -101,10 +97,9 @@ class Solve:
             if system.bed is not None:
                 system.bed.accept()  # loads its kernels, which is no part of the solve
             if pauses:
-                from granular_contact.multibody.senses import Senses
                 from granular_contact.multibody.state import Keeper
 
-                self._senses = Senses(system, None if system.bed is None else system.bed.load)
+                self._senses = system.senses()
                 self._keeper = Keeper(system, self.solver, self.recorder, self.simulation)
                 self._keeper.tangent.before = predictor
             self._run(self._begin)
@@ -143,7 +138,7 @@ class Solve:
             self._plan(min(until, self._end))
             before = self.recorder.rows
             self._run(self._steps)
-        if self.system.links and self._senses is not None:
+        if self._senses is not None and self._senses.follows:
             rows = self.recorder.states[before : self.recorder.rows, 1 : 1 + self.recorder.size]
             self._senses.follow(rows + self._reference)
 
@@ -188,12 +183,11 @@ class Solve:
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
-        from granular_contact.multibody.kinematics import Kinematics
-
         recorder = self.recorder
         row, count = recorder.states[recorder.rows - 1 : recorder.rows], recorder.size
         q, v = row[:, 1 : 1 + count] + self._reference, row[:, 1 + count :]
-        return Kinematics(self.system, at_one(self.system, row[:, 0], q, v)).outlines(0)
+        assert self._senses is not None  # of one that pauses
+        return self._senses.kinematics(at_one(self.system, row[:, 0], q, v)).outlines(0)
 
     def set_to(self, joint: str, value: float) -> None:
         """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from granular_contact.multibody.coupling import Coupling
     from granular_contact.multibody.joint_actions import JointActions, Turning
     from granular_contact.multibody.joint_loads import JointLoad
+    from granular_contact.multibody.senses import Senses
 
 
 class TurningEnds(Protocol):
@@ -66,6 +67,12 @@ class System:
     turning: list[Turning] = field(default_factory=list)
     turning_ends: list[TurningEnds] = field(default_factory=list)
     joints: JointActions | None = None
+
+    def senses(self) -> Senses:
+        """What reads its state in the pauses of a solve."""
+        from granular_contact.multibody.senses import Senses
+
+        return Senses(self, None if self.bed is None else self.bed.load)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,15 @@ from granular_contact.results import CENTRAL_MOMENT, Column, Force, Outline, Sna
 from granular_contact.results.frames import Later, instants
 from granular_contact.results.motion import Motion, over_ground
 from granular_contact.results.observation import Observation
+from granular_contact.results.observed import (
+    DEPTHS,
+    FORCES,
+    POSES,
+    VELOCITIES,
+    Place,
+    Seen,
+    angle,
+)
 
 Vector = NDArray[np.float64]
 AXES = (("x", "ahead"), ("y", "to the left"), ("z", "upward"))
@@ -71,8 +81,8 @@ def force(term: str, wrench: Vector, about: Vector) -> series.Series:
 def body(name: str, center: Vector, rpy: Vector, velocity: Vector, spin: Vector) -> series.Series:
     """Motion of a body: centre of mass, roll-pitch-yaw (rad), velocity and angular velocity (rad/s), (n, 3) each."""
     found = vector(f"{name}_{{}}_m", f"position of the centre of mass of {name}", center)
-    for i, angle in enumerate(("roll", "pitch", "yaw")):
-        found[f"{name}_{angle}_deg"] = (f"{angle} of {name}", np.degrees(rpy[:, i]))
+    for i, turned in enumerate(("roll", "pitch", "yaw")):
+        found[f"{name}_{turned}_deg"] = (f"{turned} of {name}", np.degrees(rpy[:, i]))
     found |= vector(f"{name}_v{{}}_m_s", f"velocity of the centre of mass of {name}", velocity)
     return found | vector(f"{name}_spin_{{}}_rad_s", f"angular velocity of {name}, about the axis", spin)
 
@@ -83,6 +93,32 @@ def body_force(name: str, wrench: Vector, center: Vector) -> series.Series:
     of = f"moment of that force about the centre of mass of {name}, about the axis"
     found = vector(f"{name}_granular_{{}}_N", f"force of the medium on {name}", wrench[:, :3])
     return found | vector(f"{name}_granular_moment_{{}}_Nm", of, moment)
+
+
+# ---- one instant ----
+
+
+@dataclass(frozen=True)
+class SpatialSeen(Seen):
+    """As `Seen`, with the names of columns in space. Roll, pitch and yaw are those within a turn."""
+
+    @cached_property
+    def places(self) -> dict[str, Place]:
+        """Array, row, column and factor of the unit of each name."""
+        found: dict[str, Place] = {}
+        for i, (name, turns) in enumerate(zip(self.joints, self.hinges, strict=True)):
+            found |= self._of_joint(name, turns, i)
+        for i, name in enumerate(self.bodies):
+            found |= {f"{name}_{axis}_m": (POSES, i, k, 1.0) for k, axis in enumerate("xyz")}
+            for k, turned in enumerate(("roll", "pitch", "yaw"), 3):
+                found |= angle(f"{name}_{turned}", POSES, i, k)
+            ends = [f"v{axis}_m_s" for axis in "xyz"] + [f"spin_{axis}_rad_s" for axis in "xyz"]
+            found |= {f"{name}_{end}": (VELOCITIES, i, k, 1.0) for k, end in enumerate(ends)}
+        for i, name in enumerate(self.met):
+            ends = [f"{axis}_N" for axis in "xyz"] + [f"moment_{axis}_Nm" for axis in "xyz"]
+            found |= {f"{name}_granular_{end}": (FORCES, i, k, 1.0) for k, end in enumerate(ends)}
+            found[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
+        return found
 
 
 # ---- pictures of the plane ----

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 DEGREES = math.degrees(1.0)
 COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as an instant tells them
+Place = tuple[int, int, int, float]  # array, row, column and factor of the unit of a name
 
 
 @dataclass(frozen=True)
@@ -30,17 +31,14 @@ class Seen:
     met: tuple[str, ...]
 
     @cached_property
-    def places(self) -> dict[str, tuple[int, int, int, float]]:
+    def places(self) -> dict[str, Place]:
         """Array, row, column and factor of the unit of each name."""
-        found: dict[str, tuple[int, int, int, float]] = {}
+        found: dict[str, Place] = {}
         for i, (name, turns) in enumerate(zip(self.joints, self.hinges, strict=True)):
-            if turns:
-                found |= _angle(f"{name}_angle", COORDINATES, i, 0) | {f"{name}_rate_rad_s": (RATES, i, 0, 1.0)}
-            else:
-                found |= {f"{name}_position_m": (COORDINATES, i, 0, 1.0), f"{name}_speed_m_s": (RATES, i, 0, 1.0)}
+            found |= self._of_joint(name, turns, i)
         for i, name in enumerate(self.bodies):
             found |= {f"{name}_x_m": (POSES, i, 0, 1.0), f"{name}_y_m": (POSES, i, 1, 1.0)}
-            found |= _angle(f"{name}_orientation", POSES, i, 2)
+            found |= angle(f"{name}_orientation", POSES, i, 2)
             ends = ("vx_m_s", "vy_m_s", "spin_rad_s")
             found |= {f"{name}_{end}": (VELOCITIES, i, k, 1.0) for k, end in enumerate(ends)}
         for i, name in enumerate(self.met):
@@ -49,8 +47,15 @@ class Seen:
             found[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
         return found
 
+    @staticmethod
+    def _of_joint(name: str, turns: bool, i: int) -> dict[str, Place]:
+        if turns:
+            return angle(f"{name}_angle", COORDINATES, i, 0) | {f"{name}_rate_rad_s": (RATES, i, 0, 1.0)}
+        return {f"{name}_position_m": (COORDINATES, i, 0, 1.0), f"{name}_speed_m_s": (RATES, i, 0, 1.0)}
 
-def _angle(name: str, array: int, row: int, column: int) -> dict[str, tuple[int, int, int, float]]:
+
+def angle(name: str, array: int, row: int, column: int) -> dict[str, Place]:
+    """Both names of an angle, in degrees and in radians."""
     return {f"{name}_deg": (array, row, column, DEGREES), f"{name}_rad": (array, row, column, 1.0)}
 
 
@@ -90,8 +95,9 @@ class Told(NamedTuple):
 class Observations(Mapping[str, float]):
     """One instant: arrays in SI units, and every single number by its name, `observations["hip_angle_deg"]`.
 
-    Angles, rates and moments are clockwise positive. Names are those of the columns of the results, angles also in
-    radians (`hip_angle_rad`); and `BODY_depth_m`, `BODY_contact` (1 or 0) and `depth_m` of what can meet the medium.
+    Angles, rates and moments are clockwise positive, in space right-handed. Names are those of the columns of the
+    results, angles also in radians (`hip_angle_rad`); and `BODY_depth_m`, `BODY_contact` (1 or 0) and `depth_m` of what
+    can meet the medium.
     What is not asked for is not computed; what was is kept.
 
     Attributes
@@ -129,17 +135,26 @@ class Observations(Mapping[str, float]):
 
     @property
     def poses(self) -> Vector:
-        """Centres of mass x, y (m) and angles (rad), of a link that bends the angle of its root, (bodies, 3)."""
+        """Centres of mass x, y (m) and angles (rad), of a link that bends the angle of its root, (bodies, 3).
+
+        In space x, y, z (m), then roll, pitch and yaw (rad), (bodies, 6).
+        """
         return self._bodies[0]
 
     @property
     def velocities(self) -> Vector:
-        """Rates of poses (m/s, rad/s), (bodies, 3)."""
+        """Rates of poses (m/s, rad/s), (bodies, 3).
+
+        In space velocities, then angular velocities about the axes of the world, (bodies, 6).
+        """
         return self._bodies[1]
 
     @property
     def forces(self) -> Vector:
-        """Of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3)."""
+        """Of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3).
+
+        In space x, y, z (N), then the moment about the same axes (N m), (met, 6).
+        """
         return self._medium[0]
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,9 +121,9 @@ class SpatialBatch:
         """Of each body after `accept`: bounds of its greatest depth (m) and of the greatest speed of a point (m/s)."""
         return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]
 
-    def state(self) -> tuple[Vector, ...]:
-        """What an accepted step changes."""
-        return self.anchors, self.poses, self.proximity
+    def state(self) -> tuple[NDArray[Any], ...]:
+        """What accepted steps change."""
+        return self.anchors, self.poses, self.proximity, self.active
 
 
 def _counted(sets: Sequence[Elements]) -> NDArray[np.void]:

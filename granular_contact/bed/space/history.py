@@ -84,6 +84,32 @@ class SpatialTable:
         self.length += 1
         return row
 
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that it has columns of."""
+        return self._names[1]
+
+    @property
+    def row(self) -> Vector:
+        """The last row."""
+        row: Vector = self._rows[self.length - 1]
+        return row
+
+    def wrenches(self, row: Vector) -> Vector:
+        """Forces and moments (bodies, 6) of a row, as of `SpatialHistory.bodies`."""
+        return row[self._first_body :].reshape(-1, 6).copy()
+
+    def kept(self) -> tuple[Vector, tuple[int, float]]:
+        """A copy of all rows so far; nothing is summed up of them."""
+        return self._rows[: self.length].copy(), (0, 0.0)
+
+    def restore(self, rows: Vector, summed: tuple[int, float]) -> None:  # noqa: ARG002  # as of a table of the plane
+        """Take rows that were kept for its own."""
+        self.length = len(rows)
+        if self.length > len(self._rows):
+            self._rows = np.zeros((2 * self.length, len(self.blank)))
+        self._rows[: self.length] = rows
+
     def last(self) -> SpatialHistory:
         """The last row alone, with the work up to it."""
         return self.history().at_end()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -146,20 +145,6 @@ class SpatialLoad(GranularLoad):
     def _new_table(self) -> Any:
         terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
         return SpatialTable(terms, names, tuple(dict.fromkeys(one.body.name for one in self.lines)))
-
-    @contextmanager
-    def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:
-        """A state that counts as accepted for as long as the block lasts, and is taken back after it."""
-        length, time = self.table.length, self.time
-        kept = [[array.copy() for array in batch.state()] for batch in self.batches]
-        self.accept(t, q, v)
-        try:
-            yield
-        finally:
-            self.table.length, self.time = length, time
-            for batch, state in zip(self.batches, kept, strict=True):
-                for array, old in zip(batch.state(), state, strict=True):
-                    array[:] = old
 
     @property
     def history(self) -> SpatialHistory:  # type: ignore[override]  # with vectors in space

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from granular_contact.multibody.system import System
 from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.senses import Senses
 
 
 @dataclass(frozen=True)
@@ -23,3 +27,9 @@ class SpatialSystem(System):
 
     scene: SpatialScene
     rigid: dict[str, SpatialHandle]  # type: ignore[assignment]
+
+    def senses(self) -> Senses:
+        """As of `System`."""
+        from granular_contact.multibody.space.senses import SpatialSenses
+
+        return SpatialSenses(self, None if self.bed is None else self.bed.load)

@@ -1,0 +1,127 @@
+"""Coordinates of one instant -> Observations, in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from granular_contact.bed.work import about
+from granular_contact.multibody.mechanism import label
+from granular_contact.multibody.senses import Senses
+from granular_contact.multibody.space.coordinates import SpatialCoordinate
+from granular_contact.multibody.space.kinematics import SpatialKinematics
+from granular_contact.multibody.space.system import SpatialSystem
+from granular_contact.multibody.system import Trajectory
+from granular_contact.results.in_space import SpatialSeen
+from granular_contact.results.observed import Observations
+from granular_contact.scene.space import rotations
+from granular_contact.scene.types import Vector
+
+if TYPE_CHECKING:
+    from granular_contact.bed.load import GranularLoad
+
+
+class SpatialSenses(Senses):
+    """As `Senses`. It follows hinges from row to row, for the orientations of bodies do not tell whole turns."""
+
+    system: SpatialSystem
+
+    def __init__(self, system: SpatialSystem, load: GranularLoad | None) -> None:
+        self.system, self.load = system, load
+        scene, data = system.scene, system.mbs.systemData
+        joints = [joint for joint in scene.connections if joint.has_coordinate]
+        names = [body.name for body in scene.bodies]
+        met = () if load is None else load.table.bodies
+        self.seen = SpatialSeen(
+            tuple(joint.name for joint in joints),
+            tuple(joint.kind == "hinge" for joint in joints),
+            tuple(label(name) for name in names),
+            tuple(label(name) for name in met),
+        )
+        at = {name: np.array(data.GetNodeLTGODE2(handle.node)) for name, handle in system.rigid.items()}
+        self._at = np.array([at[name] for name in names], int).reshape(-1, 7)
+        self._in_sand = np.array([names.index(name) for name in met], int)
+        self._coordinates = []
+        for joint in joints:
+            nodes = [at[name] for name in (joint.parent, joint.child) if name is not None]
+            coordinate = SpatialCoordinate(joint, [0.0] * 7 * len(nodes))
+            system.turning_ends.append(coordinate)
+            self._coordinates.append((coordinate, np.concatenate(nodes)))
+
+    @property
+    def follows(self) -> bool:
+        """As of `Senses`."""
+        return any(self.seen.hinges)
+
+    def kinematics(self, trajectory: Trajectory) -> SpatialKinematics:
+        """As of `Senses`."""
+        return SpatialKinematics(self.system, trajectory)
+
+    def follow(self, q: Vector) -> None:
+        """Count the turns of hinges over rows (n, m) of coordinates that came since it was told some last."""
+        still = [0.0] * 14
+        for (joint, places), turns in zip(self._coordinates, self.seen.hinges, strict=True):
+            for row in q[:, places] if turns else ():
+                joint.at(row.tolist(), still)
+
+    def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
+        """As of `Senses`."""
+        # Joints at once, as a hinge counts its turns on.
+        now = _Now(self, q, v.copy(), None if row is None else row.copy(), self.joints(q, v))
+        return Observations(self.seen, time, now)
+
+    def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """As of `Senses`."""
+        found = np.array([joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]).reshape(
+            -1, 2
+        )
+        return found[:, 0], found[:, 1]
+
+    def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """Poses and velocities of bodies, (bodies, 6) each."""
+        places, rates = q[self._at], v[self._at]
+        e, d = places[:, 3:], rates[:, 3:]
+        spin = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
+        angles = rotations.rpy_of(rotations.of_quaternion(e))
+        return np.concatenate([places[:, :3], angles], axis=1), np.concatenate([rates[:, :3], spin], axis=1)
+
+    def forces(self, q: Vector, row: Vector | None) -> Vector:
+        """Forces of the medium (met, 6), moments about the centres of mass."""
+        if self.load is None or row is None:
+            return np.zeros((0, 6))
+        return about(self.load.table.wrenches(row), q[self._at[self._in_sand, :3]])
+
+    def depths(self, q: Vector) -> Vector:
+        """Depths (met,) m of the deepest points of bodies."""
+        scene, deepest = self.system.scene, np.full(len(self._in_sand), -np.inf)
+        bed: Any = scene.bed  # there is one where something is in sand
+        for k, i in enumerate(self._in_sand):
+            at = q[self._at[i]]
+            R = rotations.of_quaternion(at[None, 3:])[0]
+            for part in scene.bodies[i].parts:
+                if part.in_sand:
+                    x, y, z = (part.points @ R.T + at[:3]).T
+                    deepest[k] = max(deepest[k], float((bed.height(x, y) - z).max()) + part.drop)
+        return deepest
+
+
+@dataclass
+class _Now:
+    """One instant, see `results.observed.Instant`."""
+
+    senses: SpatialSenses
+    q: Vector
+    v: Vector
+    row: Vector | None
+    of_joints: tuple[Vector, Vector]
+
+    def joints(self) -> tuple[Vector, Vector]:
+        return self.of_joints
+
+    def bodies(self) -> tuple[Vector, Vector]:
+        return self.senses.bodies(self.q, self.v)
+
+    def medium(self) -> tuple[Vector, Vector]:
+        return self.senses.forces(self.q, self.row), self.senses.depths(self.q)
