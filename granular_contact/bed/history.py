@@ -23,8 +23,9 @@ class LoadHistory:
     time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
     floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
     negative above the surface; of the immersed stations speed (n,) m/s of the fastest, lowest (n,) m height of the
-    lowest point, left, right (n,) m the extreme x, infinite while none is immersed; coarser (n, 3): by how much the
-    power (W) and the resultant x, y (N) would change with strips of twice the length;
+    lowest point, left, right (n,) m the extreme x, infinite while none is immersed; coarser (n, 4): by how much the
+    power (W), the resultant x, y (N) and its moment about the world origin (N m) would change with strips of twice the
+    length;
     terms (n, terms, 3): for each of `term_names` its resultant x, y (N) and its moment about the world origin (N m,
     right-handed about z, so counter-clockwise; tables of runs have it clockwise); bodies (n, bodies, 3): the same of
     all terms together, for each of `body_names`; immersed: body, kind and width (m) of all that ever was.
@@ -159,7 +160,7 @@ class HistoryTable:
             power=power,
             floor_work=integral(rows[:, sand : self._first_term].sum(axis=1), time),
             depth=rows[:, DEPTH],
-            coarser=rows[:, COARSER : COARSER + 3],
+            coarser=rows[:, COARSER : COARSER + 4],
             speed=rows[:, SPEED],
             lowest=rows[:, LOWEST],
             left=rows[:, LEFT],

@@ -4,11 +4,13 @@ At every accepted step the power P and the resultant F of the medium are also co
 from the same friction state. Forces converge with the square of the strip, so that a third of the difference is what
 they are off by. An error of the power is one of the speed, in the sense of the mass: dv / v = dP dt / (2 T) with the
 kinetic energy T. An error of the resultant is one of the momentum of all bodies together, which the power does not see
-across the motion. Either fades with v / a, the time that the motion lasts; such errors are added without their sign.
+across the motion; of one floating body alone the moment counts likewise. Each fades with v / a, the time that the
+motion lasts; such errors are added without their sign.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,19 +23,52 @@ Vector = NDArray[np.float64]
 SLOW = 0.02  # m/s: below it bristles carry what the strips are off by, and nothing of it moves on
 
 
-def displacement(load: LoadHistory, v: Vector, mass: Any, fastest: Vector, floating: float | None = None) -> float:
-    """Error of positions (m) by the power of the medium, or by its resultant on a floating mass (kg) if one is given.
+@dataclass(frozen=True)
+class Pace:
+    """How long errors of the velocity last, at the ends of steps (n,) s.
 
-    v (n, m): rates of all coordinates, with their mass matrix; fastest (n,) m/s: greatest speed of any point.
+    fade (n,): what a step leaves of them; fast (n,): whether anything moves fast enough to count; twice (n,) J: 2 T;
+    fastest (n,) m/s: greatest speed of any point.
     """
-    steps, change, fast = np.diff(load.time), load.coarser[1:] / 3.0, fastest[1:] >= SLOW
-    twice = np.sum((v @ mass) * v, axis=1)[1:]  # 2 T (J)
-    mean = np.diff(v, axis=0) / steps[:, None]
-    fade = np.exp(-steps * np.sqrt(_over(np.sum((mean @ mass) * mean, axis=1), twice)))
-    fade[~fast] = 0.0
-    if floating is None:
-        return travelled(steps, (_over(steps * np.abs(change[:, 0]), twice) * fastest[1:] * fast)[:, None], fade)
-    return travelled(steps, steps[:, None] * change[:, 1:] / floating * fast[:, None], fade)
+
+    steps: Vector
+    fade: Vector
+    fast: Vector
+    twice: Vector
+    fastest: Vector
+
+    @classmethod
+    def of(cls, time: Vector, v: Vector, mass: Any, fastest: Vector) -> Pace:
+        """At times (n + 1,) s from the rates v (n + 1, m) of all coordinates with their mass matrix."""
+        steps, fast = np.diff(time), fastest[1:] >= SLOW
+        twice = np.sum((v @ mass) * v, axis=1)[1:]
+        mean = np.diff(v, axis=0) / steps[:, None]
+        fade = np.exp(-steps * np.sqrt(_over(np.sum((mean @ mass) * mean, axis=1), twice)))
+        fade[~fast] = 0.0
+        return cls(steps, fade, fast, twice, fastest[1:])
+
+
+def by_power(load: LoadHistory, pace: Pace) -> float:
+    """Error of positions (m) by the power of the medium."""
+    kicks = _over(pace.steps * np.abs(load.coarser[1:, 0]) / 3.0, pace.twice) * pace.fastest * pace.fast
+    return travelled(pace.steps, kicks[:, None], pace.fade)
+
+
+def by_resultant(load: LoadHistory, pace: Pace, mass: float) -> float:
+    """Error of positions (m) by the resultant of the medium on a floating mass (kg)."""
+    kicks = pace.steps[:, None] * load.coarser[1:, 1:3] / 3.0 / mass * pace.fast[:, None]
+    return travelled(pace.steps, kicks, pace.fade)
+
+
+def by_moment(load: LoadHistory, pace: Pace, center: Vector, inertia: float, reach: float) -> float:
+    """Error of positions (m) by the moment on one floating body, at its point farthest from the centre of mass.
+
+    center (n + 1, 2) m: path of the centre of mass; inertia kg m2 about it; reach m.
+    """
+    x, y = center.T
+    moment = (load.coarser[:, 3] - x * load.coarser[:, 2] + y * load.coarser[:, 1])[1:] / 3.0
+    kicks = pace.steps * moment / inertia * reach * pace.fast
+    return travelled(pace.steps, kicks[:, None], pace.fade)
 
 
 def _over(part: Vector, twice: Vector) -> Vector:

@@ -27,9 +27,10 @@ __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
 # speed (m/s), the least height and the least and greatest x (m) that they reach; then by how much the power (W) and the
-# resultant x, y (N) of the forces would change with strips of twice the length. The bed lays out the rest; `columns`
-# (3,) tells `accept` where a line's power, the terms of its medium and the resultant of its body stand.
-TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 9
+# resultant x, y (N) of the forces and their moment about the world origin (N m) would change with strips of twice the
+# length. The bed lays out the rest; `columns` (3,) tells `accept` where a line's power, the terms of its medium and the
+# resultant of its body stand.
+TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 10
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -96,9 +97,10 @@ def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
 
 @njit(cache=True, no_cfunc_wrapper=True)
 def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change):
-    """Add to change (3,) by how much power (W) and resultant (N) differ from those of F with strips joined in pairs.
+    """Add to change (4,) by how much power, resultant and moment differ from those of F with strips joined in pairs.
 
-    room (7, n, 2), of which the last four are to work in.
+    Power in W, resultant in N, moment about the world origin in N m, counter-clockwise. room (7, n, 2), of which the
+    last four are to work in.
     """
     n = 0
     held = room[5] if anchors.shape[1] == 2 else np.empty(anchors.shape)
@@ -119,10 +121,12 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
         change[0] += x * room[4, i, 0] + y * room[4, i, 1]
         change[1] += x
         change[2] += y
+        change[3] += room[3, i, 0] * y - room[3, i, 1] * x
     for i in range(P.shape[0]):
         change[0] -= F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
         change[1] -= F[i, 0]
         change[2] -= F[i, 1]
+        change[3] -= P[i, 0] * F[i, 1] - P[i, 1] * F[i, 0]
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -150,7 +154,7 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
         return deepest, speed
     totals[:] = 0.0
     forces(P, V, anchors, line, profile, medium, F, totals)
-    join_strips(P, V, F, geometry, line, profile, medium, anchors, room, row[COARSER : COARSER + 3])
+    join_strips(P, V, F, geometry, line, profile, medium, anchors, room, row[COARSER : COARSER + 4])
     drag_anchors(P, anchors, line, profile, medium)
     power, terms, body = columns
     for i in range(P.shape[0]):

@@ -105,9 +105,8 @@ assert view.problem() is None
 system = build(scene(config.load({config!r}).scenario))
 trajectory = solve(system)
 def close():
-    while not system.container.renderer.IsActive():
+    while not system.container.renderer.IsActive() or system.container.renderer.GetRenderCount() <= 5:
         time.sleep(0.1)
-    time.sleep(1.0)
     print(system.container.renderer.GetRenderCount(), "pictures")
     system.mbs.SetRenderEngineStopFlag(True)
 threading.Thread(target=close, daemon=True).start()
