@@ -33,7 +33,7 @@ class Pace:
 
     steps: Vector
     fade: Vector
-    fast: Vector
+    fast: NDArray[np.bool_]
     twice: Vector
     fastest: Vector
 
