@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
+from granular_contact.scene.signals import bends
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length
@@ -35,6 +37,7 @@ def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
         return
     yield from _steps(motion)
     yield from _entry(motion)
+    yield from _signals(motion)
     yield from strip_warnings(motion)
     for name in motion.system.links:
         yield from _beam(motion, name)
@@ -120,6 +123,18 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
     if deepest - first + 1 < FEW and load.depth[first] > 0.0 and first > 0:
         said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
         yield AccuracyWarning(f"{said}; {remedy(motion.scene)}")
+
+
+def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    """Whether fixed steps are too long for the tables that drives follow; chosen ones end at their bends."""
+    solver, end = motion.scene.solver, motion.trajectory.time[-1]
+    if solver.accuracy is not None:
+        return
+    times = bends(drive.signal for drive in motion.scene.drives if drive.kind != "motion")
+    least = min((after - before for before, after in pairwise(times) if before < end), default=math.inf)
+    if least < FEW * solver.step_s:
+        said = f"a drive follows a table that bends twice within {least:.3g} s, {least / solver.step_s:.1f} steps"
+        yield AccuracyWarning(f"{said}, which can miss its greatest force; {remedy(motion.scene)}")
 
 
 def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:

@@ -21,11 +21,13 @@ Vibration that moves nothing visibly does not count: of a flexible link velociti
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from typing import Any
 
 import numpy as np
 
 from granular_contact.multibody.system import System
+from granular_contact.scene.signals import bends
 from granular_contact.scene.types import Vector
 
 SAFETY, MOST, LEAST = 0.85, 2.0, 0.2
@@ -37,6 +39,7 @@ REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tole
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
 SLOWED = 4.0
 COARSE = 100.0  # estimates hold for small steps: how much more an error may be, over the accuracy
+BETWEEN = 8  # steps between two bends, at the least
 SLOWEST = 0.02  # of the speed that such a swing has; below it what starts from rest counts as moving so fast
 
 
@@ -63,6 +66,7 @@ class StepControl:
         arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.connections}
         motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
         self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
+        self.bends = bends(drive.signal for drive in scene.drives if drive.kind != "motion")
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
         self.chosen = self.next  # step to come, but for where it has to end
@@ -138,7 +142,7 @@ class StepControl:
         self.speed = max(self.speed, self.now)
         t = mbs.systemData.GetTime()
         self.last = it.currentStepSize
-        self.chosen = max(self._foreseen(t, min(self.next, self._until_touch())), it.minStepSize)
+        self.chosen = max(self._foreseen(t, min(self.next, self._until_touch(), self._until_bend(t))), it.minStepSize)
         self._take(t)
 
     def go_on(self, t: float) -> None:
@@ -179,6 +183,14 @@ class StepControl:
                     break
                 step *= 0.5
         return step
+
+    def _until_bend(self, t: float) -> float:
+        """Time (s) from t until the next bend of a drive's signal, or a share of the time between two of them."""
+        place = bisect_right(self.bends, t + END)
+        if place == len(self.bends):
+            return math.inf
+        left = self.bends[place] - t
+        return left if place == 0 else min(left, (self.bends[place] - self.bends[place - 1]) / BETWEEN)
 
     def _until_touch(self) -> float:
         """Time (s) until the next part above the surface may be in it, so that a step ends there.

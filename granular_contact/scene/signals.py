@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+BEND = 0.1  # of the greatest mean rate of a table: less is how a smooth curve is cut into pieces
 ROUNDING = 1e-4  # of the greatest rate: a jump of less comes of the digits of a table
 
 
@@ -208,6 +210,18 @@ def jumps(signal: Signal) -> tuple[Jump, ...]:
     least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(changes / steps).max())
     found = zip(signal.times, before.tolist(), after.tolist(), strict=True)
     return tuple(Jump(*one) for one in found if abs(one[2] - one[1]) > least)
+
+
+def bends(signals: Iterable[Signal]) -> list[float]:
+    """Instants (s) at which the mean rates of a table before and after differ by much of its greatest."""
+    found: set[float] = set()
+    for signal in signals:
+        if isinstance(signal, Piecewise):
+            values = [signal.value(t) for t in signal.times]
+            rates = np.concatenate([[0.0], np.diff(values) / np.diff(signal.times), [0.0]])
+            much = np.abs(np.diff(rates)) > BEND * np.abs(rates).max()
+            found.update(t for t, bent in zip(signal.times, much, strict=True) if bent)
+    return sorted(found)
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,26 @@ def test_motion_is_followed_and_its_torque_is_that_of_newton() -> None:
     np.testing.assert_allclose(run["shoulder_torque_Nm"][late], torque[late], atol=2e-3 * np.abs(torque).max())
 
 
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
+def test_chosen_steps_leap_over_no_pulse_of_a_drive(accuracy: float) -> None:
+    """A weight on a rail is pushed for 2 ms within half a second: the impulse is the area of the table."""
+    pulse = "force_N: {type: table, time_s: [0.2, 0.201, 0.202], values: [0, 50, 0]}"
+    run = simulate(LIFT, f"drives={{rail: {{type: force, {pulse}}}}}", f"solver.accuracy={accuracy}")
+    # Trapezoids over straight pieces whose ends are steps' ends; between them the step has a share of an eighth.
+    np.testing.assert_allclose(run["rail_force_N"].max(), 50.0, rtol=1e-6)
+    speed = 0.05 / MASS - 9.81 * run["time_s"][-1]
+    np.testing.assert_allclose(run["rail_speed_m_s"][-1], speed, rtol=1e-3)
+
+
+def test_fixed_steps_too_long_for_a_pulse_are_told() -> None:
+    pulse = "{type: force, force_N: {type: table, time_s: [0.2, 0.201, 0.202], values: [0, 50, 0]}}"
+    run = simulate(LIFT, f"drives={{rail: {pulse}}}", "solver.step_s=1e-3")
+    assert any("bends twice within 0.001 s, 1.0 steps" in one for one in run.warnings), run.warnings
+    assert not any(
+        "bends twice" in one for one in simulate(LIFT, f"drives={{rail: {pulse}}}", "solver.step_s=1e-4").warnings
+    )
+
+
 def test_motion_of_a_slider_is_followed() -> None:
     drive = "drives={rail: {type: motion, position_m: {type: sine, amplitude: 0.1, frequency_Hz: 3}}}"
     run = simulate(LIFT, drive)
