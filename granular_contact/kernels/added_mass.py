@@ -32,13 +32,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import kernel, part
 
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 BRISTLE = np.dtype([("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("friction", "i8"), ("parted", "?")])
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def place_bodies(numbers, tops, positions, rotations, centres, twists, turn, poses, arms):
     """Fill poses and arms from the state of an engine's bodies.
 
@@ -61,7 +62,7 @@ def place_bodies(numbers, tops, positions, rotations, centres, twists, turn, pos
             pose[5, i] = t0 * V[0] + t1 * V[1] + t2 * V[2]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def gather_twists(last, parents, axes, v, twists):
     """Fill twists (bodies, 6) of bodies from the rates v (m,) of a tree: axes (m, 6) of its degrees of freedom.
 
@@ -77,7 +78,7 @@ def gather_twists(last, parents, axes, v, twists):
             i = parents[i]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def advance(pose, then, step, out):
     """Fill a pose (6, 3) with where a body at a pose is after a step with the velocities of the pose `then`."""
     wx, wy, wz = step * then[5, 0], step * then[5, 1], step * then[5, 2]
@@ -94,7 +95,7 @@ def advance(pose, then, step, out):
         out[4, j], out[5, j] = then[4, j], then[5, j]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def to_world(turn, x, y, z):
     """A vector (3,) of the bed's frame in the world's."""
     return (
@@ -104,7 +105,7 @@ def to_world(turn, x, y, z):
     )
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def add_inertia(mass, nx, ny, nz, x, y, z, added):
     """Add a mass (kg) at a place (m) that is felt along n alone to an added inertia (6, 6)."""
     a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
@@ -118,7 +119,7 @@ def add_inertia(mass, nx, ny, nz, x, y, z, added):
         added[k, 5] += g * nz
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def add_point(mass, x, y, z, added):
     """Add a mass (kg) at a place (m) to an added inertia (6, 6)."""
     mx, my, mz = mass * x, mass * y, mass * z
@@ -148,7 +149,7 @@ def add_point(mass, x, y, z, added):
     added[5, 5] += mass
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def momentum(added, twist, out):
     """Set out (6,) to the momentum of an added inertia with a twist (6,): force-like first, then about its point."""
     for i in range(6):
@@ -158,7 +159,7 @@ def momentum(added, twist, out):
         out[i - 3 if i >= 3 else i + 3] = k
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def add_to_mass(last, parents, starts, axes, added, matrix):
     """Add what bodies gained to the mass matrix of a tree, kept row by row: a freedom, then those before it.
 
@@ -183,7 +184,7 @@ def add_to_mass(last, parents, starts, axes, added, matrix):
             i = parents[i]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, step, loads):
     """Fill loads (bodies, 6), about centres of mass inertial (all, 3) m, that bodies get for a trial step; world frame.
 
@@ -207,7 +208,7 @@ def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past
     return some
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def about(w, x, y, z, out):
     """Set a wrench (6,) to be about a point at x, y, z (m) from the point that w (6,) is about."""
     out[0], out[1], out[2] = w[0], w[1], w[2]
@@ -216,7 +217,7 @@ def about(w, x, y, z, out):
     out[5] = w[5] - x * w[1] + y * w[0]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def settle(numbers, tops, inertial, centres, added, gained, step, loads):
     """Take from the loads (bodies, 6) what the added inertia took up in a trial step; gained (bodies, 6): of twists."""
     p, q = np.empty(6), np.empty(6)
@@ -228,7 +229,7 @@ def settle(numbers, tops, inertial, centres, added, gained, step, loads):
             loads[b, k] -= q[k] / step
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works, gained):
     """End of a step that took a time (s): work (J) of the loads (bodies, 6) is added to works (bodies,).
 
@@ -247,20 +248,20 @@ def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works
             gained[b, k] = now[b, k] - twists[b, k]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def blank(seen):
     """Begin to see bodies anew, see `space_law.DEPTH`."""
     for b in range(seen.shape[0]):
         seen[b, 0], seen[b, 1], seen[b, 2] = -np.inf, 0.0, np.inf
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept):
     """Copy arrays of an engine to others of their sizes."""
     q_kept[:], v_kept[:], act_kept[:], warm_kept[:], mass_kept[:] = q, v, act, warm, mass
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
     """Where a step leads if twists gain what they gained in the one before: that in share, their sum in later.
 
@@ -288,7 +289,7 @@ def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
             later[b, k] = twists[b, k] + share[b, k]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def find_base(applied, numbers, written, home, base):
     """Fill base (bodies, 6) where the rows applied[numbers] are not those that were written, nor those of home."""
     for b in range(numbers.shape[0]):
@@ -298,7 +299,7 @@ def find_base(applied, numbers, written, home, base):
                 base[b, k] = now
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def write_loads(applied, numbers, base, loads, written):
     """Set the rows applied[numbers], and written, to base and loads together."""
     for b in range(numbers.shape[0]):

@@ -6,15 +6,15 @@ For the kernels of runs it is a strip of no length: two stations, both at its ce
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import law
-from granular_contact.kernels.scatter import factor, scatter_terms
+from granular_contact.kernels.compiled import part
+from granular_contact.kernels.scatter import factor
 from granular_contact.kernels.surface import height
 from granular_contact.kernels.ways import path
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def ball_forces(P, V, anchors, run, profile, medium, F, totals):
     """`law.forces` of a ball."""
     F[:] = 0.0
@@ -24,10 +24,10 @@ def ball_forces(P, V, anchors, run, profile, medium, F, totals):
         return
     f = np.zeros((law.TERMS, 2))
     law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, medium, f)
-    if run.scatter > 0.0:
-        scatter_terms(f, factor(path(P, anchors, 0), run.place, run.width, run), run)
+    share = factor(path(P, anchors, 0), run.place, run.width, run) if run.scatter > 0.0 else 1.0
     for term in range(law.TERMS):
-        fx, fy = f[term, 0], f[term, 1]
+        k = share if (run.static >> term) & 1 else 1.0
+        fx, fy = k * f[term, 0], k * f[term, 1]
         F[0, 0] += fx
         F[0, 1] += fy
         totals[term, 0] += fx

@@ -13,13 +13,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH, direction, drag_component, drive
 from granular_contact.kernels.immersion import THREE_POINTS, depth_integrals, part_integrals, second_moment, sign_change
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def mobilised_integrals(a, b, z0, z1, lam, s0, s1, m):
     """Integrals of sigma z^lam N_e from a to b (m^lam), as in `immersion`; s is s0 and s1 at the ends of the strip.
 
@@ -47,7 +46,7 @@ def mobilised_integrals(a, b, z0, z1, lam, s0, s1, m):
     return sign * j0 + i0, sign * j1 + i1
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def linear_integrals(a, b, z0, z1, lam, sa, sb):
     """`mobilised_integrals` where sigma = s, which is sa and sb at a and b."""
     dz = z1 - z0
@@ -59,7 +58,7 @@ def linear_integrals(a, b, z0, z1, lam, sa, sb):
     return (b - a) * ((1.0 - a) * i0 + (1.0 - b) * i1), (b - a) * (a * i0 + b * i1)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def smooth_integrals(a, b, z0, z1, lam, s0, s1, m):
     """`mobilised_integrals` of a smooth sigma, by three Gauss points."""
     j0, j1 = 0.0, 0.0
@@ -71,7 +70,7 @@ def smooth_integrals(a, b, z0, z1, lam, s0, s1, m):
     return j0, j1
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f):
     """Add the horizontal term to f[end, xy] (N); k in N/m^2, other arguments as in `law.strip_force`."""
     s0, s1 = drive(e0x, v0x, m), drive(e1x, v1x, m)
@@ -83,7 +82,7 @@ def horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f):
         f[1, 0] -= k * j1
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def vertical_force(a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f):
     """Add the vertical term to f[end, xy] (N); other arguments as in `law.strip_force`.
 
@@ -101,7 +100,7 @@ def vertical_force(a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale,
         f[1, 1] -= k * eta[way] * (lam[way] + 1.0) * j1
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def component_return(px, py, ax, ay, m):
     """Anchor after an accepted step: each component within u_y of the station."""
     return drag_component(px, ax, m), drag_component(py, ay, m)

@@ -18,17 +18,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.bar_statics import vertical_force as planar_vertical_force
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, immersed_interval
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.planar_friction import drive, mobilised
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def station(E, x, v, w, R, p, velocity):
     """Fill p (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame."""
     rx = R[0, 0] * E[0] + R[0, 1] * E[1] + R[0, 2] * E[2]
@@ -40,7 +40,7 @@ def station(E, x, v, w, R, p, velocity):
     velocity[2] = v[2] + w[0] * ry - w[1] * rx
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def add(f, x, y, z, W, term):
     """Add a force (3,) N that acts at x, y, z (m, from the reference point) to the wrench of a term."""
     W[term, 0] += f[0]
@@ -51,7 +51,7 @@ def add(f, x, y, z, W, term):
     W[term, 5] += x * f[1] - y * f[0]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def placed(elements, pose, ground):
     """Positions (n, 3) m and velocities (n, 3) m/s of the stations, and their depths (n,) m."""
     n = elements.shape[0]
@@ -62,7 +62,7 @@ def placed(elements, pose, ground):
     return P, V, Z
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a bar."""
     x, n = pose[3], elements.shape[0]
@@ -91,7 +91,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of the stations of bars, whose anchors are free unless a strip at them is immersed."""
     n = elements.shape[0]
@@ -111,7 +111,7 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
 # ---- terms of laws ----
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def nearest(a, b, x0, y0, z0, x1, y1, z1):
     """Where in [a, b] a vector that varies linearly along a strip is shortest."""
     dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
@@ -121,7 +121,7 @@ def nearest(a, b, x0, y0, z0, x1, y1, z1):
     return min(b, max(a, -(x0 * dx + y0 * dy + z0 * dz) / square))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drag_force(a, b, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, k, f):
     """Add the drag to f[end, xyz] (N); k in kg/m^2."""
     x0, y0, z0 = cy * v0z - cz * v0y, cz * v0x - cx * v0z, cx * v0y - cy * v0x
@@ -142,7 +142,7 @@ def drag_force(a, b, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, k, f):
                 f[e, 2] -= share * vz
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, k, m, f):
     """Add the horizontal term to f[end, xyz] (N); k in N/m^2, other arguments as in `space_law.bar_force`."""
     q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
@@ -172,7 +172,7 @@ def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x
             f[1, 1] -= xi * load * ry
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def vertical_force(a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, f):
     """Add the vertical term to f[end, xyz] (N); other arguments as in `bar_statics.vertical_force`."""
     length = math.sqrt(cx * cx + cy * cy + cz * cz)

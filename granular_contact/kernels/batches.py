@@ -18,9 +18,9 @@ is paid once for hundreds of bodies. Arguments that they share:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import lines as one
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.law import TERMS
 
 # Of proximity (lines, 3): depth of the deepest station (m), speed at which one approaches the surface (m/s), greatest
@@ -28,7 +28,7 @@ from granular_contact.kernels.law import TERMS
 DEEPEST, APPROACH, EVER = 0, 1, 2
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def rooms(ends):
     """Room for the longest line: (stations, 2) seven times, (coordinates,) three times."""
     n, m = 0, 0
@@ -38,7 +38,7 @@ def rooms(ends):
     return np.empty((7, n, 2)), np.empty((3, m))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def gather(system_q, system_v, reference, places, q, v):
     """Fill q and v with the coordinates at these places of the system."""
     for i in range(places.shape[0]):
@@ -47,7 +47,7 @@ def gather(system_q, system_v, reference, places, q, v):
         v[i] = system_v[at]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def reset_friction(system_q, reference, ends, places, geometry, anchors):
     """Reset the friction state of all lines where the bodies are."""
     room, body = rooms(ends)
@@ -58,7 +58,7 @@ def reset_friction(system_q, reference, ends, places, geometry, anchors):
         one.reset_friction(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def force(system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, out):
     """Add the generalised forces of the active lines to out, the coordinates of the bed."""
     room, body = rooms(ends)
@@ -79,7 +79,7 @@ def force(system_q, system_v, reference, active, ends, places, geometry, lines, 
             out[places[c + i, 1]] += f[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def tangent(
     system_q,
     system_v,
@@ -124,7 +124,7 @@ def tangent(
     return count
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def accept(
     system_q, system_v, reference, ends, places, geometry, lines, profile, medium, anchors, row, columns, proximity
 ):
@@ -143,7 +143,7 @@ def accept(
         proximity[r, EVER] = max(proximity[r, EVER], proximity[r, DEEPEST])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def update_active(proximity, step, active):
     """Mark the lines that may touch the surface within a step (s), at four times their speed; whether there are any.
 

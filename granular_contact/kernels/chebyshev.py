@@ -12,21 +12,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.tree_load import rates
 
 DAMPING = 2.0 / 13.0
 MOST_STAGES = 200
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def stages_for(h, radius):
     """Stages that keep a step h (s) stable where the spectral radius is so large (1/s)."""
     return min(MOST_STAGES, max(2, 1 + int(math.sqrt(1.0 + 1.54 * h * radius))))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def step(y, h, stages, w, slope, before, last, end):
     """Fill `end` with the state after h (s), from y with y' = slope; before, last: room for two states."""
     w0 = 1.0 + DAMPING / (stages * stages)
@@ -56,7 +56,7 @@ def step(y, h, stages, w, slope, before, last, end):
     end[:] = last
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def radius(y, slope, w, direction, moved, response):
     """Spectral radius (1/s) of the rates about y by a nonlinear power method; direction is kept for the next time.
 

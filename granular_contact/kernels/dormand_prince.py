@@ -6,8 +6,8 @@ Coefficients: Dormand & Prince (1980); interpolant of order 4: Shampine (1986).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.modal_calls import rates
 
 STAGES = 7
@@ -36,7 +36,7 @@ DENSE = np.array(
 )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def step(y, h, s, w, k, sigma, totals, end):
     """From y, with k[0] = y' there, fill the slopes k (7, size) and the state `end` after h (s)."""
     for stage in range(1, STAGES):
@@ -48,7 +48,7 @@ def step(y, h, s, w, k, sigma, totals, end):
         rates(end, s, w, sigma, totals, k[stage])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def error(h, k, allowed):
     """Largest estimated error of a step over what is `allowed` (coordinates and rates,) for it."""
     worst = 0.0
@@ -62,7 +62,7 @@ def error(h, k, allowed):
     return worst
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def interpolant(y, h, k, C):
     """Fill C (5, size) with the coefficients of the step as a polynomial in theta = (t - t_0) / h."""
     for i in range(y.shape[0]):
@@ -74,7 +74,7 @@ def interpolant(y, h, k, C):
             C[power + 1, i] = h * slope
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def inside(C, theta, y):
     """Fill y with the state at theta in [0, 1] of a step; C (any number, size)."""
     for i in range(y.shape[0]):

@@ -6,8 +6,8 @@ A step is a polynomial C in theta = (t - t_0) / h, one row of coefficients for e
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.dormand_prince import inside
 from granular_contact.kernels.modal_calls import margins
 from granular_contact.kernels.pendulum import inertia, momentum
@@ -16,7 +16,7 @@ TOUCHED, MEAN_SIGN, MEAN_TIME, MEAN_ANGLE, HUB_SIGN, HUB_TIME = 0, 1, 2, 3, 4, 5
 HALVINGS = 48
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def least_margin(C, theta, s, w, y, margin):
     """Smallest margin at theta of a step; y and margin are filled."""
     inside(C, theta, y)
@@ -27,14 +27,14 @@ def least_margin(C, theta, s, w, y, margin):
     return least
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def mark(margin, stopped):
     """Mark the components that are beyond the end of their regime."""
     for c in range(margin.shape[0]):
         stopped[c] = margin[c] < 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def regime_end(C, s, w, stopped):
     """Theta of the first end of a regime in a step, 2 if there is none; marks the components that end it.
 
@@ -76,7 +76,7 @@ def regime_end(C, s, w, stopped):
     return 2.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def turning(y, w, which):
     """Mean rate (which = 0) or rate of the hub (which = 1), rad/s."""
     m = w.pendulum[0].modes + 1
@@ -84,7 +84,7 @@ def turning(y, w, which):
     return v[0] if which == 1 else momentum(q, v, w.pendulum[0]) / inertia(q, w.pendulum[0])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def look_for_stop(t, h, C, w, watch):
     """Locate the first zeros of mean rate and hub rate after the touch."""
     y = np.empty(C.shape[1])
@@ -110,7 +110,7 @@ def look_for_stop(t, h, C, w, watch):
             watch[MEAN_ANGLE] = y[0]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def shorten(C, theta):
     """Let the polynomial of a step end at theta of it."""
     factor = 1.0

@@ -19,9 +19,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import space_law as law
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.plates import EDGE
 from granular_contact.kernels.space_friction import drive, mobilised
@@ -45,7 +45,7 @@ def traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
     raise NotImplementedError
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
     """Direction u (3,) in which the law sees a facet move, and the share g s of its static force."""
     qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, m)
@@ -57,7 +57,7 @@ def loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
     return ux, uy, uz, share
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def traction_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     """Static traction of a law with a `traction`; arguments and result as of `space_law.facet`.
 
@@ -71,7 +71,7 @@ def traction_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     return k * px, k * py, k * pz, share * sx, share * sy, share * sz
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     """Static traction of a law with a `stress`; arguments and result as of `space_law.facet`."""
     ux, uy, uz, share = loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m)
@@ -81,21 +81,21 @@ def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     return share * sx, share * sy, share * sz, 0.0, 0.0, 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def along_square(x, y, z, nx, ny, nz):
     """Square of the part of a vector along the surface with the normal n."""
     across = nx * x + ny * y + nz * z
     return max(0.0, x * x + y * y + z * z - across * across)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def count_way(anchors, i, x, y, z, nx, ny, nz, immersed):
     """Count the way of an anchor to (x, y, z) m, before it goes there; the shear displacement, as in `ways`."""
     dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
     anchors[i, SHEARED] = anchors[i, SHEARED] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def corner_part(zk, zi, zj, k, i, j):
     """Part of a triangle on the one side of the surface where its corner k alone lies.
 
@@ -110,7 +110,7 @@ def corner_part(zk, zi, zj, k, i, j):
     return s * t, zk / 3.0, (x, y, z), centre
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def immersed_part(z, za, zb, zc, a, b, c):
     """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
 
@@ -137,7 +137,7 @@ def immersed_part(z, za, zb, zc, a, b, c):
     return left, total / left, (k * o[0], k * o[1], k * o[2]), (wx / total, wy / total, wz / total)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of facets."""
     r00, r01, r02 = pose[0, 0], pose[0, 1], pose[0, 2]
@@ -238,7 +238,7 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
     W[1, 5] += u5
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets."""
     R, x, v, w = pose[:3], pose[3], pose[4], pose[5]

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels.balls import ball_forces
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAWS, record_of
 from granular_contact.kernels.strips import distributed_forces, resultant_forces
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def line_forces(P, V, anchors, line, profile, medium, F, totals):
     """`law.forces` in the form that the line asks for."""
     if line.resultant:

@@ -28,14 +28,14 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from granular_contact.kernels.compiled import part
 
 ELASTOPLASTIC = 0
 SMOOTH = 1
 SWITCH = 0.01  # s, the time T
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drive(stretch: float, v: float, m) -> float:
     """What the sign is taken of: s, of a bristle with stretch = p - anchor (m) and velocity component v (m/s)."""
     if m.friction == SMOOTH:
@@ -44,20 +44,20 @@ def drive(stretch: float, v: float, m) -> float:
     return (e + (sliding(abs(e), m) if e * v > 0.0 else m.tau) * v) / m.u_y
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def sliding(e: float, m) -> float:
     """What stands for tau (s) where a bristle stretched by e >= 0 (m) is stretched on: T from the yield on."""
     yields = min(1.0, max(0.0, 2.0 * e / m.u_y - 1.0))
     return m.tau + yields * max(0.0, SWITCH - m.tau)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def direction(s: float, m) -> float:
     """Regularised sign sigma in [-1, 1] of s, medium record m."""
     return math.tanh(s) if m.friction == SMOOTH else min(1.0, max(-1.0, s))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drag_component(p: float, anchor: float, m) -> float:
     """One component of an anchor after an accepted step that ended at p: within u_y of p (m)."""
     return p - min(m.u_y, max(-m.u_y, p - anchor))

@@ -9,12 +9,13 @@ points the map is that of Catmull and Rom, with a rise that does not jump; beyon
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import part
 
 PLANE, MAP = 4, 9
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _weights(t, w, dw):
     """Weights (4,) of four neighbours at a share t of the middle interval, and their derivatives by t."""
     w[0], dw[0] = 0.5 * t * (-1.0 + t * (2.0 - t)), 0.5 * (-1.0 + t * (4.0 - 3.0 * t))
@@ -23,7 +24,7 @@ def _weights(t, w, dw):
     w[3], dw[3] = 0.5 * t * t * (t - 1.0), 0.5 * t * (3.0 * t - 2.0)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def tangent_plane(ground, x, y, plane):
     """Fill plane (4,) with the one that touches the surface at x, y (m), as `ground` of a plane."""
     plane[:] = ground[:PLANE]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from granular_contact.kernels.compiled import part
 
 GAUSS_LOW = 0.5 - 0.5 / math.sqrt(3.0)
 GAUSS_HIGH = 0.5 + 0.5 / math.sqrt(3.0)
@@ -26,7 +26,7 @@ FAR = 0.5 * math.sqrt(0.6)  # of the outer two from the middle; weights 5/18, 8/
 THREE_POINTS = ((0.5 - FAR, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + FAR, 5.0 / 18.0))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def immersed_interval(z0: float, z1: float) -> tuple[float, float]:
     """Part (a, b) of a strip with end depths z0, z1 (m) that lies below the surface; (0, 0) when none does."""
     if z0 <= 0.0 and z1 <= 0.0:
@@ -35,7 +35,7 @@ def immersed_interval(z0: float, z1: float) -> tuple[float, float]:
     return (crossing if z0 < 0.0 else 0.0), (crossing if z1 < 0.0 else 1.0)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def depth_integrals(z0: float, z1: float, lam: float) -> tuple[float, float]:
     """Integrals J_0, J_1 of z^lam N_e over the immersed part (m^lam); end depths z0, z1 (m), exponent lam >= 0."""
     if z0 > z1:
@@ -44,7 +44,7 @@ def depth_integrals(z0: float, z1: float, lam: float) -> tuple[float, float]:
     return depth_integrals_rising(z0, z1, lam)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def depth_integrals_rising(z0: float, z1: float, lam: float) -> tuple[float, float]:
     """`depth_integrals` for z0 <= z1."""
     if z1 <= 0.0:
@@ -70,7 +70,7 @@ def depth_integrals_rising(z0: float, z1: float, lam: float) -> tuple[float, flo
     return total - j1, j1
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def pressure_integrals(z0: float, z1: float) -> tuple[float, float]:
     """`depth_integrals` for lam = 1 (m), where they are plain polynomials."""
     if z0 >= 0.0 and z1 >= 0.0:
@@ -83,7 +83,7 @@ def pressure_integrals(z0: float, z1: float) -> tuple[float, float]:
     return (far, near) if z1 > 0.0 else (near, far)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def part_integrals(a, b, z0, z1, lam):
     """`depth_integrals` over the part of a strip from a to b, where it lies below the surface."""
     dz = z1 - z0
@@ -92,7 +92,7 @@ def part_integrals(a, b, z0, z1, lam):
     return (b - a) * ((1.0 - a) * j0 + (1.0 - b) * j1), (b - a) * (a * j0 + b * j1)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def second_moment(z0, z1, lam):
     """Integral of z^lam xi^2 over a strip that is immersed from end to end, z0, z1 >= 0 (m^lam)."""
     dz = z1 - z0
@@ -108,7 +108,7 @@ def second_moment(z0, z1, lam):
     return (i2 - 2.0 * z0 * i1 + z0 * z0 * i0) / dz**3
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def sign_change(a, b, w0, w1):
     """Where in [a, b] what varies linearly from w0 to w1 along the strip changes its sign; b where it does not."""
     c = w0 / (w0 - w1) if w0 * w1 < 0.0 else b

@@ -17,12 +17,12 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from granular_contact.kernels import law, plates
 from granular_contact.kernels.bar_statics import component_return
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.planar_friction import radial_return
 
 FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress", "traction")
@@ -67,9 +67,9 @@ def compiled(function: Any) -> Any:
     if not isinstance(function, FunctionType):
         return function
     try:
-        return njit(cache=True)(function)
+        return part(function)
     except RuntimeError:  # of a notebook
-        return njit(function)
+        return part(function, cache=False)
 
 
 def _content(owner: Any) -> str:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from granular_contact.kernels.compiled import part
 
 HINGE, SLIDER = 0, 1
 RIGID, CABLE = 3, 4  # coordinates of a node; the ground has none
@@ -35,7 +35,7 @@ COORDINATE = [
 ]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _angle(size, reference, q, v, first, last):
     """Angle of a node whose coordinates begin at `first`, its rate, and its derivatives by the third and fourth."""
     if size == 0:
@@ -49,7 +49,7 @@ def _angle(size, reference, q, v, first, last):
     return phi, (x * v[first + 3] - y * v[first + 2]) / square, -y / square, x / square
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _hinge(joint, turns, q, v, slope):
     n = joint.parent
     one, one_rate, by_x, by_y = _angle(n, joint.parent_reference, q, v, 0, turns[0])
@@ -65,7 +65,7 @@ def _hinge(joint, turns, q, v, slope):
     return one - two + joint.offset, one_rate - two_rate
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _vectors(joint, q):
     """Axis u, vector D from the parent's node to the joint's point on the child, arm of the child (x, y each)."""
     n, x, y, c, s = joint.parent, 0.0, 0.0, 1.0, 0.0
@@ -83,7 +83,7 @@ def _vectors(joint, q):
     return ux, uy, dx, dy, ax, ay
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _slider(joint, q, v, slope):
     n = joint.parent
     ux, uy, dx, dy, ax, ay = _vectors(joint, q)
@@ -98,7 +98,7 @@ def _slider(joint, q, v, slope):
     return ux * dx + uy * dy - joint.seat, rate
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def coordinate(joint, turns, q, v, slope):
     """Coordinate and its rate; slope is filled with its gradient. Turns become those found here."""
     slope[:] = 0.0
@@ -107,7 +107,7 @@ def coordinate(joint, turns, q, v, slope):
     return _slider(joint, q, v, slope)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _bending(size, reference, q, first, sign, second):
     """Add sign times the second derivatives of the angle of a node."""
     if size != CABLE:
@@ -120,7 +120,7 @@ def _bending(size, reference, q, first, sign, second):
     second[first + 3, first + 2] += sign * (y * y - x * x) / square
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def curvature(joint, q, second):
     """Fill second with the second derivatives of the coordinate; whether there are any."""
     second[:] = 0.0

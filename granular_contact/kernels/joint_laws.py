@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import kernel, part
 
 # What a drive is: none, a torque or force over time, a control of the coordinate, a control of its rate.
 NO_DRIVE, LOAD, CONTROL, RATE_CONTROL = 0, 1, 2, 3
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def stop(joint, s, rate):
     """Elastic part of the force of the stops; the whole force, and its derivatives by s and rate. It pushes only."""
     depth = s - joint.upper if s > joint.upper else s - joint.lower if s < joint.lower else 0.0
@@ -29,7 +30,7 @@ def stop(joint, s, rate):
     return elastic, elastic * factor, -joint.stop_stiffness * factor, elastic * joint.dissipation * sense
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def friction(joint, s, rate, anchor):
     """Dry friction of a bristle that is held at its anchor, and its derivatives by s and rate."""
     strain = (s - anchor + joint.damping_time * rate) / joint.slip
@@ -39,13 +40,13 @@ def friction(joint, s, rate, anchor):
     return -joint.friction * strain, slope, slope * joint.damping_time
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def follow(joint, s, anchor):
     """Anchor of the bristle after a step that ended at s."""
     return min(max(anchor, s - joint.slip), s + joint.slip)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drive_force(joint, value, value_rate, s, rate):
     """Force of a drive that wants a value and a rate, and its derivatives by s and rate."""
     if joint.drive == LOAD:
@@ -59,7 +60,7 @@ def drive_force(joint, value, value_rate, s, rate):
     return force, by_place, -joint.rate_gain
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def total(joint, s, rate, anchor, value, value_rate):
     """All that acts along the coordinate, and its derivatives by s and rate."""
     force, by_place, by_rate = 0.0, 0.0, 0.0
@@ -81,7 +82,7 @@ def total(joint, s, rate, anchor, value, value_rate):
 # ---- over all rows of a history ----
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def stops(joint, s, rate):
     """Elastic part and whole of the force of the stops, (2, n), at coordinates s (n,) and rates (n,)."""
     forces = np.zeros((2, s.shape[0]))
@@ -90,7 +91,7 @@ def stops(joint, s, rate):
     return forces
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def frictions(joint, s, rate, anchor):
     """Dry friction (n,), its anchor led along from row to row."""
     forces = np.zeros(s.shape[0])
@@ -100,7 +101,7 @@ def frictions(joint, s, rate, anchor):
     return forces
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def drive_forces(joint, wanted, s, rate):
     """Force (n,) of a drive that wants values and rates, wanted (n, 2)."""
     forces = np.zeros(s.shape[0])

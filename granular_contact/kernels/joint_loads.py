@@ -13,8 +13,8 @@ Arguments that the functions share:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_coordinates import COORDINATE, coordinate, curvature
 from granular_contact.kernels.joint_laws import follow, total
 
@@ -26,13 +26,13 @@ JOINT = np.dtype([*COORDINATE, ("drive", "i8"), *((name, "f8") for name in (*LAW
 MOST = 8  # coordinates of two nodes
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _gather(system_q, system_v, places, count, q, v):
     for i in range(count):
         q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def force(system_q, system_v, joints, state, places, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
     q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
@@ -46,7 +46,7 @@ def force(system_q, system_v, joints, state, places, out):
             out[places[k, i, 1]] += along * slope[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
 
@@ -78,7 +78,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     return number
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def accept(system_q, system_v, joints, state, places):
     """End of a step: the anchors follow."""
     q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
@@ -90,7 +90,7 @@ def accept(system_q, system_v, joints, state, places):
             now[ANCHOR] = follow(joint, s, now[ANCHOR])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def gradient(joint, q):
     """Gradient (8,) of the coordinate of a joint, record (1,), at the coordinates q (8,) of its nodes."""
     slope = np.empty(MOST)
@@ -98,13 +98,13 @@ def gradient(joint, q):
     return slope
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def single(joint, turns, q, v, slope):
     """`coordinate` of one joint, record (1,)."""
     return coordinate(joint[0], turns, q, v, slope)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def single_curvature(joint, q, second):
     """`curvature` of one joint, record (1,)."""
     return curvature(joint[0], q, second)

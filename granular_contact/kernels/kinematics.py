@@ -9,9 +9,9 @@ that moves in the plane: see `spatial`. All are of one record type, so that what
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.spatial import spatial_scatter, spatial_stations
 
 # Kinds of bodies; a line is on one body.
@@ -133,7 +133,7 @@ def in_space(planar: NDArray[np.void]) -> NDArray[np.void]:
     return stations
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def stations(q, v, geometry, P, V):
     """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; geometry (n,) records."""
     kind = geometry[0].kind
@@ -145,7 +145,7 @@ def stations(q, v, geometry, P, V):
         _rigid_stations(q, v, geometry, P, V)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def scatter(q, geometry, P, F, out):
     """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,)."""
     kind = geometry[0].kind
@@ -157,13 +157,13 @@ def scatter(q, geometry, P, F, out):
         _rigid_scatter(q, P, F, out)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def spacing(geometry):
     """How far apart coordinates are that no generalised force has in common; 0 where each acts on all."""
     return 12 if geometry[0].kind == CABLE else 0  # a node of four acts on itself and on both of its neighbours
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _rigid_stations(q, v, geometry, P, V):
     c, s = np.cos(q[2]), np.sin(q[2])
     for i in range(geometry.shape[0]):
@@ -175,7 +175,7 @@ def _rigid_stations(q, v, geometry, P, V):
         V[i, 1] = v[1] + v[2] * rx
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _rigid_scatter(q, P, F, out):
     for i in range(P.shape[0]):
         out[0] += F[i, 0]
@@ -183,7 +183,7 @@ def _rigid_scatter(q, P, F, out):
         out[2] += (P[i, 0] - q[0]) * F[i, 1] - (P[i, 1] - q[1]) * F[i, 0]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _cable_stations(q, v, geometry, P, V):
     for i in range(geometry.shape[0]):
         first, shape = geometry[i].first, geometry[i].shape
@@ -196,7 +196,7 @@ def _cable_stations(q, v, geometry, P, V):
             V[i, xy] = w
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _cable_scatter(geometry, F, out):
     for i in range(F.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:

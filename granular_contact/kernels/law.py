@@ -17,10 +17,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import from_dtype, njit, types
+from numba import from_dtype, types
 from numba.core import cgutils
 from numba.core.errors import TypingError
 from numba.extending import intrinsic, overload
+
+from granular_contact.kernels.compiled import part
 
 TERMS = 3
 
@@ -124,7 +126,7 @@ def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
 _forces, _strip, _cap, _ball, _anchor = (caller(name, *_SIGNATURES[name], LAW) for name in _SIGNATURES)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def forces(P, V, anchors, run, profile, medium, F, totals):
     """Fill F (n, 2) N with the forces at the stations of a run and add to totals (TERMS, 3).
 
@@ -135,7 +137,7 @@ def forces(P, V, anchors, run, profile, medium, F, totals):
     _forces(medium, (P, V, anchors, run, profile, F, totals))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, medium, f):
     """Add the forces on the part of a strip between xi = a and xi = b, as end forces of the strip, to f[term, end, xy].
 
@@ -146,14 +148,14 @@ def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, ru
     _strip(medium, (a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, f))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def cap_force(cx, cy, vx, vy, run, medium, f):
     """Add the force on a free end face at end 1 of a strip, which moves with (vx, vy), to f[term, 1, xy] (N)."""
     if medium.cap_force != 0:
         _cap(medium, (cx, cy, vx, vy, run, f))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def ball_force(z, vx, vy, ex, ey, run, medium, f):
     """Add the force at the centre of a ball to f[term, xy] (N).
 
@@ -163,7 +165,7 @@ def ball_force(z, vx, vy, ex, ey, run, medium, f):
     _ball(medium, (z, vx, vy, ex, ey, run, f))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drag_anchor(px, py, ax, ay, medium):
     """Where an anchor at (ax, ay) m is after an accepted step that ended with its station at (px, py) m."""
     return _anchor(medium, (px, py, ax, ay))

@@ -5,12 +5,11 @@ Depths stay those below the free surface, so the pressure of what lies above is 
 
 from __future__ import annotations
 
-from numba import njit
-
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.immersion import immersed_interval
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def inside(z0, z1, run):
     """Part (a, b) of a strip with end depths z0, z1 (m) that lies in the medium; (0, 0) when none does."""
     if not run.layered:

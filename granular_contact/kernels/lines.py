@@ -16,8 +16,8 @@ Arguments that they share:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import RUN, TERMS, drag_anchor, forces
 from granular_contact.kernels.surface import height
@@ -33,7 +33,7 @@ __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 10
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drag_anchors(P, anchors, line, profile, m):
     """Move the anchors after an accepted step: dragged along at the ends of strips that are immersed, else free."""
     n = P.shape[0]
@@ -49,7 +49,7 @@ def drag_anchors(P, anchors, line, profile, m):
         before, here = here, after
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def reset_friction(q, geometry, P, V, anchors):
     """Reset the friction state of a body at q: no bristle is stretched."""
     stations(q, np.zeros(q.shape[0]), geometry, P, V)
@@ -58,7 +58,7 @@ def reset_friction(q, geometry, P, V, anchors):
         start_ways(P, anchors)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def release(P, anchors):
     """Put every anchor at its station."""
     for i in range(P.shape[0]):
@@ -67,7 +67,7 @@ def release(P, anchors):
         anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def immersed(P, line, profile):
     """Whether any station is below the surface."""
     some = False
@@ -76,7 +76,7 @@ def immersed(P, line, profile):
     return some
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def upright(P, i):
     """Sine of the angle between the line at station i and the horizontal; 1 for a ball, which has no length."""
     j = i + 1 if i + 1 < P.shape[0] else i - 1
@@ -85,7 +85,7 @@ def upright(P, i):
     return abs(y) / length if length > 0.0 else 1.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
     stations(q, v, geometry, P, V)
@@ -95,7 +95,7 @@ def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     scatter(q, geometry, P, F, out)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change):
     """Add to change (4,) by how much power, resultant and moment differ from those of F with strips joined in pairs.
 
@@ -129,7 +129,7 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
         change[3] -= P[i, 0] * F[i, 1] - P[i, 1] * F[i, 0]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, row, columns):
     """End of a step: the anchors follow; power, depth, speed and totals go into a history row; room (7, n, 2).
 
@@ -160,13 +160,13 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
     for i in range(P.shape[0]):
         row[power] += F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
     for term in range(TERMS):
-        for part in range(3):
-            row[terms + 3 * term + part] += totals[term, part]
-            row[body + part] += totals[term, part]
+        for k in range(3):
+            row[terms + 3 * term + k] += totals[term, k]
+            row[body + k] += totals[term, k]
     return deepest, speed
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def difference(q, fq, fv):
     """Length d of a difference that moves a coordinate by d fq and its rate by d fv.
 
@@ -180,7 +180,7 @@ def difference(q, fq, fv):
     return max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by differences.
 

@@ -7,8 +7,8 @@ it is found there, see `events`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.dormand_prince import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
 from granular_contact.kernels.modal_calls import rates
@@ -34,7 +34,7 @@ NOW, STEP, RESTING_SINCE = 0, 1, 2  # of clock (3,), s
 STEPS, REJECTED, RATES, ROWS = 0, 1, 2, 3  # of counts (4,)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def write_row(t, y, s, w, row):
     """Fill a row: time, state, forces of the medium (3, 3) as in `strips`."""
     size = y.shape[0]
@@ -47,7 +47,7 @@ def write_row(t, y, s, w, row):
         row[1 + size + i] = totals[i // 3, i % 3]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def finish(t, h, C, s, w, control, rows, counts, watch):
     """Take a step from t as accepted: rows, stop, anchors."""
     y, m = np.empty(C.shape[1]), w.pendulum[0].modes + 1
@@ -68,7 +68,7 @@ def finish(t, h, C, s, w, control, rows, counts, watch):
         drag(y[:m], y[m : 2 * m], w)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def rests(y, s, w, control, clock):
     """Whether all that the medium can hold has been slow for long enough.
 
@@ -88,7 +88,7 @@ def rests(y, s, w, control, clock):
     return clock[NOW] - clock[RESTING_SINCE] >= control.rest_time
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
     """Step from y, with k[0] = y' there, as far as the error allows; its length (s), 0 if no step is small enough."""
     h = min(clock[STEP], control.longest, control.end - clock[NOW])
@@ -105,7 +105,7 @@ def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
             return 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def march(share, y, s, w, control, allowed, clock, rows, counts, watch, stopped):
     """Step on from y until one of the reasons above; at most `share` steps. Everything passed in is kept up to date.
 

@@ -15,7 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import part
 
 MOST_MODES = 20
 
@@ -23,7 +24,7 @@ MOST_MODES = 20
 MODAL_STATION = np.dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def modal_stations(q, v, geometry, P, V):
     """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v; geometry (n,) records."""
     c, s = math.cos(q[0]), math.sin(q[0])
@@ -40,7 +41,7 @@ def modal_stations(q, v, geometry, P, V):
         V[i, 1] = -along_rate * s - across_rate * c
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def modal_scatter(q, geometry, P, F, out):
     """Add the generalised forces J^T F of station forces F (n, 2) N to out (n + 1,)."""
     c, s = math.cos(q[0]), math.sin(q[0])

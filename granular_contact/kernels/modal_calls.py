@@ -10,8 +10,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import from_dtype, njit, types
+from numba import from_dtype, types
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAW, RUN, address_of, caller
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
@@ -43,19 +44,19 @@ def _address(function: Any, name: str) -> int:
     return address_of(function, _ARGUMENTS[name])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def rates(y, s, w, sigma, totals, dy):
     """`modal_motion.rates`."""
     _rates(w.pendulum[0], (y, s, w, sigma, totals, dy))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def margins(y, s, w, margin):
     """`modal_motion.margins`."""
     _margins(w.pendulum[0], (y, s, w, margin))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def hold(q, v, h, s, w, sigma):
     """`slip.hold`."""
     _hold(w.pendulum[0], (q, v, h, s, w, sigma))

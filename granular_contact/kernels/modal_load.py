@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.law import forces
 from granular_contact.kernels.lines import drag_anchors
 from granular_contact.kernels.modal import modal_scatter, modal_stations
@@ -33,7 +33,7 @@ class World(NamedTuple):
     anchors: Any
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def aim(P, pivot, modes, sigma, anchors):
     """Put the anchors where the stretch of every bristle is its direction, (2,) in [-1, 1].
 
@@ -50,7 +50,7 @@ def aim(P, pivot, modes, sigma, anchors):
             anchors[i, 1] = y - sigma[1]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def load(q, v, sigma, w, totals, Q):
     """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
     pendulum = w.pendulum[0]
@@ -71,7 +71,7 @@ def load(q, v, sigma, w, totals, Q):
         modal_scatter(q, geometry, P, F, Q)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drag(q, v, w):
     """Let the anchors follow after an accepted step."""
     for r in range(w.runs.shape[0]):
@@ -82,7 +82,7 @@ def drag(q, v, w):
         drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.runs[r], w.profile, w.medium[0])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def rest(q, geometry, anchors):
     """Put the anchors (n, 2) m of a run where its stations are: no bristle is stretched."""
     modal_stations(q, np.zeros_like(q), geometry, anchors, np.empty_like(anchors))

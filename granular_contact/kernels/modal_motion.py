@@ -7,9 +7,9 @@ Regime s: direction -1 or 1 of each component that slips, 0 of one that sticks; 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import modal_calls
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
 from granular_contact.kernels.slip import slip_bias, slip_rows, slip_velocity
@@ -17,7 +17,7 @@ from granular_contact.kernels.slip import slip_bias, slip_rows, slip_velocity
 BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def rates(y, s, w, sigma, totals, dy):
     """Fill dy with y', sigma with the directions of the static force, totals (3, 3) with the forces of the medium."""
     m = w.pendulum[0].modes + 1
@@ -42,7 +42,7 @@ def rates(y, s, w, sigma, totals, dy):
     dy[2 * m + 1] = damping_power(v, w.pendulum[0])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def margins(y, s, w, margin):
     """Fill margin with how far each component is from the end of its regime: negative beyond it."""
     m = w.pendulum[0].modes + 1
@@ -64,7 +64,7 @@ def margins(y, s, w, margin):
         margin[c] = slipping if s[c] != 0.0 else 1.0 + BOUND_SLACK - abs(sigma[c])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def follow(y, s, w):
     """Above the surface the regime is the direction of motion."""
     m = w.pendulum[0].modes + 1
@@ -76,7 +76,7 @@ def follow(y, s, w):
             s[c] = np.sign(g[c])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def violation(y, s, open_, w):
     """How badly a regime contradicts itself, 0 if it does not.
 
@@ -99,7 +99,7 @@ def violation(y, s, open_, w):
     return worst
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def decide(y, s, stopped, w):
     """Choose the regime to go on with, in s, where some components stopped or sticking ones passed their bound.
 
@@ -129,7 +129,7 @@ def decide(y, s, stopped, w):
     halt(y, s, w)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def halt(y, s, w):
     """Take the last round-off of speed from the components that stick: q' less M^-1 J^T (J M^-1 J^T)^-1 g."""
     m = w.pendulum[0].modes + 1

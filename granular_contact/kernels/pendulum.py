@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.modal import MOST_MODES
 
 # Units: J kg m2; S_e, S_n kg m; b m; m kg; c kg m; p kg; k N/m; d N s/m; g m/s2. true_sign: whether the static law
@@ -46,7 +46,7 @@ PENDULUM = np.dtype(
 )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def inertia(q, pendulum):
     """M_11 (kg m2): moment of inertia about the pivot, with the deflection."""
     total = pendulum.J
@@ -55,7 +55,7 @@ def inertia(q, pendulum):
     return total
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def momentum(q, v, pendulum):
     """Angular momentum about the pivot (kg m2/s), clockwise."""
     total = inertia(q, pendulum) * v[0]
@@ -64,7 +64,7 @@ def momentum(q, v, pendulum):
     return total
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def own_forces(q, v, pendulum, h):
     """Fill h (n + 1,): generalised forces of inertia, gravity, elasticity and internal damping."""
     cos, sin = math.cos(q[0]), math.sin(q[0])
@@ -78,7 +78,7 @@ def own_forces(q, v, pendulum, h):
     h[0] = -growth * v[0] + pendulum.g * (pendulum.S_e * cos - static * sin)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def accelerate(q, f, pendulum):
     """Replace generalised forces f (n + 1,) by the accelerations M^-1 f."""
     reduced, rest = inertia(q, pendulum), f[0]
@@ -91,7 +91,7 @@ def accelerate(q, f, pendulum):
         f[1 + i] = (f[1 + i] - pendulum.c[i] * f[0]) / pendulum.m
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def damping_power(v, pendulum):
     """Power of the internal damping (W), never positive."""
     power = 0.0

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import lines as one
 from granular_contact.kernels.added_mass import advance
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
 from granular_contact.kernels.kinematics import stations
@@ -25,7 +25,7 @@ from granular_contact.kernels.surface import height
 DEPTH, SPEED, LOWEST = 0, 1, 2  # of seen (bodies, 3), as of `space_law`
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def flatten(pose, facing, q, v):
     """Fill q and v (3,) with x, y (m), the angle (rad) and their rates from a pose (6, 3)."""
     x = pose[0, 0] * facing[0] + pose[0, 1] * facing[1] + pose[0, 2] * facing[2]
@@ -34,7 +34,7 @@ def flatten(pose, facing, q, v):
     v[0], v[1], v[2] = pose[4, 0], pose[4, 2], -pose[5, 1]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def longest(ends):
     """Most stations of a line."""
     n = 0
@@ -43,7 +43,7 @@ def longest(ends):
     return n
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def follow(
     ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, again, seen,
 ):  # fmt: skip
@@ -85,13 +85,13 @@ def follow(
         active[r] = may_touch(deepest, speed, step)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def may_touch(depth, speed, step):
     """Whether what is so deep (m) and so fast (m/s) may touch the surface within a step (s), as in `batches`."""
     return depth + 4.0 * step * (speed + 10.0 * step) > -1e-3
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def resist(
     ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step, turn,
     arms, wrench, added,
@@ -128,7 +128,7 @@ def resist(
         spread_out(flat, turn, arms[at], added[at])
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def spread_out(flat, turn, arm, added):
     """Add an inertia in the plane (3, 3) to that of a body (6, 6) about a point from which the old one is at arm."""
     J = np.zeros((3, 6))
@@ -147,7 +147,7 @@ def spread_out(flat, turn, arm, added):
                     added[a, b] += k * J[j, b]
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def add_along(mass, nx, ny, x, y, flat):
     """Add a mass (kg) at x, y (m) from the reference point that is felt along n alone."""
     turn = x * ny - y * nx
@@ -162,7 +162,7 @@ def add_along(mass, nx, ny, x, y, flat):
     flat[2, 2] += mass * turn * turn
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def stretch(P, V, anchors, m, step, F, Q):
     """Fill Q (n, 4) with q, x and y, and how its components grow with those of the velocity there (s^2).
 
@@ -193,7 +193,7 @@ def stretch(P, V, anchors, m, step, F, Q):
         Q[i, 2] = Q[i, 3] = step * (share * step + tau)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def growth(e, v, q, m, step):
     """How one component of q grows with its velocity (s^2), of a bristle with this stretch (m)."""
     share = min(1.0, m.u_y / abs(e)) if e != 0.0 else 1.0
@@ -201,7 +201,7 @@ def growth(e, v, q, m, step):
     return step * (share * step + tau)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def weigh(fx, fy, Q, first, last, m, x, y, flat):
     """Add the inertia of a station with a force (N); q is the greatest of its own and of its neighbours'."""
     qx, qy, gx, gy = 0.0, 0.0, 0.0, 0.0
@@ -218,7 +218,7 @@ def weigh(fx, fy, Q, first, last, m, x, y, flat):
         add_along(gy * fy / qy, 0.0, 1.0, x, y, flat)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def lean(fx, fy, P, Q, i, j, side, x, y, flat):
     """Add what station i feels along the normal of strip j of an outline, beyond what it feels anyway."""
     cx, cy = side * (P[j + 1, 0] - P[j, 0]), side * (P[j + 1, 1] - P[j, 1])

@@ -21,19 +21,18 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH, sliding
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def shortening(ex, ey, m):
     """Factor in (0, 1] that shortens p - anchor (m) to e."""
     h = math.sqrt(ex * ex + ey * ey)
     return m.u_y / h if h > m.u_y else 1.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drive(ex, ey, vx, vy, m):
     """Vector q (2,) along which the law sees the motion: m, or m/s where smooth; p - anchor (m), velocity v (m/s)."""
     if m.friction == SMOOTH:
@@ -45,7 +44,7 @@ def drive(ex, ey, vx, vy, m):
     return k * ex + tau * vx, k * ey + tau * vy
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def mobilised(qx, qy, m):
     """Direction u (2,) and mobilised share s in [0, 1] of a vector q as in `drive`, medium record m."""
     h = math.sqrt(qx * qx + qy * qy)
@@ -54,7 +53,7 @@ def mobilised(qx, qy, m):
     return qx / h, qy / h, (math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def radial_return(px, py, ax, ay, m):
     """Anchor after an accepted step that ended at p: on the line to p, within u_y of it (m)."""
     ex, ey = px - ax, py - ay

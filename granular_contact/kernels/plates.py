@@ -23,8 +23,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.kernels.planar_friction import drive, mobilised
 
@@ -47,7 +46,7 @@ def traction(z, tx, ty, ux, uy, width, side, j, m):
     raise NotImplementedError
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def leading(tx, ty, ux, uy, side):
     """Factor g in [0, 1] of an element of an outline; 1 on a thin plate (side 0)."""
     if side == 0:
@@ -55,7 +54,7 @@ def leading(tx, ty, ux, uy, side):
     return min(1.0, max(0.0, side * (tx * uy - ty * ux) / EDGE))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def tangent_at(tx, ty, turn, xi):
     """Unit tangent at xi of a strip with the chord t that turns by `turn` (rad) from end to end."""
     if turn == 0.0:
@@ -70,7 +69,7 @@ def tangent_at(tx, ty, turn, xi):
     return c * tx - s * ty, s * tx + c * ty
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
     """Add the static term to f[STATIC]; arguments as in `law.strip_force`."""
     length = math.sqrt(cx * cx + cy * cy)
@@ -102,7 +101,7 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
             f[STATIC, 1, 1] += xi * k * sy
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
     """Add the terms of a law with a `traction` to f[STATIC] and f[SHEAR]; arguments as in `law.strip_force`."""
     length = math.hypot(cx, cy)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from granular_contact.kernels.compiled import kernel
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import forces
 
@@ -15,6 +14,6 @@ def probe(P: Any, V: Any, anchors: Any, line: Any, profile: Any, own: Any, F: An
     _probe(P, V, anchors, line, profile, medium_record(own), F, totals)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _probe(P, V, anchors, line, profile, medium, F, totals):
     forces(P, V, anchors, line[0], profile, medium[0], F, totals)

@@ -18,14 +18,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import part
 
 MOST = 0.5
 GOLDEN, FIRST, SECOND = (np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB))
 ONE, S27, S30, S31 = (np.uint64(x) for x in (1, 27, 30, 31))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def value(seed, i, j):
     """Value +1 or -1 of the lattice at (i, j), from a hash as of splitmix64."""
     x = np.uint64(seed) * GOLDEN + np.uint64(i) * FIRST + np.uint64(j) * SECOND
@@ -34,7 +35,7 @@ def value(seed, i, j):
     return 1.0 if (x ^ (x >> S31)) & ONE else -1.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def weights(t):
     """Weights of the two values around a place t in [0, 1) of a cell."""
     q = t * t * (3.0 - 2.0 * t)
@@ -42,7 +43,7 @@ def weights(t):
     return (1.0 - q) * one, q * one
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def xi(seed, way, place):
     """Random function in [-2, 2] of a way and a place, both in grains."""
     i, j = math.floor(way), math.floor(place)
@@ -54,16 +55,18 @@ def xi(seed, way, place):
     )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def factor(way, place, length, run):
     """What the static terms of a strip are multiplied by; its way, the place of its middle and its length (m)."""
     s = run.scatter if length <= run.grain else run.scatter * math.sqrt(run.grain / length)
     return 1.0 + s * xi(int(run.seed), way / run.grain, place / run.grain)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def scatter_terms(f, share, run):
-    """Multiply the static terms of end forces or of a ball's force by a factor."""
+    """Multiply the static terms of end forces f[term, end, xy] by a factor."""
     for term in range(f.shape[0]):
         if (run.static >> term) & 1:
-            f[term] *= share
+            for end in range(2):
+                for xy in range(2):
+                    f[term, end, xy] *= share

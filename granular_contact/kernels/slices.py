@@ -13,14 +13,13 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.plates import stress
 
 UPRIGHT = 0.02
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def slice_stress(nx, ny, nz, ux, uy, uz, m):
     """Stress per depth (3,) N/m^3 of a law with a planar one, see `facets.stress`."""
     level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)

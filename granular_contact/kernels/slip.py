@@ -14,8 +14,8 @@ so the multiplier is sought on either side of zero.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.modal import modal_scatter, modal_stations
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate
@@ -25,7 +25,7 @@ from granular_contact.kernels.surface import depth
 NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def middle(q, w):
     """Run and place along its stations of the middle of the immersed segment, and whether there is any.
 
@@ -49,7 +49,7 @@ def middle(q, w):
     return run, place, False
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def slip_velocity(q, v, w, g):
     """Fill g with the velocity components that the static law looks at; whether anything is immersed."""
     r, place, immersed = middle(q, w)
@@ -64,7 +64,7 @@ def slip_velocity(q, v, w, g):
     return immersed
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def slip_rows(q, w, J):
     """Fill J (components, n + 1), so that g = J q'."""
     if q.shape[0] == 1:
@@ -83,7 +83,7 @@ def slip_rows(q, w, J):
         F[i, c], F[i + 1, c] = 0.0, 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def slip_bias(q, v, w, bias):
     """Fill bias with J' q', by central differences along the motion; the middle itself moves along the link."""
     bias[:] = 0.0
@@ -97,7 +97,7 @@ def slip_bias(q, v, w, bias):
         bias[c] = (ahead[c] - behind[c]) / (2.0 * time)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def solve_small(A, b, count):
     """Solution (2,) of the leading count x count part of A x = b; beyond all bounds where friction can't act."""
     x = np.zeros(2)
@@ -113,7 +113,7 @@ def solve_small(A, b, count):
     return x
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def hold(q, v, h, s, w, sigma):
     """Fill sigma from the directions s, where 0 stands for a component that sticks: its multiplier is found.
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.added_mass import add_inertia, add_point, advance, to_world
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.facets import COLUMNS, SHEARED, SIDE
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
@@ -23,7 +23,7 @@ from granular_contact.kernels.space_bodies import DEEPEST, bound, may_touch, rel
 from granular_contact.kernels.space_friction import drive
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen):
     """End of a step at these poses: anchors follow, and what the next may touch is chosen.
 
@@ -52,7 +52,7 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
             active[c] = now
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen):
     """Begin at these poses: no bristle is stretched; seen as of `follow`, all depths are bounds."""
     near = np.empty(2)
@@ -65,7 +65,7 @@ def begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, st
             active[c] = may_touch(near, step)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@kernel(nogil=True)
 def resist(
     bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then, step, turn,
     arms, wrench, added,
@@ -105,7 +105,7 @@ def resist(
                     weigh(fx, fy, fz, E, A, poses[at], ahead, step, bristle[0], turn, arms[at], added[at])
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def total(W, k):
     """Component k of all terms together."""
     found = 0.0
@@ -114,7 +114,7 @@ def total(W, k):
     return found
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def weigh_facets(elements, anchors, ground, medium, pose, ahead, step, bristle, turn, arm, added):
     """Add the inertia of facets to that of their body.
 
@@ -187,7 +187,7 @@ def weigh_facets(elements, anchors, ground, medium, pose, ahead, step, bristle, 
             add_inertia(growth / along - growth / q, nx, ny, nz, x, y, z, added)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, turn, arm, added):
     """Add the inertia of a strip or a ball with this force (N), rows E with anchors A, to that of its body."""
     n = 1.0 / E.shape[0]
@@ -219,7 +219,7 @@ def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, turn, arm, added):
     add_point(growth / q, x, y, z, added)
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def turned(R, x, y, z):
     """A vector (3,) of the frame of a body in that of the bed."""
     return (
@@ -229,7 +229,7 @@ def turned(R, x, y, z):
     )
 
 
-@njit(cache=True, nogil=True, no_cfunc_wrapper=True)
+@part
 def secant(force, q, stretch, speed, bristle, step):
     """Mass (kg) of a bristle with its components apart, from the lengths of its force, q, stretch and velocity."""
     if q == 0.0:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.bars import add, station
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import TERMS
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a ball; its depth is that of its lowest point, as in the plane."""
     x = pose[3]
@@ -27,7 +27,7 @@ def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
         add(f[term], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def follow_ball(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of a ball."""
     p, v = np.empty(3), np.empty(3)

@@ -23,10 +23,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.ground import tangent_plane
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import difference
@@ -49,7 +49,7 @@ BODY = np.dtype(
 DEEPEST, APPROACH, EVER = 0, 1, 2
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def turning(q, size, R, G):
     """Fill R (3, 3) and G (3, 4) from the coordinates (7 or 6,) of a body."""
     if size == 7:
@@ -78,7 +78,7 @@ def turning(q, size, R, G):
     G[2, 1], G[2, 2] = sa, ca * cb
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def place(q, v, size, turn, pose, G):
     """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
     R = np.empty((3, 3))
@@ -97,7 +97,7 @@ def place(q, v, size, turn, pose, G):
             pose[5, i] += turn[i, j] * w
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def below(sphere, pose, ground, plane):
     """Fill plane (4,) with the surface as what lies in a sphere (a record) of a body sees it."""
     x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
@@ -105,7 +105,7 @@ def below(sphere, pose, ground, plane):
     tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
     """Set out (7,) to the generalised forces on a body, and fill W (TERMS, 6) with its wrench in the bed's frame."""
     G = np.empty((3, 4))
@@ -129,7 +129,7 @@ def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, m
             out[3 + k] += G[i, k] * moment
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def force(
     system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, out
 ):
@@ -146,7 +146,7 @@ def force(
             out[at[i, 1]] += f[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def acts(body, active):
     """Whether any cluster of a body is active."""
     for c in range(body.first, body.last):  # noqa: SIM110  # for the compiler
@@ -155,7 +155,7 @@ def acts(body, active):
     return False
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def tangent(
     system_q,
     system_v,
@@ -204,7 +204,7 @@ def tangent(
     return count
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def accept(
     system_q,
     system_v,
@@ -257,7 +257,7 @@ def accept(
             write(W[term], turn, q, row[of_body : of_body + 6])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def write(W, turn, q, row):
     """Add a wrench (6,) about a body's reference point in the bed's frame to one about the world origin, (6,)."""
     F, M = np.empty(3), np.empty(3)
@@ -272,7 +272,7 @@ def write(W, turn, q, row):
     row[5] += M[2] + q[0] * F[1] - q[1] * F[0]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def bound(sphere, pose, ground, near):
     """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (a record) of a body."""
     x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
@@ -289,13 +289,13 @@ def bound(sphere, pose, ground, near):
     near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * sphere.radius) * ground[3]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def may_touch(near, step):
     """Whether what is bounded so may touch the surface within a step (s), at four times its speed."""
     return near[DEEPEST] + 4.0 * step * (near[APPROACH] + 10.0 * step) > -1e-3
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def update_active(bodies, clusters, elements, anchors, active, ground, poses, proximity, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
 
@@ -316,7 +316,7 @@ def update_active(bodies, clusters, elements, anchors, active, ground, poses, pr
     return some
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def release(elements, anchors, cluster, pose):
     """Put the anchors of a cluster where its elements are."""
     for i in range(cluster.first, cluster.last):
@@ -327,7 +327,7 @@ def release(elements, anchors, cluster, pose):
             anchors[i, 3] = 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def start(system_q, reference, places, bodies, turn, clusters, elements, anchors, poses):
     """Begin at these coordinates: no bristle is stretched; poses (bodies, 6, 3) are filled."""
     q, v, G = np.empty(7), np.zeros(7), np.empty((3, 4))

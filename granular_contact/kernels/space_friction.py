@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH, drag_component, sliding
 from granular_contact.kernels.planar_friction import radial_return
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drive(ex, ey, ez, vx, vy, vz, m):
     """Vector q (3,) as in `planar_friction.drive`: p - anchor e (m), velocity v (m/s); and the factor of v in it."""
     if m.friction == SMOOTH:
@@ -30,7 +29,7 @@ def drive(ex, ey, ez, vx, vy, vz, m):
     return k * ex + tau * vx, k * ey + tau * vy, k * ez + tau * vz, tau
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def mobilised(qx, qy, qz, m):
     """Direction u (3,) and mobilised share s in [0, 1] of a vector q as in `drive`, and 1 / |q|; medium record m."""
     h = math.sqrt(qx * qx + qy * qy + qz * qz)
@@ -41,7 +40,7 @@ def mobilised(qx, qy, qz, m):
     return one * qx, one * qy, one * qz, share, one
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def whole_return(px, py, pz, ax, ay, az, m):
     """Anchor after an accepted step that ended at p: on the line to p, within u_y of it (m)."""
     ex, ey, ez = px - ax, py - ay, pz - az
@@ -52,7 +51,7 @@ def whole_return(px, py, pz, ax, ay, az, m):
     return px - k * ex, py - k * ey, pz - k * ez
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def parted_return(px, py, pz, ax, ay, az, m):
     """Anchor after an accepted step: horizontally by radial return, vertically within u_y of p."""
     x, y = radial_return(px, py, ax, ay, m)

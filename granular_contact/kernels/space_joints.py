@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_coordinates import HINGE
 from granular_contact.kernels.joint_laws import follow, total
 from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE
@@ -42,7 +42,7 @@ JOINT = np.dtype(
 )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _frames(joint, q, frames, places, turns):
     """Fill rotations (2, 3, 3) and positions (2, 3) of parent and child, and the G (2, 3, 4) of `space_bodies`."""
     q0 = np.empty(7)
@@ -56,7 +56,7 @@ def _frames(joint, q, frames, places, turns):
             places[side, i] = q0[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def coordinate(joint, last, q, v, slope):
     """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
     R, x, G = np.empty((2, 3, 3)), np.empty((2, 3)), np.empty((2, 3, 4))
@@ -104,13 +104,13 @@ def coordinate(joint, last, q, v, slope):
     return s, rate
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _gather(system_q, system_v, places, count, q, v):
     for i in range(count):
         q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _along(joint, now, q, v, slope):
     """Torque or force of a joint; slope (14,) is filled."""
     s, rate = coordinate(joint, now[TURNS:], q, v, slope)
@@ -118,7 +118,7 @@ def _along(joint, now, q, v, slope):
     return force
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def force(system_q, system_v, joints, state, places, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
     q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
@@ -131,7 +131,7 @@ def force(system_q, system_v, joints, state, places, out):
             out[places[k, i, 1]] += tau * slope[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     """As `joint_loads.tangent`, by differences."""
     q, v, slope, moved = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
@@ -157,7 +157,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     return number
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def accept(system_q, system_v, joints, state, places):
     """End of a step: the anchors follow."""
     q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
@@ -169,7 +169,7 @@ def accept(system_q, system_v, joints, state, places):
             now[ANCHOR] = follow(joint, s, now[ANCHOR])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def gradient(joint, q):
     """Gradient (14,) of the coordinate of a joint, record (1,), at the coordinates q (14,) of its nodes."""
     slope = np.empty(MOST)
@@ -177,7 +177,7 @@ def gradient(joint, q):
     return slope
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def single(joint, last, q, v, slope):
     """`coordinate` of one joint, record (1,)."""
     return coordinate(joint[0], last, q, v, slope)

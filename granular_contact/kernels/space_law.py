@@ -15,8 +15,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import from_dtype, njit, types
+from numba import from_dtype, types
 
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import OWN, SIZE, caller, filled
 
 # A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
@@ -59,19 +60,19 @@ _forces, _follow, _facet, _bar, _cap, _ball, _anchor = (
 )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def forces(elements, anchors, cluster, pose, ground, medium, W):
     """Add the wrench on a cluster to W (TERMS, 6)."""
     _forces(medium, (elements, anchors, cluster, pose, ground, W))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def follow(elements, anchors, cluster, pose, ground, medium, row):
     """End of a step: the anchors of a cluster follow, or are released above the surface; row (3,) see DEPTH."""
     _follow(medium, (elements, anchors, cluster, pose, ground, row))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium):
     """Traction on a facet: of what grows with depth the stress per depth (3,) N/m^3, of the rest the stress (3,) Pa.
 
@@ -82,7 +83,7 @@ def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium):
     return _facet(medium, (z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, medium, f):
     """Add the forces on a strip of a bar to f[term, end, xyz] (N); as `law.strip_force`, with vectors in space."""
     _bar(
@@ -91,20 +92,20 @@ def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, 
     )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def cap_force(cx, cy, cz, vx, vy, vz, cluster, medium, f):
     """Add the force on the free end face at end 1 of a strip to f[term, 1, xyz] (N), if the law knows one."""
     if medium.cap != 0:
         _cap(medium, (cx, cy, cz, vx, vy, vz, cluster, f))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def ball_force(z, vx, vy, vz, ex, ey, ez, cluster, medium, f):
     """Add the force at the centre of a ball to f[term, xyz] (N); as `law.ball_force`, with vectors in space."""
     _ball(medium, (z, vx, vy, vz, ex, ey, ez, cluster, f))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def drag_anchor(px, py, pz, ax, ay, az, medium):
     """Where an anchor at (ax, ay, az) m is after an accepted step that ended with its element at (px, py, pz) m."""
     return _anchor(medium, (px, py, pz, ax, ay, az))

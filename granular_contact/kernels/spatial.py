@@ -8,12 +8,13 @@ continued in any way: what of a generalised force points along e is taken up by 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import part
 
 SIZE = 7  # coordinates
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def jacobian(e0, e1, e2, e3, r, J):
     """Fill J (2, 4) with the derivatives of the x and y components of A(e) r by e; linear in e."""
     J[0, 0] = 2.0 * (e0 * r.x - e3 * r.y + e2 * r.z)
@@ -26,7 +27,7 @@ def jacobian(e0, e1, e2, e3, r, J):
     J[1, 3] = J[0, 0]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def spatial_stations(q, v, geometry, P, V):
     """As `kinematics.stations`."""
     J = np.empty((2, 4))
@@ -41,7 +42,7 @@ def spatial_stations(q, v, geometry, P, V):
             V[i, xy] = v[xy] + w
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def spatial_scatter(q, geometry, F, out):
     """As `kinematics.scatter`."""
     J = np.empty((2, 4))

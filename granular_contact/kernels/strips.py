@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import law
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.immersion import immersed_interval
 from granular_contact.kernels.layers import inside
 from granular_contact.kernels.scatter import factor, scatter_terms
@@ -21,7 +21,7 @@ from granular_contact.kernels.ways import path, shear_displacement
 from granular_contact.kernels.wheels import lowered, lowering
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def collect(f, i, P, F, totals):
     """Add the end forces f[term, end, xy] of strip i to the station forces F and to the totals."""
     for end in range(2):
@@ -35,7 +35,7 @@ def collect(f, i, P, F, totals):
             totals[term, 2] += x * fy - y * fx
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def count_shear(P, anchors, i, run):
     """Let the run know how far the medium was sheared at both ends of strip i."""
     cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
@@ -46,7 +46,7 @@ def count_shear(P, anchors, i, run):
         run.j1 = shear_displacement(P, anchors, i + 1, tx, ty)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
     """Integrate the law strip by strip."""
     f, length = np.zeros((law.TERMS, 2, 2)), 0.0
@@ -86,7 +86,7 @@ def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
         collect(f, last - 1, P, F, totals)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def immersed_segment(Z):
     """First and last immersed point of a run with depths Z (n,) m as positions i + xi along its stations.
 
@@ -104,7 +104,7 @@ def immersed_segment(Z):
     return first, last
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def halfway(P, first, last):
     """Middle, by length along the stations P (n, 2) m, of what lies between two positions i + xi; a position."""
     lengths = np.zeros(P.shape[0] - 1)
@@ -121,7 +121,7 @@ def halfway(P, first, last):
     return last
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def at(A, position):
     """Linear interpolation of the rows of A (n, 2) at position i + xi along the stations."""
     i = min(int(position), A.shape[0] - 2)
@@ -129,7 +129,7 @@ def at(A, position):
     return (1.0 - xi) * A[i, 0] + xi * A[i + 1, 0], (1.0 - xi) * A[i, 1] + xi * A[i + 1, 1]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def resultant_forces(P, V, anchors, run, profile, medium, F, totals):
     """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
     F[:] = 0.0

@@ -5,10 +5,10 @@ profile (k, 2) m: corners x, y with rising x; its first and last pieces have no 
 
 from __future__ import annotations
 
-from numba import njit
+from granular_contact.kernels.compiled import part
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def height(profile, x):
     """Height (m) and slope (-) of the surface at x (m)."""
     last = profile.shape[0] - 1
@@ -25,7 +25,7 @@ def height(profile, x):
     return profile[low, 1] + slope * (x - profile[low, 0]), slope
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def depth(profile, x, y):
     """Depth (m, positive below the surface, measured vertically) of a point."""
     return height(profile, x)[0] - y

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit, types
+from numba import carray, types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from granular_contact.kernels.compiled import part
 
 
 @intrinsic
@@ -16,13 +18,13 @@ def _pointer(typing_context, address):
     return types.voidptr(types.int64), generate
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def numbers_at(address, count):
     """Array (count,) of what lies at an address, a whole number that a record has as a float."""
     return carray(_pointer(np.int64(address)), (count,), np.float64)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def interval(values, first, count, x):
     """Place i and share in [0, 1] of x among values[first : first + count], which rise; beyond them those of an end."""
     low, high = 0, count - 1

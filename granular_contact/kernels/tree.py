@@ -26,7 +26,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+
+from granular_contact.kernels.compiled import part
 
 # parent: index of the body it hangs on, -1 for the ground; on_parent (2,) m: the hinge in the parent's frame, seen from
 # its centre of mass (in the world, on the ground); hinge (2,) m: the same in the body's own frame; mass kg; inertia
@@ -67,7 +68,7 @@ def motion(bodies: int) -> Motion:
     return Motion(*(np.zeros(shape) for shape in shapes))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def place(angles, rates, bodies, motion):
     """Fill pose, twist, lever and arm."""
     pose, twist, lever, arm = motion.pose, motion.twist, motion.lever, motion.arm
@@ -93,7 +94,7 @@ def place(angles, rates, bodies, motion):
         twist[i, 0], twist[i, 1], twist[i, 2] = vx - rate * dy, vy + rate * dx, rate
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def accelerate(rates, bodies, motion, alpha):
     """Fill alpha (n,) with the angular accelerations (rad/s2) from the forces on the bodies."""
     joint, lever, arm, force = motion.joint, motion.lever, motion.arm, motion.force

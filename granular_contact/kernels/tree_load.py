@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import batches
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.tree import Motion, accelerate, place
 
 
@@ -37,7 +37,7 @@ class Forest(NamedTuple):
     proximity: Any
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def rates(y, w, dy):
     """Fill dy with y'."""
     n = w.bodies.shape[0]
@@ -60,7 +60,7 @@ def rates(y, w, dy):
     dy[2 * n] = power
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def accept(y, w, row):
     """End of a step at y: the anchors follow, forces of the medium and depth go into a history row."""
     n = w.bodies.shape[0]
@@ -73,7 +73,7 @@ def accept(y, w, row):
         )  # fmt: skip
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def reset_friction(y, w):
     """Reset the friction state where the bodies are."""
     n = w.bodies.shape[0]
@@ -81,7 +81,7 @@ def reset_friction(y, w):
     batches.reset_friction(w.motion.pose.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.anchors)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def fastest(w):
     """Greatest speed (m/s) of any body as it was placed last: of its centre of mass, or of its rim about that."""
     speed = 0.0

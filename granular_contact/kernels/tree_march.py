@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from granular_contact.kernels import batches
 from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.lines import TIME
 from granular_contact.kernels.tree_load import accept, fastest, rates, reset_friction
 
@@ -30,7 +30,7 @@ STEPS, REJECTED, RATES = 0, 1, 2  # of counts (3,)
 OLD = 20  # steps after which the spectral radius is looked at anew
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def start(y, w, blank, states, rows):
     """Reset the friction state and write the first row."""
     if w.lines.shape[0] > 0:
@@ -38,7 +38,7 @@ def start(y, w, blank, states, rows):
     write(0.0, y, w, blank, states[0], rows[0])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def write(t, y, w, blank, state, row):
     """Accept y at time t (s) and keep it: pose, twist and work in `state`, the medium's doing in `row`, which is first
     made `blank`.
@@ -54,7 +54,7 @@ def write(t, y, w, blank, state, row):
     state[6 * n] = y[2 * n]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def error(y, h, slope, end, end_slope, bodies, allowed):
     """Estimated error of a step over what is allowed for it.
 
@@ -70,7 +70,7 @@ def error(y, h, slope, end, end_slope, bodies, allowed):
     return max(math.sqrt(position) / allowed[0], math.sqrt(velocity) / allowed[1])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def march(y, w, control, clock, counts, direction, blank, states, rows):
     """Step on from y until one of the reasons above; everything passed in is kept up to date.
 

@@ -15,25 +15,25 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from granular_contact.kernels.compiled import part
 
 SHEARED, PATH, X, Y = 2, 3, 4, 5  # columns
 COLUMNS = 6
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def shear_displacement(P, anchors, i, tx, ty):
     """Way j (m) of the station i on an element with the unit tangent t."""
     return anchors[i, SHEARED] + abs(tx * (P[i, 0] - anchors[i, 0]) + ty * (P[i, 1] - anchors[i, 1]))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def path(P, anchors, i):
     """Way w (m) of the station i."""
     return anchors[i, PATH] + math.hypot(P[i, 0] - anchors[i, X], P[i, 1] - anchors[i, Y])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def count_ways(P, anchors, i, x, y, immersed):
     """Count the ways of station i in a step that is accepted, before its anchor goes to (x, y) m.
 
@@ -51,7 +51,7 @@ def count_ways(P, anchors, i, x, y, immersed):
         anchors[i, SHEARED] += abs(tx * (x - anchors[i, 0]) + ty * (y - anchors[i, 1])) / length
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def start_ways(P, anchors):
     """Begin to count at the stations (n, 2) m."""
     for i in range(P.shape[0]):

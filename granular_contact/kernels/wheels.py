@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from granular_contact.kernels.compiled import part
 
 ROUND = 0.1
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def lowering(P, V, run):
     """delta_h (m) of the wheel that a run belongs to, x of its axle (m), and the sign of x the way that it rolls."""
     cx, cy = P[1, 0] - P[0, 0], P[1, 1] - P[0, 1]
@@ -24,7 +24,7 @@ def lowering(P, V, run):
     return run.behind * rim * rim, P[0, 0] + run.hub_along * tx - run.hub_left * ty, -math.copysign(1.0, omega)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def lowered(x, drop, axle, ahead, run):
     """By how much (m) the surface is lowered at x (m); arguments as `lowering` has them."""
     return drop * min(1.0, max(0.0, 0.5 - ahead * (x - axle) / (ROUND * run.radius)))

@@ -1,0 +1,50 @@
+"""The two ways in which functions are compiled: `kernel` for callers in Python, `part` for other kernels.
+
+What turns Python's arguments into those of compiled code is itself compiled, for every function anew, and takes as long
+as the function: so only a kernel has it. Both are kept on disk. A division by zero gives an infinite number or none, as
+in numpy, and no exception, whose text and branches would be compiled with every quotient.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit
+from numba.core.registry import CPUDispatcher
+
+PLAIN = {"error_model": "numpy", "no_cfunc_wrapper": True}
+
+
+def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -> Any:
+    """Compile a function that Python calls, for each kind of arguments when it first comes.
+
+    nogil: other threads of Python run meanwhile.
+    """
+    if function is None:
+        return lambda function: kernel(function, nogil=nogil)
+    return njit(cache=True, nogil=nogil, **PLAIN)(function)
+
+
+class _Part(CPUDispatcher):  # type: ignore[misc]  # numba has no types
+    """A compiled function without what callers in Python need, which it gets when one comes, at the cost of compiling.
+
+    Without it such a call would end the process.
+    """
+
+    _called: Any = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self._called is None:
+            part = self
+            self._called = njit(lambda *arguments: part(*arguments))
+        return self._called(*arguments)
+
+
+def part(function: Callable[..., Any], *, cache: bool = True) -> Any:
+    """Compile a function that kernels call, and Python only now and then; cache: keep it on disk."""
+    options = {"nopython": True, "no_cpython_wrapper": True, "boundscheck": None, **PLAIN}
+    compiled = _Part(function, locals={}, targetoptions=options)
+    if cache:
+        compiled.enable_caching()
+    return compiled
