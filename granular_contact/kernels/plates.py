@@ -11,7 +11,9 @@ and a stress that are linear in xi exactly. Both faces of a plate are in S, so S
 a plate of width d [ours]. On a one-sided outline with the outward normal n only what has n . v > 0 is loaded, from the
 point where that begins. As S does not vanish where n . v does, an outline that slides along one of its flat sides would
 be loaded there or not by round-off: the stress is faded in over the first EDGE of n . u, g = clip(n . u / EDGE, 0, 1)
-[ours], too narrow to change what turns (0.1 % of the force on a turning disc).
+[ours], too narrow to change what turns (0.1 % of the force on a turning disc). Of a body that rests, with bristles
+below their yield, that would be a hundredth of a micrometre, a spring so stiff that Newton's method goes round in
+circles beside it; so n . q reaches PRESSED of the yield displacement before an element is loaded as a whole [ours].
 
 A law whose stress is another function of the depth gives it as a `traction`, which is integrated by three Gauss points:
 of a stress z^1.3 from the surface down that leaves an error of 0.05 % in the one strip that pierces it.
@@ -24,12 +26,14 @@ from __future__ import annotations
 import math
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.kernels.planar_friction import drive, mobilised
 
 STATIC, SHEAR = 0, 1
 SMALL = 0.2  # rad, up to which the series of sine and cosine below are exact to round-off
 EDGE = 1e-3  # sine of the angle between an element and its motion up to which the stress is faded in: 0.06 degrees
+PRESSED = 0.1  # of the yield displacement: what n . q reaches at the least before an element is loaded as a whole
 
 
 def stress(tx, ty, ux, uy, m):
@@ -47,11 +51,12 @@ def traction(z, tx, ty, ux, uy, width, side, j, m):
 
 
 @part
-def leading(tx, ty, ux, uy, side):
-    """Factor g in [0, 1] of an element of an outline; 1 on a thin plate (side 0)."""
+def leading(tx, ty, qx, qy, side, m):
+    """Factor g in [0, 1] of an element of an outline along t, at q; 1 on a thin plate (side 0)."""
     if side == 0:
         return 1.0
-    return min(1.0, max(0.0, side * (tx * uy - ty * ux) / EDGE))
+    edge = max(EDGE * math.sqrt(qx * qx + qy * qy), PRESSED * (m.v_eps if m.friction == SMOOTH else m.u_y))
+    return min(1.0, max(0.0, side * (tx * qy - ty * qx) / edge))
 
 
 @part
@@ -87,9 +92,10 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
             continue
         for gauss in (GAUSS_LOW, GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            ux, uy, share = mobilised((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y, m)
+            qx, qy = (1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y
+            ux, uy, share = mobilised(qx, qy, m)
             sx, sy = tangent_at(tx, ty, run.turn, xi)
-            share *= leading(sx, sy, ux, uy, run.side)
+            share *= leading(sx, sy, qx, qy, run.side, m)
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue
@@ -119,9 +125,10 @@ def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y,
             continue
         for at, weight in THREE_POINTS:
             xi = start + (end - start) * at
-            ux, uy, share = mobilised((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y, m)
+            qx, qy = (1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y
+            ux, uy, share = mobilised(qx, qy, m)
             sx, sy = tangent_at(tx, ty, run.turn, xi)
-            share *= leading(sx, sy, ux, uy, run.side)
+            share *= leading(sx, sy, qx, qy, run.side, m)
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue

@@ -22,7 +22,7 @@ from support_laws import (
     strip_force,
 )
 
-from granular_contact.kernels.plates import EDGE
+from granular_contact.kernels.plates import EDGE, PRESSED, leading
 from granular_contact.laws import rft3d
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.rft import Rft
@@ -122,6 +122,14 @@ def test_an_outline_is_loaded_where_it_leads() -> None:
     grazing = np.degrees(np.arcsin(0.5 * EDGE))
     half, whole = (response(medium, element(0, grazing, side=side)) for side in (-1, 0))
     np.testing.assert_allclose(half, 0.5 * whole, rtol=1e-9)
+
+
+def test_an_outline_that_rests_is_loaded_as_its_bristles_are_stretched_along_the_normal() -> None:
+    """Not by their angle, which a hundredth of a micrometre changes: the force would be that stiff a spring."""
+    m = Rft(GENERIC).record(Elastoplastic(yield_displacement=1e-5), G)[0]
+    for along in (0.0, 0.5e-5, 1e-5):
+        got = [leading.py_func(1.0, 0.0, along, -share * PRESSED * 1e-5, -1, m) for share in (-0.5, 0.0, 0.5, 1.0)]
+        np.testing.assert_allclose(got, [0.0, 0.0, 0.5, 1.0], rtol=1e-12)
 
 
 def test_inertia_of_drft() -> None:
