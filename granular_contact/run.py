@@ -13,7 +13,7 @@ from granular_contact.config.differences import differing_keys
 from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
 from granular_contact.laws.kinds import WORDS
-from granular_contact.results import Compiling, Outline, Progress, Results
+from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.observation import Observation, results
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Reduced, Scene
@@ -123,6 +123,9 @@ class Solving(Protocol):
 
     def trajectory(self) -> Any:
         """All steps so far."""
+
+    def status(self) -> Status:
+        """How it ended, of one that is over; that of its trajectory, at no cost."""
 
     def close(self) -> None:
         """Let go of what is held; nothing can be asked any more."""

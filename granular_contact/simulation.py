@@ -132,10 +132,8 @@ class Simulation:
     @property
     def ended(self) -> Status | None:
         """How the run ended; None while it goes on."""
-        if self._failed is not None or not self._solving.over:
-            return self._failed
-        status: Status = self._solving.trajectory().status
-        return status
+        solving = self._solving
+        return solving.status() if self._failed is None and solving.over else self._failed
 
     def reset(self, *, seed: int | None = None, **changes: Any) -> Observations:
         """Begin anew, from the scenario that the simulation was made of.

@@ -190,7 +190,7 @@ class Solve:
         count = 3 * len(tree.forest.bodies)
         states = march.states[: steps + 1]
         return Trajectory(
-            status=self._status(),
+            status=self.status(),
             cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
             time=march.rows[: steps + 1, 0].copy(),
             q=states[:, :count],
@@ -200,7 +200,8 @@ class Solve:
             reactions={},
         )
 
-    def _status(self) -> Status:
+    def status(self) -> Status:
+        """How it ended."""
         solver, t = self.tree.scene.solver, self.time
         if self._interrupted:
             return ended("interrupted", t, solver)

@@ -23,7 +23,7 @@ from granular_contact.multibody.settings import control_steps, settings, toleran
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
-from granular_contact.results import Cost, Outline, Progress
+from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import FASTEST
 
@@ -212,12 +212,16 @@ class Solve:
         """Let go of the engine's system. Its functions hold this solve and are held by it, so Python never would."""
         self.system.container.Reset()
 
+    def status(self) -> Status:
+        """How it ended."""
+        return status(self.recorder, self._success, self._problem, self.solver.it.currentStepSize)
+
     def trajectory(self) -> Trajectory:
         """All steps so far."""
         system, recorder, it = self.system, self.recorder, self.solver.it
         states, count = recorder.states[: recorder.rows], recorder.size
         return Trajectory(
-            status=status(recorder, self._success, self._problem, it.currentStepSize),
+            status=self.status(),
             cost=Cost(
                 solve_s=self.seconds,
                 steps=recorder.rows - 1,

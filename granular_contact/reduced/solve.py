@@ -147,7 +147,7 @@ class Solve:
         steps, _, evaluations, _ = (int(count) for count in march.counts)
         _, _, stop_time, stop_angle, _, hub_time = march.watch
         return Trajectory(
-            status=self._status(),
+            status=self.status(),
             cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
             time=rows[:, 0],
             q=rows[:, 1 : 1 + m],
@@ -160,7 +160,8 @@ class Solve:
             world=march.world,
         )
 
-    def _status(self) -> Status:
+    def status(self) -> Status:
+        """How it ended."""
         if self._interrupted:
             return ended("interrupted", self.time, self.model.scene.solver)
         return _status(self.model, self.march, self._code)

@@ -39,12 +39,13 @@ ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of res
 COMPARISON = "compare.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
+STATISTICS, CONVERGENCE, BANDS = "statistics.csv", "convergence.csv", "bands.csv"  # of an ensemble, which is a sweep
 OPTIMISE, HISTORY, OPTIMUM = "optimise.yaml", "history.csv", "optimise.json"
 BEST_CONFIG, BEST = "best.yaml", "best"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, MOTION, FIGURES),
-    "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES),
+    "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES, STATISTICS, CONVERGENCE, BANDS),
     "optimise": (OPTIMISE, HISTORY, OPTIMUM, BEST_CONFIG, BEST, JOURNAL, FIGURES),
     "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
     "compare-media": ("compare-media.csv", FIGURES),

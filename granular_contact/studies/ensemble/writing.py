@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from granular_contact.report import FIGURES, write_table
+from granular_contact.report import BANDS, CONVERGENCE, FIGURES, STATISTICS, write_table
 from granular_contact.studies.ensemble.statistics import LEVELS, Summary
 
-STATISTICS, CONVERGENCE, BANDS = "statistics.csv", "convergence.csv", "bands.csv"
 HEAD = ["key", "runs", "mean", "standard_error", "standard_deviation", "least", *(f"q{100 * x:02.0f}" for x in LEVELS)]
 HEAD = [*HEAD, "greatest"]
 MOST = 3  # panels

@@ -12,19 +12,29 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
+import sysconfig
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as await_any
+from pathlib import Path
 from typing import Any
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. Nothing of
-# ours: the server looks into the working folder first, and a checkout there is not the package that was installed.
-_PRELOADED = ["numpy", "exudyn", "numba", "pydantic", "yaml"]
+# What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. numba and
+# pydantic import most of themselves only when they are first used.
+_NUMBA = ["np.arraymath", "np.linalg", "np.polynomial", "np.random.generator_methods", "cpython.randomimpl"]
+_NUMBA += ["cpython.heapq", "cpython.charseq", "typed.typeddict", "typed.setobject", "misc.cffiimpl", "core.ccallback"]
+_PRELOADED = ["numpy", "exudyn", "numba", "pydantic.json_schema", "yaml", *(f"numba.{name}" for name in _NUMBA)]
+_OURS = ["studies.sweep.worker", "scene", "multibody.build", "multibody.observe", "multibody.solve", "run"]
+_PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[3])
 _HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
+# The server looks into the working folder first, unless it is told not to: a checkout there may be another package than
+# the one at work here.
+_CAN_TELL = hasattr(sys.flags, "safe_path") and not sys.flags.ignore_environment
 
 
 def cores() -> int:
@@ -44,9 +54,13 @@ def prepare() -> None:
     if _HAS_SERVER:
         from multiprocessing import forkserver, resource_tracker
 
-        forkserver.set_forkserver_preload(_PRELOADED)
+        ours = [f"{_PACKAGE}.{name}" for name in _OURS] if _CAN_TELL else []
+        forkserver.set_forkserver_preload([*_PRELOADED, *ours])
         resource_tracker.ensure_running()  # by itself, since it lets Ctrl-C through again once it has started
-        with _as_workers():
+        # A folder of installed packages is on the path anyway, behind the standard library.
+        first = "" if sysconfig.get_path("purelib") == _FOLDER else _FOLDER
+        path = os.pathsep.join(filter(None, [first, os.environ.get("PYTHONPATH")]))
+        with _as_workers(PYTHONSAFEPATH="1", PYTHONPATH=path):
             forkserver.ensure_running()
 
 
@@ -145,12 +159,13 @@ def _follow(sentinel: int) -> None:
 
 
 @contextmanager
-def _as_workers() -> Iterator[None]:
+def _as_workers(**more: str) -> Iterator[None]:
     """Processes that start now use one thread each and have SIGINT blocked: a terminal sends it to all its processes,
-    but only the parent handles it. Here it is delayed until the end.
+    but only the parent handles it. Here it is delayed until the end. more: of their environment.
     """
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    told = dict.fromkeys(_THREADS, "1") | more
+    before = {name: os.environ.get(name) for name in told}
+    os.environ.update(told)
     block = getattr(signal, "pthread_sigmask", None)  # not everywhere
     mask = block(signal.SIG_BLOCK, {signal.SIGINT}) if block else None
     try:
