@@ -6,6 +6,7 @@ A config in YAML, or the same as a dict, is a run:
     simulate(config, control=f)   run it, steered by a function f(time, seen) if there is one -> Results
     Simulation(config)            run it step by step: step, state, restore, reset
     sweep(config, vary)           run many, in processes of their own -> rows
+    ensemble(config, count)       run many seeds of a medium's scatter -> means, quantiles, bands
     optimise(config, parameters)  find the values that are best
     build(config)                 check the geometry, without a run -> Scene
     Results                       results["tip_y_m"], plot, figures, animation, to_dataframe, save, Results.open

@@ -17,6 +17,7 @@ from granular_contact.values.strict import did_you_mean
 # Further keys of a run, with what they do; each line is a comment that becomes a key without its "# ".
 MORE = (
     ("medium", "medium: rft3d_sand", "another medium; `granular-contact media` lists them, null is a vacuum"),
+    ("bed", "bed: {slope_deg: 10}", "a slope, in place of surface_height_m; it rises to the right"),
     ("gravity_m_s2", "gravity_m_s2: 1.62", "on the Moon"),
     ("solver", "solver: {end_time_s: 1, accuracy: 1.0e-3}", "steps chosen so that positions are right to a thousandth"),
     ("output", "output: {interval_s: 0.001, figures: false}", "rows of the table in time, no figures"),
@@ -37,7 +38,9 @@ def names() -> dict[str, str]:
 def no_such(name: str) -> str:
     """That there is nothing of this name to start from, and what there is."""
     known = sorted(names())
-    return f"there is no model or config {name!r}; {did_you_mean(name, known) or f'there are {chr(44).join(known)}'}"
+    part = [one for one in known if name and name in one]
+    hint = f"did you mean {' or '.join(part)}?" if part else did_you_mean(name, known)
+    return f"there is no model or config {name!r}; " + (hint or f"there are {', '.join(known)}")
 
 
 def about(name: str) -> str:

@@ -29,12 +29,9 @@ from granular_contact.report.units import unit_for
 from granular_contact.results import Column, Outline, Results, Snapshot
 
 CASES: dict[str, dict[str, Any]] = {
-    "rigid": {},
-    "flexible": {"angle_deg": 61.5, "rate": 9.17, "flexible": True},
     "shallow": {"angle_deg": 22, "rate": 1.75, "flexible": True, "before": 0.008},
     "vacuum": {"medium": False, "stopped": False},
     "failed_1_row": {"rows": 1, "stopped": False},
-    "failed_2_rows": {"rows": 2, "stopped": False},
     "seconds": {"speed": 0.01, "before": 0.02},
     "early_stop": {"after": 0.06},
 }
@@ -135,7 +132,8 @@ def build(case: str) -> Results:
     )()
 
 
-ALL = [*CASES, "two_hinges", "free_disc", "plunger", "walker", "chain"]
+# Each with something that no other has; a layout costs a second.
+ALL = ["shallow", "failed_1_row", "seconds", "early_stop", "two_hinges", "free_disc", "plunger", "walker", "chain"]
 
 
 @pytest.fixture(scope="module", params=ALL)
@@ -144,10 +142,8 @@ def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
         warnings.simplefilter("error")
         made = figures.figures(build(request.param))
         for figure in made.values():
-            figure.canvas.draw()  # type: ignore[attr-defined]
-    flexible = request.param in ("flexible", "shallow", "two_hinges")
-    expected = MEDIUM | ({"deflection"} if flexible else set())
-    assert set(made) == (expected - {"forces"} if request.param == "vacuum" else expected)
+            figure.draw_without_rendering()  # type: ignore[no-untyped-call]
+    assert set(made) == MEDIUM | ({"deflection"} if request.param in ("shallow", "two_hinges") else set())
     return made
 
 
@@ -157,7 +153,6 @@ def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
     [
         ("vacuum", {"motion", "energy", "mechanism"}),
         ("failed_1_row", MEDIUM),
-        ("two_hinges", MEDIUM | {"deflection"}),
     ],
 )
 def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expected: set[str], tmp_path: Path) -> None:
@@ -168,7 +163,7 @@ def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expect
         pixels = imread(path)
         wide = path.stem == "mechanism" and case not in ("vacuum", "failed_1_row")
         assert pixels.shape[1] == int((180 if wide else 88) / 25.4 * 200)  # mm at 200 dpi
-        assert 50 / 25.4 * 200 < pixels.shape[0] < 125 / 25.4 * 200
+        assert 40 / 25.4 * 200 < pixels.shape[0] < 125 / 25.4 * 200
         assert np.ptp(pixels[..., 0]) > 0.5  # something is drawn
 
 
@@ -183,7 +178,7 @@ def test_gaps_in_the_data_are_survived(tmp_path: Path) -> None:
     table = one.table.copy()
     table[-1, 1:] = np.nan
     figures.draw(dataclasses.replace(one, table=table), tmp_path)
-    assert len(list(tmp_path.iterdir())) == 5
+    assert {path.stem for path in tmp_path.iterdir()} == MEDIUM | {"deflection"}
 
 
 def tick_labels(axis: Axis) -> list[Text]:
@@ -416,8 +411,6 @@ def spread(axes: Axes) -> float:
 
 
 ROUND_OFF = {
-    "moments": (series.forces, ("_moment_Nm",), 1e-18, 2, ("N·m", "mN·m")),
-    "horizontal forces": (series.forces, ("force_x_N",), 1e-15, 0, ("N",)),
     "imbalance": (series.energy, ("imbalance_J",), 1e-17, 1, ("J", "mJ")),
     "deflection": (series.deflection, ("deflection_m",), 1e-17, 0, ("m",)),
 }
@@ -432,6 +425,19 @@ def test_round_off_is_drawn_as_zero_on_a_scale_of_the_rest(name: str) -> None:
     assert spread(axes) == 0.0
     assert axes.get_ylabel().endswith(tuple(f"({unit})" for unit in units))
     assert spread(true) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("end", "words", "size"), [("_moment_Nm", "moment", 1e-18), ("force_x_N", "horizontal", 1e-15)]
+)
+def test_forces_that_are_round_off_have_no_panel(end: str, words: str, size: float) -> None:
+    with style():
+        shown, true = (
+            [axes.get_ylabel() for axes in series.forces(one).axes]
+            for one in (with_round_off((end,), size), make(flexible=True))
+        )
+    assert shown == [label for label in true if not label.startswith(words)]
+    assert len(shown) == len(true) - 1
 
 
 def test_energies_that_are_round_off_have_no_curve() -> None:

@@ -92,7 +92,8 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
     if error["type"] == "extra_forbidden":
         above, holder = allowed.walk(error["loc"][:-1], model)
         places = allowed.places(str(path[-1]), above, holder, model)
-        words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else None
+        words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else ""
+        words = words or _places_of_content(find(tree, path)[0], above, holder, model)
         return [_at_key(tree, path, words or f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
     if error["type"] == "missing":
         _, holder = allowed.walk(error["loc"][:-1], model)
@@ -102,6 +103,14 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
     if tag and isinstance(node, MappingNode):
         return [_tag_fault(tree, path, *tag)]
     return [_at(tree, path, f"got {got(node)}; allowed is {allowed.describe(schema)}{_hint(node, schema)}")]
+
+
+def _places_of_content(node: Node, above: Path, holder: allowed.Schema, model: type[BaseModel]) -> str:
+    """Where the keys below an unknown key belong; empty if they are known nowhere."""
+    keys = node.nodes if isinstance(node, MappingNode) else ()
+    found = {str(key): allowed.places(str(key), above, holder, model) for key in keys}
+    told = [f"{key} belongs at {' or '.join(places)}" for key, places in found.items() if places]
+    return f"unknown key; {', '.join(told)}" if told else ""
 
 
 def _missing(tree: Node, path: Path, schema: allowed.Schema, around: allowed.Schema) -> Fault | None:

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from granular_contact.report.figures.mechanism import mechanism
 from granular_contact.report.figures.motion import motion
-from granular_contact.report.figures.robots import contacts, groups_of, in_contact, joints, over_time
+from granular_contact.report.figures.robots import against_depth, contacts, groups_of, in_contact, joints, over_time
 from granular_contact.report.figures.series import deflection, energy, forces
 from granular_contact.report.figures.space_views import views
 from granular_contact.report.figures.style import DPI, style
@@ -64,6 +64,8 @@ def figures(results: Results) -> dict[str, Figure]:
             made["energy"] = energy
     if told and len(in_contact(results)) > 1:
         made["contacts"] = lambda one: contacts(one, told.get("depth"))
+    elif "travel" in told and "depth" in told and any(one.along for one in told["depth"].panels):
+        made["depth"] = lambda one: against_depth(one, told["depth"])
     if results.motion is not None and results.motion.in_space and results.motion.parts:
         moved = results.motion
         made["views"] = lambda one: views(one, moved)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granular_contact.report.figures.panels import blank, curve, finish, fitting_columns, stacked
-from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, PALETTE
+from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, PALETTE, SINGLE
 from granular_contact.report.histories import Group, Panel, groups
 from granular_contact.report.units import Array, time_unit, unit_for
 from granular_contact.results import Results
@@ -82,6 +82,15 @@ def contacts(results: Results, depth: Group | None) -> Figure:
     panels[1].set_yticklabels([])
     if against:
         _against_depth(panels[2], results, against)
+    return figure
+
+
+def against_depth(results: Results, depth: Group) -> Figure:
+    """Vertical force of the medium against depth."""
+    figure = blank(SINGLE, 62.0, layout="constrained")
+    axes = figure.subplots()
+    _against_depth(axes, results, [one for one in depth.panels if one.along])
+    axes.set_title("")
     return figure
 
 

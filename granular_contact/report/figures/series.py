@@ -46,14 +46,12 @@ def forces(results: Results) -> Figure:
     """The terms of the granular force and their sum over time: horizontal, vertical and their moment; in space the
     force along x, y and z.
     """
-    figure, panels, time = stacked(results, 118.0, (1, 1, 1))
     axes_of = "xyz" if f"{results.terms[0]}_force_z_N" in results.names else "xy"
     force = greatest(np.concatenate([results[f"{term}_force_{axis}_N"] for term in results.terms for axis in axes_of]))
     newton = unit_for(np.array([force]), "N")
     if axes_of == "xyz":  # the moments are columns of the table
         directions = zip(axes_of, ("ahead", "to the left", "upward"), strict=True)
-        _terms(results, panels, time, [(f"force_{axis}_N", force, newton, f"force {way}") for axis, way in directions])
-        return figure
+        return _terms(results, [(f"force_{axis}_N", force, newton, f"force {side}") for axis, side in directions])
     lever = force * size_of(results)
     pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
     column, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
@@ -62,14 +60,16 @@ def forces(results: Results) -> Figure:
     rows = [
         ("force_x_N", force, newton, "horizontal force"),
         ("force_y_N", force, newton, "vertical force"),
-        (column, lever, moment, f"moment about {about}"),
+        (column, lever, moment, f"moment about\n{about}"),
     ]
-    _terms(results, panels, time, rows)
-    return figure
+    return _terms(results, rows)
 
 
-def _terms(results: Results, panels: list[Axes], time: Array, rows: Sequence[tuple[str, float, Unit, str]]) -> None:
-    """A panel for each column of the terms: its end, its scale, its unit, and words for it."""
+def _terms(results: Results, rows: Sequence[tuple[str, float, Unit, str]]) -> Figure:
+    """A panel for each column of the terms that is not zero: its end, its scale, its unit, and words for it."""
+    sizes = [greatest(np.concatenate([results[f"{term}_{row[0]}"] for term in results.terms])) for row in rows]
+    rows = [row for row, size in zip(rows, sizes, strict=True) if size > ROUND_OFF * row[1]] or rows[:1]
+    figure, panels, time = stacked(results, 10.0 + 36.0 * len(rows), (1,) * len(rows))
     for axes, (column, scale, unit, words) in zip(panels, rows, strict=True):
         axes.axhline(0, color=FAINT, linewidth=0.5)
         parts = [cleared(results[f"{term}_{column}"], scale) * unit.factor for term in results.terms]
@@ -81,6 +81,7 @@ def _terms(results: Results, panels: list[Axes], time: Array, rows: Sequence[tup
         told = axes is panels[0] and len(parts) > 1
         finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if told else 0)
     mark_events(results, panels)
+    return figure
 
 
 def energy(results: Results) -> Figure:

@@ -51,13 +51,13 @@ def html(directory: Path) -> str:
     try:
         if folder.kind == "run":
             return run.page(folder)
-        files: dict[str, Any] = {"files": _files(folder)}
-        if folder.kind != "sweep":
-            return rendered(folder.kind, contents.get(folder.kind, _tables)(folder), files)
+        charts = {"sweep": sweep.data, "optimise": optimise.data, "fit": fit.data}
+        cases = charts[folder.kind](folder) if folder.kind in charts else {}
+        told: dict[str, Any] = {"files": _files(folder)} | ({"cases": cases} if cases else {})
         with tempfile.TemporaryDirectory() as place:
-            cases = sweep.data(folder)
-            told = files | ({"cases": cases} if cases else {})
-            return rendered("sweep", sweep.content(folder, Path(place)), told, draws=bool(cases))
+            content = contents.get(folder.kind, _tables)
+            found = sweep.content(folder, Path(place)) if folder.kind == "sweep" else content(folder)
+            return rendered(folder.kind, found, told, draws=bool(cases))
     except _ODD as error:  # what is written here has other types somewhere
         held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
         named = " or ".join(name for name in held if Path(name).is_file())

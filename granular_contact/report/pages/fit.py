@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report import PROGRAM
+from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
 from granular_contact.report.pages.rendering import flat
 from granular_contact.report.units import column, is_number, label, plain, split
@@ -40,6 +41,18 @@ def content(folder: Folder) -> dict[str, Any]:
         "others": {key: value for key, value in record.items() if key not in _TOLD},
         "media": {path.name: folder.text(path.name) for path in sorted(folder.path.glob("medium*.yaml"))},
     }
+
+
+def data(folder: Folder) -> dict[str, Any]:
+    """Data for the scripts: residuals over time, in units of the noise."""
+    if not folder.has(RESIDUALS):
+        return {}
+    head, rows = folder.table(RESIDUALS)
+    if not {"run", "column", "time_s", "residual_over_noise"} <= set(head):
+        return {}
+    columns = {name: [row[head.index(name)] for row in rows] for name in ("time_s", "residual_over_noise")}
+    names = [f"{row[head.index('run')]}, {row[head.index('column')]}" for row in rows]
+    return chart(names, columns, "time_s", "residual_over_noise")
 
 
 def _estimate(key: str, found: dict[str, Any]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from granular_contact.report import BEST, BEST_CONFIG, FIGURES, HISTORY, OPTIMISE, OPTIMUM, PROGRAM
+from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
 from granular_contact.report.units import label, plain, quantity
 
@@ -48,6 +49,14 @@ def content(folder: Folder) -> dict[str, Any]:
         "rows": [[row[place] for place in places] for row in rows],
         "most": MOST_ROWS,
     }
+
+
+def data(folder: Folder) -> dict[str, Any]:
+    """Data for the scripts: parameters and objective of every run."""
+    told = folder.read(OPTIMUM)
+    head, rows = folder.table(HISTORY)
+    columns = {name: [row[head.index(name)] for row in rows] for name in ("run", *told["parameters"], "objective")}
+    return chart([f"run {plain(run)}" for run in columns["run"]], columns, "run", "objective")
 
 
 def _worth(told: dict[str, Any], key: str) -> str:

@@ -26,7 +26,7 @@ _QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
 _TYPES = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4", ".svg": "image/svg+xml"}
 _SCRIPTS = {
     "run": ("tables", "data", "player", "histories", "space", "run"),
-    "sweep": ("tables", "data", "histories", "cases"),
+    **dict.fromkeys(("sweep", "optimise", "fit"), ("tables", "data", "histories", "cases")),
 }
 Rows = Iterable[Sequence[Any]]
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.report import SENSITIVITY, SWEEP, TABLE
+from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder, Rows
 from granular_contact.report.units import column, is_number, label, quantity
 from granular_contact.results import FINISHED
@@ -94,20 +95,12 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
 def data(folder: Folder) -> dict[str, Any]:
     """Data for the scripts: numbers that differ between the cases that came to an end; nothing where there are none."""
     table = _read(folder).finished
-    names = [*table.varied, *table.found]
-    differ = [n for n in names if len(set(table.numbers(n)[np.isfinite(table.numbers(n))])) > 1]
-    drawn = [n for n in _drawn(table) if n in differ]
-    along = [n for n in table.varied if n in differ]
+    drawn = _drawn(table)
+    along = [name for name in table.varied if len(set(table.numbers(name)[np.isfinite(table.numbers(name))])) > 1]
     if not drawn or not along:
         return {}
-    columns = [_column(n, table.numbers(n)) for n in differ]
-    names_of_cases = [str(name) for name in table.column(table.head[0])]
-    return {"names": names_of_cases, "columns": columns, "x": differ.index(along[0]), "y": differ.index(drawn[0])}
-
-
-def _column(key: str, values: Values) -> dict[str, Any]:
-    words, numbers = column(key, [float(v) if np.isfinite(v) else None for v in values])
-    return {"label": words, "values": [float(v) if is_number(v) else None for v in numbers]}
+    columns = {name: table.numbers(name).tolist() for name in (*table.varied, *table.found)}
+    return chart([str(name) for name in table.column(table.head[0])], columns, along[0], drawn[0])
 
 
 def _read(folder: Folder) -> _Table:
@@ -188,7 +181,7 @@ def _overviews(table: _Table, place: Path) -> Iterator[tuple[Path, str]]:
 def _caption(stem: str) -> str:
     kind, _, output = stem.partition("_")
     if stem == "wheel_over_slip":
-        return "Drawbar pull, torque and sinkage of the wheel over its slip, means of the last half of the way."
+        return "Drawbar pull, torque and sinkage of the wheel over its slip, means of the last half of the path."
     return f"Sobol indices of {label(output)}." if kind == "sensitivity" else stem.replace("_", " ")
 
 

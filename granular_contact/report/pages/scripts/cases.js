@@ -1,4 +1,4 @@
-// The page of a sweep: any number of the cases against any other, with a third as colour.
+// Sweeps, searches and fits: any number of the rows against any other, with a third as colour.
 function caseChart() {
   const place = $("#cases-chart .plot"), told = $("#cases-chart output");
   const [x, y, tone] = ["x", "y", "tone"].map((name) => $(`#cases-${name}`));

@@ -27,7 +27,7 @@ function posed(a, b, share) {
 }
 
 const VIEWS = {
-  oblique: { eye: { x: 1.0, y: -1.65, z: 0.75 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "perspective" } },
+  oblique: { eye: { x: 0.92, y: -1.52, z: 0.67 }, center: { x: 0, y: 0, z: -0.06 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "perspective" } },
   side: { eye: { x: 0, y: -1.7, z: 0 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" } },
   front: { eye: { x: 1.7, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" } },
   top: { eye: { x: 0, y: 0, z: 1.7 }, up: { x: 0, y: 1, z: 0 }, projection: { type: "orthographic" } },
@@ -39,13 +39,15 @@ class SpacePlayer {
     this.plot = $("#space");
     this.plot.style.height = `${Math.min(560, Math.round(0.8 * this.plot.clientWidth) + 40)}px`;
     this.box = this.extent();
+    this.contain();
     this.bodies = motion.parts.map((_, i) => i);
     const mesh = motion.parts.map((part, i) => {
       const [x, y, z] = placed(part.points_m, motion.poses[0][i]);
       const [a, b, c] = [0, 1, 2].map((k) => part.faces.map((face) => face[k]));
       return {
         type: "mesh3d", x, y, z, i: a, j: b, k: c, color: TONES[i % TONES.length], flatshading: true, name: part.name,
-        hoverinfo: "name", lighting: { ambient: 0.55, diffuse: 0.7, specular: 0.1 }, lightposition: { x: 3, y: -5, z: 8 },
+        hoverinfo: "name", lighting: { ambient: 0.6, diffuse: 0.6, specular: 0.1, facenormalsepsilon: 0, vertexnormalsepsilon: 0 },
+        lightposition: { x: 3e4, y: -5e4, z: 8e4 }, // far away; facets of a millimetre are no degenerate ones
       };
     });
     this.lines = mesh.length;
@@ -102,15 +104,28 @@ class SpacePlayer {
     return { low, high, size };
   }
 
+  // Room for the ends of all arrows.
+  contain() {
+    this.motion.time_s.forEach((_, i) => {
+      const [, ends] = this.arrows(i, i, 0);
+      ends.forEach((values, axis) => values.forEach((value) => {
+        this.box.low[axis] = Math.min(this.box.low[axis], value);
+        this.box.high[axis] = Math.max(this.box.high[axis], value);
+      }));
+    });
+  }
+
   layout() {
-    const { low, high, size } = this.box, axis = (name, i) => ({
+    const { low, high, size } = this.box, spans = high.map((value, axis) => value - low[axis] + 0.1 * size);
+    const [x, y, z] = spans.map((span) => (1.75 * span) / Math.hypot(...spans)); // one scale for all: `data` would take that of the first traces
+    const axis = (name, i) => ({
       title: { text: `${name} (m)` }, range: [low[i] - 0.05 * size, high[i] + 0.05 * size], color: css("--soft"),
       gridcolor: css("--line"), backgroundcolor: css("--sky"), showbackground: i === 2, zeroline: false, nticks: 5, showspikes: false,
     });
     return {
       margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false,
       paper_bgcolor: "rgba(0,0,0,0)", font: { color: css("--soft"), size: 11 }, uirevision: "kept",
-      scene: { xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: axis("z", 2), aspectmode: "data", camera: VIEWS.oblique, dragmode: "turntable" },
+      scene: { xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: axis("z", 2), aspectmode: "manual", aspectratio: { x, y, z }, camera: VIEWS.oblique, dragmode: "turntable" },
     };
   }
 
@@ -129,7 +144,7 @@ class SpacePlayer {
     for (const one of Object.values(this.motion.forces)) {
       const point = one.point_m[i].map((value, k) => mix(value, one.point_m[next][k], share));
       const force = one.force_N[i].map((value, k) => mix(value, one.force_N[next][k], share));
-      const size = Math.hypot(...force), length = Math.min(size * this.scale(), 0.8 * this.box.size);
+      const size = Math.hypot(...force), length = Math.min(size * this.scale(), 0.4 * this.box.size);
       if (!(length > 0.01 * this.box.size)) continue;
       for (let k = 0; k < 3; k++) {
         const tip = point[k] + (force[k] / size) * length;
@@ -140,11 +155,11 @@ class SpacePlayer {
     return [line, end];
   }
 
-  scale() { // m of an arrow per N: the force that a tenth exceeds is a third of the size
+  scale() { // m of an arrow per N: the force that a tenth exceeds is a fifth of the size
     if (this.perNewton === undefined) {
       const sizes = Object.values(this.motion.forces).flatMap((one) => one.force_N.map((force) => Math.hypot(...force)));
       const found = sizes.filter((size) => size > 0).sort((a, b) => a - b);
-      this.perNewton = found.length ? (0.35 * this.box.size) / found[Math.floor(0.9 * (found.length - 1))] : 0;
+      this.perNewton = found.length ? (0.2 * this.box.size) / found[Math.floor(0.9 * (found.length - 1))] : 0;
     }
     return this.perNewton;
   }
