@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ast
 import inspect
-import textwrap
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+import sys
+from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -83,15 +84,27 @@ def _described(model: type[BaseModel]) -> dict[str, Any]:
     return schema
 
 
-def _texts(owner: type) -> Iterator[tuple[str, str]]:
+@cache
+def _texts(owner: type) -> tuple[tuple[str, str], ...]:
     """Fields of a class with the texts under them; none of a class without a source."""
-    with suppress(OSError):
-        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
-        assert isinstance(tree, ast.ClassDef)
-        for pair in pairwise(tree.body):
-            match pair:
-                case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
-                    yield name, inspect.cleandoc(text)
+    tree = _classes(owner.__module__).get(owner.__qualname__)
+    pairs = pairwise(tree.body if tree is not None else ())
+    found: list[tuple[str, str]] = []
+    for pair in pairs:
+        match pair:
+            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
+                found.append((name, inspect.cleandoc(text)))
+    return tuple(found)
+
+
+@cache
+def _classes(module: str) -> dict[str, ast.ClassDef]:
+    """Classes of a module as they are written: it is read once for all of them."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    if file is None or not Path(file).is_file():
+        return {}
+    tree = ast.parse(Path(file).read_text(encoding="utf-8"))
+    return {one.name: one for one in tree.body if isinstance(one, ast.ClassDef)}
 
 
 def json_schema(kind: str = "run") -> dict[str, Any]:
