@@ -13,7 +13,6 @@ them. A call by address takes some 10 ns.
 from __future__ import annotations
 
 import inspect
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -192,13 +191,15 @@ def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatu
     medium = np.zeros(1, layout)
     medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
     for name, function in functions.items():
-        medium[name] = _address(function, signatures[name][0], from_dtype(own.dtype))
+        known = function, name, layout, own.dtype
+        if known not in _ADDRESSES:
+            kinds = (from_dtype(own.dtype) if kind is OWN else kind for kind in signatures[name][0])
+            _ADDRESSES[known] = address_of(function, tuple(kinds))
+        medium[name] = _ADDRESSES[known]
     return medium
 
 
-@cache
-def _address(function: Any, kinds: tuple[Any, ...], own: Any) -> int:
-    return address_of(function, tuple(own if kind is OWN else kind for kind in kinds))
+_ADDRESSES: dict[tuple[Any, str, np.dtype, np.dtype], int] = {}  # numba's types are slow to make and to look up
 
 
 def address_of(function: Any, arguments: tuple[Any, ...]) -> int:
