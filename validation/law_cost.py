@@ -43,7 +43,7 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     n = len(geometry)
     ends, active, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
     sand = np.array([[0.0, 0.0]]), medium_record(medium.record(Elastoplastic(), 9.81)), np.zeros((n, 2))
-    group = (q, v, np.zeros(3), active, ends, places, geometry, run, *sand)
+    group = (q, v, np.zeros(3), active, ends, places, geometry, run, *sand, *batches.work(ends, sand[-1]))
     return lambda: batches.force(*group, out), lambda: batches.tangent(*group, 1.0, 1.0, triplets, 0)
 
 

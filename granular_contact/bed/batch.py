@@ -14,6 +14,7 @@ from granular_contact.kernels import batches as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.kinematics import SPATIAL
+from granular_contact.kernels.lines import FIRST
 from granular_contact.kernels.ways import COLUMNS
 from granular_contact.laws.kinds import Kind
 
@@ -47,6 +48,7 @@ class Batch:
         sizes = [(len(line.stations), len(line.coordinates)) for line in lines]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), COLUMNS if ways else 2))
+        self.work = kernels.work(self.ends, self.anchors)
         self.proximity = np.zeros((len(lines), 3))
         self.active = np.ones(len(lines), dtype=bool)
         self.entries = sum(len(line.coordinates) ** 2 for line in lines)  # most that a tangent has
@@ -59,7 +61,7 @@ class Batch:
     @cached_property
     def medium(self) -> NDArray[np.void]:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
-        return medium_record(self._own, bool(self.records["resultant"].any()))
+        return medium_record(self._own, self.records, self.anchors.shape[1] > 2)
 
     def renew(self, own: NDArray[np.void]) -> None:
         """Take other coefficients of the same law, as its own record (1,); what is compiled and placed stays."""
@@ -71,19 +73,19 @@ class Batch:
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         at = (self.ends, self.places, self.geometry)
-        sand = (*at, self.records, self.profile, self.medium, self.anchors)
+        sand = (*at, self.records, self.profile, self.medium, self.anchors, *self.work)
         self._active_sand, self._all_sand = (reference, self.active, *sand), (reference, *sand)
         self.active[:] = True
+        row, found = np.zeros(FIRST), (self.columns, self.proximity)
+        if not self._compiled:
+            # Compiling, the first time on a machine, belongs to the start and not to the first step.
+            self._force = entry(kernels.force, q, q, *self._active_sand, q)
+            self._tangent = entry(kernels.tangent, q, q, *self._active_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._accept = entry(kernels.accept, q, q, *self._all_sand, row, *found, True)
+            entry(kernels.update_active, self.proximity, 0.0, self.active)
+            self._compiled = True
+        self._accept(q, np.zeros_like(q), *self._all_sand, row, *found, True)
         self.proximity[:, kernels.EVER] = -np.inf
-        kernels.reset_friction(q, reference, *at, self.anchors)
-        if self._compiled:
-            return
-        # Compiling, the first time on a machine, belongs to the start and not to the first step.
-        self._force = entry(kernels.force, q, q, *self._active_sand, q)
-        self._tangent = entry(kernels.tangent, q, q, *self._active_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
-        self._accept = entry(kernels.accept, q, q, *self._all_sand, q, self.columns, self.proximity)
-        entry(kernels.update_active, self.proximity, 0.0, self.active)
-        self._compiled = True
 
     def leaning(self, q: Vector) -> float:
         """Sine of the greatest angle between the z axis of a spatial body and that of the world; 0 of planar ones."""
@@ -102,7 +104,7 @@ class Batch:
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        self._accept(q, v, *self._all_sand, row, self.columns, self.proximity)
+        self._accept(q, v, *self._all_sand, row, self.columns, self.proximity, False)
 
     def update_active(self, step: float) -> bool:
         """Choose the lines that may touch the surface in the next step (s); whether there are any."""

@@ -5,10 +5,10 @@ For the kernels of runs it is a strip of no length: two stations, both at its ce
 
 from __future__ import annotations
 
-import numpy as np
-
 from granular_contact.kernels import law
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.memory import clear, room2
 from granular_contact.kernels.scatter import factor
 from granular_contact.kernels.surface import height
 from granular_contact.kernels.ways import path
@@ -17,15 +17,16 @@ from granular_contact.kernels.ways import path
 @part
 def ball_forces(P, V, anchors, run, profile, medium, F, totals):
     """`law.forces` of a ball."""
-    F[:] = 0.0
+    clear(F)
     x, y = P[0, 0], P[0, 1]
     z = height(profile, x)[0] - y + run.drop
     if z <= 0.0:
         return
-    f = np.zeros((law.TERMS, 2))
+    f = room2(TERMS, 2)
+    clear(f)
     law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, medium, f)
     share = factor(path(P, anchors, 0), run.place, run.width, run) if run.scatter > 0.0 else 1.0
-    for term in range(law.TERMS):
+    for term in range(TERMS):
         k = share if (run.static >> term) & 1 else 1.0
         fx, fy = k * f[term, 0], k * f[term, 1]
         F[0, 0] += fx

@@ -13,29 +13,30 @@ is paid once for hundreds of bodies. Arguments that they share:
     lines               (lines,) records of `law`
     profile, medium     see `kernels.lines`; medium (1,)
     anchors             (stations, 2) m, the friction state; (stations, 6) with the ways of `ways`
+    room, body          to work in, see `work`
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from granular_contact.kernels import lines as one
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.law import TERMS, line_force
+from granular_contact.kernels.memory import clear, piece, room2, rows
 
 # Of proximity (lines, 3): depth of the deepest station (m), speed at which one approaches the surface (m/s), greatest
 # depth so far (m).
 DEEPEST, APPROACH, EVER = 0, 1, 2
+BLOCK = 6  # rows of `body` before a line's tangent
 
 
-@part
-def rooms(ends):
-    """Room for the longest line: (stations, 2) seven times, (coordinates,) three times."""
-    n, m = 0, 0
-    for r in range(ends.shape[0] - 1):
-        n = max(n, ends[r + 1, 0] - ends[r, 0])
-        m = max(m, ends[r + 1, 1] - ends[r, 1])
-    return np.empty((7, n, 2)), np.empty((3, m))
+def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
+    """Room for the longest line: seven times for its stations, and rows for its coordinates and its tangent."""
+    stations, coordinates = np.max(np.diff(ends, axis=0), axis=0, initial=0)
+    return np.zeros((7, stations, anchors.shape[1])), np.zeros((BLOCK + coordinates, coordinates))
 
 
 @part
@@ -48,32 +49,22 @@ def gather(system_q, system_v, reference, places, q, v):
 
 
 @kernel
-def reset_friction(system_q, reference, ends, places, geometry, anchors):
-    """Reset the friction state of all lines where the bodies are."""
-    room, body = rooms(ends)
-    for r in range(ends.shape[0] - 1):
-        s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
-        c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
-        gather(system_q, system_q, reference, places[c : c + m], body[0, :m], body[1, :m])
-        one.reset_friction(body[0, :m], geometry[s : s + n], room[0, :n], room[1, :n], anchors[s : s + n])
-
-
-@kernel
-def force(system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, out):
+def force(
+    system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, room, body, out
+):  # fmt: skip
     """Add the generalised forces of the active lines to out, the coordinates of the bed."""
-    room, body = rooms(ends)
-    totals = np.zeros((TERMS, 3))
+    totals = room2(TERMS, 3)
     for r in range(lines.shape[0]):
         if not active[r]:
             continue
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
-        q, v, f = body[0, :m], body[1, :m], body[2, :m]
-        gather(system_q, system_v, reference, places[c : c + m], q, v)
-        f[:] = 0.0
-        one.force(
-            q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
-            room[0, :n], room[1, :n], room[2, :n], totals, f,
+        q, v, f = piece(body, 0, m), piece(body, 1, m), piece(body, 2, m)
+        gather(system_q, system_v, reference, rows(places, c, m), q, v)
+        clear(f)
+        line_force(
+            q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
+            piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), totals, f,
         )  # fmt: skip
         for i in range(m):
             out[places[c + i, 1]] += f[i]
@@ -81,39 +72,24 @@ def force(system_q, system_v, reference, active, ends, places, geometry, lines, 
 
 @kernel
 def tangent(
-    system_q,
-    system_v,
-    reference,
-    active,
-    ends,
-    places,
-    geometry,
-    lines,
-    profile,
-    medium,
-    anchors,
-    fq,
-    fv,
-    triplets,
-    count,
-):
+    system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, room, body, fq, fv,
+    triplets, count,
+):  # fmt: skip
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
     Rows and columns are coordinates of the bed; entries of zero are left out. Returns the new count.
     """
-    room, body = rooms(ends)
-    matrix = np.empty((body.shape[1], body.shape[1]))
     for r in range(lines.shape[0]):
         if not active[r]:
             continue
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
-        q, v, block = body[0, :m], body[1, :m], matrix[:m, :m]
-        gather(system_q, system_v, reference, places[c : c + m], q, v)
-        block[:] = 0.0
+        q, v, block = piece(body, 0, m), piece(body, 1, m), rows(body, BLOCK, m)
+        gather(system_q, system_v, reference, rows(places, c, m), q, v)
+        clear(block)
         one.tangent(
-            q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
-            room[0, :n], room[1, :n], room[2, :n], fq, fv, block,
+            q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
+            piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), rows(body, 2, 4), fq, fv, block,
         )  # fmt: skip
         for i in range(m):
             for j in range(m):
@@ -126,19 +102,20 @@ def tangent(
 
 @kernel
 def accept(
-    system_q, system_v, reference, ends, places, geometry, lines, profile, medium, anchors, row, columns, proximity
-):
+    system_q, system_v, reference, ends, places, geometry, lines, profile, medium, anchors, room, body, row, columns,
+    proximity, begins,
+):  # fmt: skip
     """End of a step for all lines, see `lines.accept`; columns (lines, 3), proximity (lines, 3) is filled."""
-    room, body = rooms(ends)
-    totals = np.zeros((TERMS, 3))
+    totals = room2(TERMS, 3)
     for r in range(lines.shape[0]):
         s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
-        q, v = body[0, :m], body[1, :m]
-        gather(system_q, system_v, reference, places[c : c + m], q, v)
+        q, v = piece(body, 0, m), piece(body, 1, m)
+        gather(system_q, system_v, reference, rows(places, c, m), q, v)
         proximity[r, DEEPEST], proximity[r, APPROACH] = one.accept(
-            q, v, geometry[s : s + n], lines[r], profile, medium[0], anchors[s : s + n],
-            room[0, :n], room[1, :n], room[2, :n], room, totals, row, columns[r],
+            q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
+            piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), room, totals, piece(body, 2, m), row, columns[r],
+            begins,
         )  # fmt: skip
         proximity[r, EVER] = max(proximity[r, EVER], proximity[r, DEEPEST])
 

@@ -7,7 +7,11 @@ import numpy as np
 from granular_contact.kernels.balls import ball_forces
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAWS, record_of
+from granular_contact.kernels.lines import force
+from granular_contact.kernels.scatter import scattered
 from granular_contact.kernels.strips import distributed_forces, resultant_forces
+from granular_contact.kernels.ways import count_shear, count_way
+from granular_contact.kernels.wheels import lowering
 
 
 @part
@@ -19,7 +23,30 @@ def line_forces(P, V, anchors, line, profile, medium, F, totals):
         distributed_forces(P, V, anchors, line, profile, medium, F, totals)
 
 
-def medium_record(own: np.ndarray, resultant: bool = True) -> np.ndarray:
-    """Record (1,) of `law.LAW` for a law's own record (1,); resultant: whether lines may ask for that form."""
-    forces = line_forces if resultant else distributed_forces
-    return record_of(own, ball_forces if "ball_force" in LAWS[own.dtype] else forces)
+def medium_record(
+    own: np.ndarray, runs: np.ndarray | None = None, ways: bool = True, bodies: bool = True
+) -> np.ndarray:
+    """Record (1,) of `law.LAW` for a law's own record (1,), with what its lines ask for.
+
+    runs: their records, None of any; ways: whether those of stations are counted; bodies: whether lines are on bodies,
+    by whose coordinates `lines` moves them.
+    """
+
+    def asked(field: str) -> bool:
+        return runs is None or bool(np.any(runs[field] > 0))
+
+    if "ball_force" in LAWS[own.dtype]:
+        found = {"forces": ball_forces}
+    else:
+        found = {"forces": line_forces if asked("resultant") else distributed_forces}
+        if ways:
+            found["count_shear"] = count_shear
+        if asked("scatter"):
+            found["scattered"] = scattered
+        if asked("behind"):
+            found["lowering"] = lowering
+    if ways:
+        found["count_way"] = count_way
+    if bodies:
+        found["line_force"] = force
+    return record_of(own, found)

@@ -7,7 +7,8 @@ drag_anchor. A law has up to TERMS terms, told apart in results. Tangents are di
 
 Kernels know no law: `medium` is a record LAW with the addresses of the law's functions and a copy of its own record,
 and the functions here call what stands there. So kernels are compiled once for all laws, and a law is compiled without
-them. A call by address takes some 10 ns.
+them. What a medium or its lines may ask for and most do not is there too, and is compiled where it is asked for, as is
+what several kernels call, which would be compiled within each of them. A call by address takes some 10 ns.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from numba.core.errors import TypingError
 from numba.extending import intrinsic, overload
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.kinematics import STATION
 
 TERMS = 3
 
@@ -66,11 +68,15 @@ RUN = np.dtype(
 SIZE = 64  # numbers of a law's record, at most
 
 # Addresses of compiled functions, 0 where there is none, and a copy of the law's own record.
-FUNCTIONS = ("forces", "strip_force", "cap_force", "ball_force", "drag_anchor")
+FUNCTIONS = (
+    *("forces", "strip_force", "cap_force", "ball_force", "drag_anchor"),
+    *("line_force", "count_shear", "count_way", "scattered", "lowering"),
+)
 LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), ("own", "f8", (SIZE,))])
 
 _RUN, _NUMBER = from_dtype(RUN), types.float64
-_VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (2, 2, 3))
+_ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
+_STATIONS = types.Array(from_dtype(STATION), 1, "C")
 OWN = None  # where a law's function takes its own record
 _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*[_VECTORS] * 3, _RUN, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
@@ -78,6 +84,11 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "cap_force": ((*[_NUMBER] * 4, _RUN, OWN, _ENDS), types.none),
     "ball_force": ((*[_NUMBER] * 5, _RUN, OWN, _PAIR), types.none),
     "drag_anchor": ((*[_NUMBER] * 4, OWN), types.UniTuple(_NUMBER, 2)),
+    "line_force": ((_ROW, _ROW, _STATIONS, _RUN, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
+    "count_shear": ((_VECTORS, _VECTORS, types.intp, _RUN), types.none),
+    "count_way": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
+    "scattered": ((_ENDS, _VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, _RUN), types.none),
+    "lowering": ((_VECTORS, _VECTORS, types.intp, _RUN), _NUMBER),
 }
 
 
@@ -122,7 +133,9 @@ def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
     return builder.gep(at, [cgutils.intp_t(layout.fields[field][1])])  # type: ignore[index]
 
 
-_forces, _strip, _cap, _ball, _anchor = (caller(name, *_SIGNATURES[name], LAW) for name in _SIGNATURES)
+_forces, _strip, _cap, _ball, _anchor, _line, _shear, _way, _scattered, _lowering = (
+    caller(name, *_SIGNATURES[name], LAW) for name in FUNCTIONS
+)
 
 
 @part
@@ -170,18 +183,48 @@ def drag_anchor(px, py, ax, ay, medium):
     return _anchor(medium, (px, py, ax, ay))
 
 
+@part
+def line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
+    """`lines.force`."""
+    _line(medium, (q, v, geometry, line, profile, anchors, P, V, F, totals, out))
+
+
+@part
+def count_shear(P, anchors, i, run, medium):
+    """`ways.count_shear`, where the medium keeps ways."""
+    _shear(medium, (P, anchors, i, run))
+
+
+@part
+def count_way(P, anchors, i, x, y, immersed, medium):
+    """`ways.count_way`, where the medium keeps ways."""
+    _way(medium, (P, anchors, i, x, y, immersed))
+
+
+@part
+def scattered(f, P, anchors, i, place, length, run, medium):
+    """`scatter.scattered`, where the medium scatters."""
+    _scattered(medium, (f, P, anchors, i, place, length, run))
+
+
+@part
+def lowering(P, V, i, run, medium):
+    """`wheels.lowering`, where the run is of a wheel behind which the surface is lowered."""
+    return _lowering(medium, (P, V, i, run))
+
+
 LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: compiled functions of a law, by their names in LAW
 
 
-def record_of(own: np.ndarray, forces: Any) -> np.ndarray:
-    """Record (1,) of LAW for a law's own record (1,) and a compiled way to apply it; compiles what is not yet.
+def record_of(own: np.ndarray, ways: dict[str, Any]) -> np.ndarray:
+    """Record (1,) of LAW for a law's own record (1,) and compiled ways to apply it; compiles what is not yet.
 
     Raises
     ------
     TypeError
         The law has too many numbers.
     """
-    return filled(own, LAWS[own.dtype] | {"forces": forces}, LAW, _SIGNATURES)
+    return filled(own, LAWS[own.dtype] | ways, LAW, _SIGNATURES)
 
 
 def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatures: dict[str, Any]) -> np.ndarray:

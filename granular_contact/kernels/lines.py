@@ -7,21 +7,26 @@ Arguments that they share:
     profile     (k, 2) corners of the surface, see `surface`
     medium      record of `law`
     anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 6) with the ways of `ways`
-    P, V, F     (n, 2) room for positions, velocities and forces of the stations
+    P, V, F     (n, 2) room for positions, velocities and forces of the stations; more columns are not used
     totals      (TERMS, 3), see `law`
+
+`force` is called by its address in the record of the medium, as `law.line_force`: several kernels need it.
 
 `batches` calls them for many lines at once.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.kinematics import scatter, spacing, stations
-from granular_contact.kernels.law import RUN, TERMS, drag_anchor, forces
+from granular_contact.kernels.law import RUN, TERMS, count_way, drag_anchor, forces, line_force
+from granular_contact.kernels.memory import clear, piece, room2, rows
 from granular_contact.kernels.surface import height
-from granular_contact.kernels.ways import count_ways, start_ways
+from granular_contact.kernels.ways import start
 
 __all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
 
@@ -44,26 +49,17 @@ def drag_anchors(P, anchors, line, profile, m):
         if before or here or after:
             x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
         if anchors.shape[1] > 2:
-            count_ways(P, anchors, i, x, y, here)
+            count_way(P, anchors, i, x, y, here, m)
         anchors[i, 0], anchors[i, 1] = x, y
         before, here = here, after
 
 
 @part
-def reset_friction(q, geometry, P, V, anchors):
-    """Reset the friction state of a body at q: no bristle is stretched."""
-    stations(q, np.zeros(q.shape[0]), geometry, P, V)
-    release(P, anchors)
-    if anchors.shape[1] > 2:
-        start_ways(P, anchors)
-
-
-@part
-def release(P, anchors):
+def release(P, anchors, m):
     """Put every anchor at its station."""
     for i in range(P.shape[0]):
         if anchors.shape[1] > 2:
-            count_ways(P, anchors, i, P[i, 0], P[i, 1], False)
+            count_way(P, anchors, i, P[i, 0], P[i, 1], False, m)
         anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
 
 
@@ -81,7 +77,7 @@ def upright(P, i):
     """Sine of the angle between the line at station i and the horizontal; 1 for a ball, which has no length."""
     j = i + 1 if i + 1 < P.shape[0] else i - 1
     x, y = P[j, 0] - P[i, 0], P[j, 1] - P[i, 1]
-    length = np.hypot(x, y)
+    length = math.sqrt(x * x + y * y)
     return abs(y) / length if length > 0.0 else 1.0
 
 
@@ -99,29 +95,29 @@ def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
 def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change):
     """Add to change (4,) by how much power, resultant and moment differ from those of F with strips joined in pairs.
 
-    Power in W, resultant in N, moment about the world origin in N m, counter-clockwise. room (7, n, 2), of which the
-    last four are to work in.
+    Power in W, resultant in N, moment about the world origin in N m, counter-clockwise. room (7, n, columns of
+    anchors), of which the last four are to work in.
     """
     n = 0
-    held = room[5] if anchors.shape[1] == 2 else np.empty(anchors.shape)
     for i in range(P.shape[0]):
         if geometry[i].kept:
             for xy in range(2):
                 room[3, n, xy], room[4, n, xy] = P[i, xy], V[i, xy]
             for k in range(anchors.shape[1]):
-                held[n, k] = anchors[i, k]
+                room[5, n, k] = anchors[i, k]
             n += 1
     if n == P.shape[0] or line.resultant:
         return
+    p, v, anchored, f = piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), piece(room, 6, n)
     line.turn *= 2.0
-    forces(room[3, :n], room[4, :n], held[:n], line, profile, medium, room[6, :n], np.zeros((TERMS, 3)))
+    forces(p, v, anchored, line, profile, medium, f, room2(TERMS, 3))
     line.turn *= 0.5
     for i in range(n):
-        x, y = room[6, i, 0], room[6, i, 1]
-        change[0] += x * room[4, i, 0] + y * room[4, i, 1]
+        x, y = f[i, 0], f[i, 1]
+        change[0] += x * v[i, 0] + y * v[i, 1]
         change[1] += x
         change[2] += y
-        change[3] += room[3, i, 0] * y - room[3, i, 1] * x
+        change[3] += p[i, 0] * y - p[i, 1] * x
     for i in range(P.shape[0]):
         change[0] -= F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
         change[1] -= F[i, 0]
@@ -130,13 +126,15 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
 
 
 @part
-def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, row, columns):
-    """End of a step: the anchors follow; power, depth, speed and totals go into a history row; room (7, n, 2).
+def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, out, row, columns, begins):
+    """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
 
-    Returns the line's depth (m, negative above the surface) and the greatest speed at which a station approaches the
-    surface (m/s).
+    room (7, n, columns of anchors) and out (m,) to work in; begins: whether a motion begins here instead, without any
+    stretched bristle. Returns the line's depth (m, negative above the surface) and the greatest speed at which a
+    station approaches the surface (m/s).
     """
-    stations(q, v, geometry, P, V)
+    clear(totals)
+    line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)
     deepest, speed = -np.inf, 0.0
     for i in range(P.shape[0]):
         surface, slope = height(profile, P[i, 0])
@@ -144,17 +142,18 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
         deepest = max(deepest, z)
         speed = max(speed, abs(V[i, 1]) + abs(slope * V[i, 0]))
         if z > 0.0:
-            row[SPEED] = max(row[SPEED], np.hypot(V[i, 0], V[i, 1]))
+            row[SPEED] = max(row[SPEED], math.sqrt(V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]))
             row[LOWEST] = min(row[LOWEST], P[i, 1] - line.drop)
             beside = line.beside * upright(P, i)
             row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0] - beside), max(row[RIGHT], P[i, 0] + beside)
     row[DEPTH] = max(row[DEPTH], deepest)
-    if deepest <= 0.0:
-        release(P, anchors)
+    if begins:
+        start(P, anchors)
         return deepest, speed
-    totals[:] = 0.0
-    forces(P, V, anchors, line, profile, medium, F, totals)
-    join_strips(P, V, F, geometry, line, profile, medium, anchors, room, row[COARSER : COARSER + 4])
+    if deepest <= 0.0:
+        release(P, anchors, medium)
+        return deepest, speed
+    join_strips(P, V, F, geometry, line, profile, medium, anchors, room, rows(row, COARSER, 4))
     drag_anchors(P, anchors, line, profile, medium)
     power, terms, body = columns
     for i in range(P.shape[0]):
@@ -181,18 +180,19 @@ def difference(q, fq, fv):
 
 
 @part
-def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out):
+def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, room, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by differences.
 
     q and v are moved together, by d fq and d fv along each coordinate, see `difference`.
-    Coordinates whose forces do not meet are moved at once.
+    Coordinates whose forces do not meet are moved at once. room (4, m) to work in.
     """
-    size = q.shape[0]
-    at_state, moved, totals = np.zeros(size), np.empty(size), np.zeros((TERMS, 3))
-    force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
+    size, totals = q.shape[0], room2(TERMS, 3)
+    at_state, moved = piece(room, 0, size), piece(room, 1, size)
+    clear(at_state)
+    line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
     if not immersed(P, line, profile):
         return
-    q_there, v_there, d = np.empty(size), np.empty(size), difference(q, fq, fv)
+    q_there, v_there, d = piece(room, 2, size), piece(room, 3, size), difference(q, fq, fv)
     for j in range(size):
         q_there[j], v_there[j] = q[j], v[j]
     apart = 0 if line.resultant else spacing(geometry)
@@ -201,8 +201,8 @@ def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, fq, fv, out
         for j in range(first, size, together):
             q_there[j] += d * fq
             v_there[j] += d * fv
-        moved[:] = 0.0
-        force(q_there, v_there, geometry, line, profile, medium, anchors, P, V, F, totals, moved)
+        clear(moved)
+        line_force(q_there, v_there, geometry, line, profile, medium, anchors, P, V, F, totals, moved)
         for j in range(first, size, together):
             q_there[j], v_there[j] = q[j], v[j]
             node = j // 4

@@ -79,7 +79,7 @@ def follow(
                 saw[LOWEST] = min(saw[LOWEST], p[i, 1] - lines[r].drop)
         saw[DEPTH] = max(saw[DEPTH], deepest)
         if deepest <= 0.0 or again or not active[r]:
-            one.release(p, anchors[s:e])
+            one.release(p, anchors[s:e], medium[0])
         else:
             one.drag_anchors(p, anchors[s:e], lines[r], profile, medium[0])
         active[r] = may_touch(deepest, speed, step)

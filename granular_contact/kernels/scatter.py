@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.ways import path
 
 MOST = 0.5
 GOLDEN, FIRST, SECOND = (np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB))
@@ -63,8 +64,9 @@ def factor(way, place, length, run):
 
 
 @part
-def scatter_terms(f, share, run):
-    """Multiply the static terms of end forces f[term, end, xy] by a factor."""
+def scattered(f, P, anchors, i, place, length, run):
+    """Multiply the static terms of the end forces f[term, end, xy] of strip i; place and length as of `factor`."""
+    share = factor(0.5 * (path(P, anchors, i) + path(P, anchors, i + 1)), place, length, run)
     for term in range(f.shape[0]):
         if (run.static >> term) & 1:
             for end in range(2):

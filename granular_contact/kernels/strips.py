@@ -14,11 +14,10 @@ import numpy as np
 from granular_contact.kernels import law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.immersion import immersed_interval
+from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.layers import inside
-from granular_contact.kernels.scatter import factor, scatter_terms
+from granular_contact.kernels.memory import clear, room3
 from granular_contact.kernels.surface import depth
-from granular_contact.kernels.ways import path, shear_displacement
-from granular_contact.kernels.wheels import lowered, lowering
 
 
 @part
@@ -26,7 +25,7 @@ def collect(f, i, P, F, totals):
     """Add the end forces f[term, end, xy] of strip i to the station forces F and to the totals."""
     for end in range(2):
         x, y = P[i + end, 0], P[i + end, 1]
-        for term in range(law.TERMS):
+        for term in range(TERMS):
             fx, fy = f[term, end, 0], f[term, end, 1]
             F[i + end, 0] += fx
             F[i + end, 1] += fy
@@ -36,51 +35,39 @@ def collect(f, i, P, F, totals):
 
 
 @part
-def count_shear(P, anchors, i, run):
-    """Let the run know how far the medium was sheared at both ends of strip i."""
-    cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
-    length = math.hypot(cx, cy)
-    if length > 0.0:
-        tx, ty = cx / length, cy / length
-        run.j0 = shear_displacement(P, anchors, i, tx, ty)
-        run.j1 = shear_displacement(P, anchors, i + 1, tx, ty)
-
-
-@part
 def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
     """Integrate the law strip by strip."""
-    f, length = np.zeros((law.TERMS, 2, 2)), 0.0
-    F[:] = 0.0
+    f, length = room3(TERMS, 2, 2), 0.0
+    clear(F)
     last = P.shape[0] - 1
     run.j0, run.j1, place = np.inf, np.inf, run.place
-    drop, axle, ahead = lowering(P, V, run) if run.behind > 0.0 else (0.0, 0.0, 0.0)
     z1 = depth(profile, P[0, 0], P[0, 1])
-    if drop > 0.0:
-        z1 -= lowered(P[0, 0], drop, axle, ahead, run)
+    if run.behind > 0.0:
+        z1 -= law.lowering(P, V, 0, run, medium)
     for i in range(last):
         z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
-        if drop > 0.0:
-            z1 -= lowered(P[i + 1, 0], drop, axle, ahead, run)
+        if run.behind > 0.0:
+            z1 -= law.lowering(P, V, i + 1, run, medium)
         if run.scatter > 0.0:
-            length = math.hypot(P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1])
+            cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
+            length = math.sqrt(cx * cx + cy * cy)
             place += length
         a, b = inside(z0, z1, run)
         if a == b:
             continue
-        f[:] = 0.0
+        clear(f)
         if anchors.shape[1] > 2:
-            count_shear(P, anchors, i, run)
+            law.count_shear(P, anchors, i, run, medium)
         law.strip_force(
             a, b, z0, z1, P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1], V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1],
             P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],
             P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], run, medium, f,
         )  # fmt: skip
         if run.scatter > 0.0:
-            way = 0.5 * (path(P, anchors, i) + path(P, anchors, i + 1))
-            scatter_terms(f, factor(way, place - 0.5 * length, length, run), run)
+            law.scattered(f, P, anchors, i, place - 0.5 * length, length, run, medium)
         collect(f, i, P, F, totals)
     if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
-        f[:] = 0.0
+        clear(f)
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
         law.cap_force(cx, cy, V[last, 0], V[last, 1], run, medium, f)
         collect(f, last - 1, P, F, totals)
@@ -132,7 +119,7 @@ def at(A, position):
 @part
 def resultant_forces(P, V, anchors, run, profile, medium, F, totals):
     """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
-    F[:] = 0.0
+    clear(F)
     Z = np.empty(P.shape[0])
     for i in range(P.shape[0]):
         Z[i] = depth(profile, P[i, 0], P[i, 1])
@@ -147,14 +134,15 @@ def resultant_forces(P, V, anchors, run, profile, medium, F, totals):
     px, py = at(P, middle)
     ax, ay = at(anchors, middle)
     ex, ey = px - ax, py - ay
-    f = np.zeros((law.TERMS, 2, 2))
+    f = room3(TERMS, 2, 2)
+    clear(f)
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
     z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
     law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, run, medium, f)
     if run.cap and Z[-1] > 0.0:
         law.cap_force(x1 - x0, y1 - y0, vx, vy, run, medium, f)
     xi = middle - i
-    for term in range(law.TERMS):
+    for term in range(TERMS):
         for xy in range(2):
             total = f[term, 0, xy] + f[term, 1, xy]
             f[term, 0, xy] = (1.0 - xi) * total

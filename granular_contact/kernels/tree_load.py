@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from granular_contact.kernels import batches
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.tree import Motion, accelerate, place
@@ -33,6 +31,8 @@ class Forest(NamedTuple):
     profile: Any
     medium: Any
     anchors: Any
+    room: Any
+    body: Any
     columns: Any
     proximity: Any
 
@@ -48,7 +48,7 @@ def rates(y, w, dy):
     if w.lines.shape[0] > 0:
         batches.force(
             motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.active, w.ends, w.places, w.geometry, w.lines,
-            w.profile, w.medium, w.anchors, motion.force.ravel(),
+            w.profile, w.medium, w.anchors, w.room, w.body, motion.force.ravel(),
         )  # fmt: skip
         for i in range(n):
             for k in range(3):
@@ -61,24 +61,19 @@ def rates(y, w, dy):
 
 
 @part
-def accept(y, w, row):
-    """End of a step at y: the anchors follow, forces of the medium and depth go into a history row."""
+def accept(y, w, row, begins):
+    """End of a step at y: the anchors follow, forces of the medium and depth go into a history row.
+
+    begins: whether a motion begins here instead, without any stretched bristle.
+    """
     n = w.bodies.shape[0]
     motion = w.motion
     place(y[:n], y[n : 2 * n], w.bodies, motion)
     if w.lines.shape[0] > 0:
         batches.accept(
             motion.pose.ravel(), motion.twist.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.lines, w.profile,
-            w.medium, w.anchors, row, w.columns, w.proximity,
+            w.medium, w.anchors, w.room, w.body, row, w.columns, w.proximity, begins,
         )  # fmt: skip
-
-
-@part
-def reset_friction(y, w):
-    """Reset the friction state where the bodies are."""
-    n = w.bodies.shape[0]
-    place(y[:n], np.zeros(n), w.bodies, w.motion)
-    batches.reset_friction(w.motion.pose.ravel(), w.nowhere, w.ends, w.places, w.geometry, w.anchors)
 
 
 @part

@@ -10,7 +10,7 @@ from granular_contact.kernels import batches
 from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.lines import TIME
-from granular_contact.kernels.tree_load import accept, fastest, rates, reset_friction
+from granular_contact.kernels.tree_load import accept, fastest, rates
 
 # Why `march` came back: the table is full, everything rests, the end, no step is small enough.
 PAUSE, REST, END, FAILED = 0, 1, 2, 3
@@ -33,8 +33,7 @@ OLD = 20  # steps after which the spectral radius is looked at anew
 @kernel
 def start(y, w, blank, states, rows):
     """Reset the friction state and write the first row."""
-    if w.lines.shape[0] > 0:
-        reset_friction(y, w)
+    accept(y, w, rows[0], True)
     write(0.0, y, w, blank, states[0], rows[0])
 
 
@@ -44,7 +43,7 @@ def write(t, y, w, blank, state, row):
     made `blank`.
     """
     row[:] = blank
-    accept(y, w, row)
+    accept(y, w, row, False)
     row[TIME] = t
     n = w.bodies.shape[0]
     for i in range(n):

@@ -30,11 +30,23 @@ def shear_displacement(P, anchors, i, tx, ty):
 @part
 def path(P, anchors, i):
     """Way w (m) of the station i."""
-    return anchors[i, PATH] + math.hypot(P[i, 0] - anchors[i, X], P[i, 1] - anchors[i, Y])
+    dx, dy = P[i, 0] - anchors[i, X], P[i, 1] - anchors[i, Y]
+    return anchors[i, PATH] + math.sqrt(dx * dx + dy * dy)
 
 
 @part
-def count_ways(P, anchors, i, x, y, immersed):
+def count_shear(P, anchors, i, run):
+    """Let the run know how far the medium was sheared at both ends of strip i."""
+    cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
+    length = math.sqrt(cx * cx + cy * cy)
+    if length > 0.0:
+        tx, ty = cx / length, cy / length
+        run.j0 = shear_displacement(P, anchors, i, tx, ty)
+        run.j1 = shear_displacement(P, anchors, i + 1, tx, ty)
+
+
+@part
+def count_way(P, anchors, i, x, y, immersed):
     """Count the ways of station i in a step that is accepted, before its anchor goes to (x, y) m.
 
     immersed: whether the station is.
@@ -46,14 +58,16 @@ def count_ways(P, anchors, i, x, y, immersed):
         return
     before, after = max(0, i - 1), min(P.shape[0] - 1, i + 1)
     tx, ty = P[after, 0] - P[before, 0], P[after, 1] - P[before, 1]
-    length = math.hypot(tx, ty)
+    length = math.sqrt(tx * tx + ty * ty)
     if length > 0.0:
         anchors[i, SHEARED] += abs(tx * (x - anchors[i, 0]) + ty * (y - anchors[i, 1])) / length
 
 
 @part
-def start_ways(P, anchors):
-    """Begin to count at the stations (n, 2) m."""
+def start(P, anchors):
+    """Begin at the stations (n, 2) m: no bristle is stretched, and ways are counted from here."""
     for i in range(P.shape[0]):
-        anchors[i, SHEARED], anchors[i, PATH] = 0.0, 0.0
-        anchors[i, X], anchors[i, Y] = P[i, 0], P[i, 1]
+        anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
+        if anchors.shape[1] > SHEARED:
+            anchors[i, SHEARED], anchors[i, PATH] = 0.0, 0.0
+            anchors[i, X], anchors[i, Y] = P[i, 0], P[i, 1]

@@ -110,10 +110,10 @@ def _sand(load: GranularLoad | None) -> tuple[NDArray[Any], ...]:
     if load is None:
         flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
         nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, STATION), np.zeros(0, RUN)
-        medium, numbers = np.zeros(1, LAW), (np.zeros((0, 2)), np.zeros((0, 3), np.int64), np.zeros((0, 3)))
-        return np.zeros(0, dtype=bool), *nothing, flat, medium, *numbers
+        medium, work = np.zeros(1, LAW), (np.zeros((0, 2)), np.zeros((7, 0, 2)), np.zeros((0, 0)))
+        return np.zeros(0, dtype=bool), *nothing, flat, medium, *work, np.zeros((0, 3), np.int64), np.zeros((0, 3))
     (batch,) = load.batches  # of one medium on bodies of one kind, or the scene was refused
     return (
         batch.active, batch.ends, batch.places, batch.geometry, batch.records, batch.profile, batch.medium,
-        batch.anchors, batch.columns, batch.proximity,
+        batch.anchors, *batch.work, batch.columns, batch.proximity,
     )  # fmt: skip

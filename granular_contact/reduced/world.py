@@ -44,7 +44,10 @@ def world(reduced: Model) -> World:
         parts |= {"margins": modal_motion.margins, "hold": slip.hold}
     modal_calls.provide(record, parts)
     static = AIMED if reduced.method.static == "true_sign" else scene.static
-    medium = medium_record(scene.media[0].record(static, scene.gravity)) if scene.media else np.zeros(1, LAW)
+    medium = np.zeros(1, LAW)
+    if scene.media:
+        own = scene.media[0].record(static, scene.gravity)
+        medium = medium_record(own, np.concatenate(runs), ways=False, bodies=False)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors = np.zeros((starts[-1], 2))
     return World(record, np.concatenate(geometry), starts, np.concatenate(runs), profile, medium, anchors)

@@ -65,7 +65,7 @@ class Sand:
         self.geometry, self.q, self.v = case
         n = len(self.geometry)
         anchors = np.zeros((n, 2))
-        lines.reset_friction(self.q, self.geometry, *np.zeros((2, n, 2)), anchors)
+        kinematics.stations(self.q, self.v, self.geometry, anchors, np.zeros((n, 2)))
         anchors += rng.uniform(0.2, 0.7, (n, 2)) * YIELD * rng.choice([-1.0, 1.0], (n, 2))
         self.around = (self.geometry, run[0], LEVEL, medium_record(record)[0], anchors, *np.zeros((3, n, 2)))
 
@@ -76,7 +76,7 @@ class Sand:
 
     def tangent(self, fq: float, fv: float) -> Array:
         out = np.zeros((self.q.size, self.q.size))
-        lines.tangent(self.q, self.v, *self.around, fq, fv, out)
+        lines.tangent(self.q, self.v, *self.around, np.zeros((4, self.q.size)), fq, fv, out)
         return out
 
     def moved(self, j: int, fq: float, fv: float) -> Array:

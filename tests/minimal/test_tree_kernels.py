@@ -7,6 +7,7 @@ import pytest
 from support_runs import order, scene_of
 
 from granular_contact.kernels import chebyshev, tree, tree_load
+from granular_contact.kernels.lines import FIRST
 from granular_contact.kernels.tree_load import Forest
 from granular_contact.minimal.tree import tree as make_tree
 from granular_contact.scene.types import Scene
@@ -109,7 +110,7 @@ def test_spectral_radius_of_a_stuck_pendulum() -> None:
     """Deep in the sand at rest: the dashpot of the bristles against the moment of inertia."""
     w, start = forest(surface_height_m=-0.2, **{"initial.impact_angle_deg": 45, "initial.impact_speed_rad_s": 0})
     w.profile[:, 1] = -0.1
-    tree_load.reset_friction(start, w)
+    tree_load.accept(start, w, np.zeros(FIRST), True)
     chebyshev.rates(start, w, slope := np.empty_like(start))
     found, _ = chebyshev.radius(start, slope, w, np.zeros_like(start), np.empty_like(start), np.empty_like(start))
     moved, response = start.copy(), np.empty_like(start)

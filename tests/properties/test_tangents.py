@@ -53,7 +53,7 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
         here, h = at(np.zeros(6)), 20.0 * D
         for fq, fv in ((1.0, 0.0), (0.0, 1.0), (0.7, -1.3)):
             got, steps = np.zeros((3, 3)), np.vstack([fq * np.eye(3), fv * np.eye(3)])
-            lines.tangent(q, v, *around, fq, fv, got)
+            lines.tangent(q, v, *around, np.zeros((4, 3)), fq, fv, got)
             d = min(D / max(fq, 1e-300), 1e-6 / max(abs(fv), 1e-300))
             h = 20.0 * d
             for j in range(3):
