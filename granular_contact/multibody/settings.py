@@ -97,6 +97,12 @@ def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | No
     return least, LOOSEST * whole, scene.solver.step_s
 
 
+def patience(scene: Scene, simulation: Any) -> tuple[float, float] | None:
+    """Least and greatest absolute tolerance of Newton's method in space, see `predictor.Predictor`; None elsewhere."""
+    least, whole = simulation.timeIntegration.newton.absoluteTolerance, scene.solver.tolerance * scene.force_scale
+    return (least, LOOSEST * whole) if scene.in_space else None
+
+
 def control_steps(simulation: Any, control: StepControl) -> None:
     """Leave the choice of steps to a step control; the engine still halves them where its iteration fails."""
     t = simulation.timeIntegration

@@ -19,7 +19,7 @@ from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.multibody.settings import control_steps, settings, tolerances, unresolved
+from granular_contact.multibody.settings import control_steps, patience, settings, tolerances, unresolved
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
@@ -92,7 +92,11 @@ class Solve:
                 control_steps(self.simulation, control)
             mbs.SetPostStepUserFunction(self.recorder)
             # Accelerations that are round-off tell nothing.
-            predictor = None if unresolved(scene) else Predictor(self.solver, tolerances(scene, self.simulation))
+            predictor = (
+                None
+                if unresolved(scene)
+                else Predictor(self.solver, tolerances(scene, self.simulation), patience(scene, self.simulation))
+            )
             mbs.SetPreNewtonResidualUserFunction(predictor or 0)
             if system.bed is not None:
                 system.bed.accept()  # loads its kernels, which is no part of the solve

@@ -5,22 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.bed.space.heights import Heights
-from granular_contact.config.csv_table import number
 from granular_contact.config.schema import space as schema
-from granular_contact.config.schema.bed import STEEPEST
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
+from granular_contact.scene.space.height_map import heights_of
 from granular_contact.scene.space.types import Part, SpatialRigidBody
 
 Vector = NDArray[np.float64]
-STEEPEST_RISE = math.tan(math.radians(STEEPEST))
 
 
 @dataclass(frozen=True)
@@ -81,7 +78,7 @@ def bed(
         return None
     slope, toward = math.tan(math.radians(spec.slope_deg)), math.radians(spec.slope_direction_deg)
     rise = (slope * math.cos(toward), slope * math.sin(toward)) if slope else (0.0, 0.0)
-    heights = None if spec.height_map is None else _read(spec.height_map, faults)
+    heights = None if spec.height_map is None else heights_of(spec.height_map, faults)
     placed = SpatialBed(0.0, rise, tuple(_layers(scenario, faults)), heights)
     height = scenario.surface_height_m if spec.height_m is None else spec.height_m
     if height is None:
@@ -118,42 +115,3 @@ def keys_of_media(scenario: schema.SpatialScenario) -> dict[str, Law]:
     """The media of a scenario by their keys."""
     several = isinstance(scenario.medium, tuple)
     return {f"medium.{i}" if several else "medium": one for i, one in enumerate(scenario.media)}
-
-
-def _read(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
-    """Heights of a file; None, with faults."""
-    key, path = "bed.height_map.file", Path(spec.file)
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        faults.append(scene_fault(key, f"got {path.name!r}, but {path} can't be read: {type(error).__name__}"))
-        return None
-    rows: list[list[float]] = []
-    before = len(faults)
-    for i, line in enumerate(lines, 1):
-        if not line.strip():
-            continue
-        cells = [number(cell.strip()) for cell in line.replace(";", ",").split(",")]
-        holes = [j for j, value in enumerate(cells, 1) if value is None]
-        if holes:
-            got = f"{path}:{i}: {len(holes)} of {len(cells)} columns hold no number, the first is {holes[0]}"
-            faults.append(scene_fault(key, f"{got}; a map of heights has no holes: fill them"))
-        elif rows and len(cells) != len(rows[0]):
-            faults.append(
-                scene_fault(key, f"{path}:{i}: got {len(cells)} columns, but the rows before have {len(rows[0])}")
-            )
-        else:
-            rows.append([value for value in cells if value is not None])
-        if len(faults) > before + 4:
-            break
-    if len(faults) > before:
-        return None
-    if len(rows) < 2 or len(rows[0]) < 2:
-        faults.append(scene_fault(key, f"{path}: got {len(rows)} rows; allowed are 2 or more rows and columns"))
-        return None
-    heights = Heights(spec.scale * np.array(rows), spec.corner_m, spec.cell_m)
-    if not heights.steepest < STEEPEST_RISE:
-        steep = math.degrees(math.atan(heights.steepest))
-        words = f"{path}: it rises by up to {steep:.3g} deg; allowed is less than {STEEPEST}: look at cell_m and scale"
-        faults.append(scene_fault(key, words))
-    return heights

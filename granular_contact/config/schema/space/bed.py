@@ -14,14 +14,14 @@ class HeightMap(Strict):
     """Heights of the surface at the points of a square grid; smooth between them, level beyond them."""
 
     file: Text
-    """CSV without a header: a row for each y, upward from the corner, a column for each x. A path from the folder of
-    the file that names it."""
+    """CSV without a header: a row for each y, upward from the corner, a column for each x; or a picture of grey levels
+    (PNG, TIFF, ...), whose lower left is the corner. A path from the folder of the file that names it."""
     cell_m: Positive
     """Distance of neighbours."""
     corner_m: Point = (0.0, 0.0)
     """x and y of the first column and row."""
     scale: float = 1.0
-    """Height in m of one unit of the file."""
+    """Height in m of one unit of the file, of a picture of one grey level (there are 256, or 65536 of 16 bits)."""
 
 
 class SpatialBed(Strict):
