@@ -2,10 +2,11 @@
 
     python validation/two_engines.py [--quick]
 
-A plate that is thrown into 3D-RFT sand in space, a chain of four links that strikes play sand, and the walker of
-configs/walker.yaml on poppy seeds, by `MujocoBed` at ever shorter steps. Their errors are those against Exudyn's motion
-(of the chain: minimal coordinates) at a step or tolerance where it has converged; the order is their slope. For
-standing the hexapod of examples/mujoco stands for 2 s under its servos, and is watched for 3 s more.
+A plate that is thrown into 3D-RFT sand in space, a chain of four links that strikes play sand, the hexapod of
+models/hexapod that begins to walk, and the walker of configs/walker.yaml on poppy seeds, by `MujocoBed` at ever
+shorter steps. Their errors are those against Exudyn's motion (of the chain: minimal coordinates) at a step or
+tolerance where it has converged; the order is their slope. For standing the hexapod of examples/mujoco stands for 2 s
+under its servos, and is watched for 3 s more.
 """
 
 from __future__ import annotations
@@ -30,13 +31,14 @@ from granular_contact.mujoco import MujocoBed
 from granular_contact.run import run
 from granular_contact.scene import Scene, build
 from validation.chains import chain
+from validation.peers import mujoco_hexapod
 from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
 from validation.tables import machine, markdown
 
 Array = NDArray[np.float64]
 SAND = Rft3d(1600.0, 0.5, 0.3)
 PLATE, THROWN = (0.12, 0.08, 0.01), [0.4, 0.1, -0.8, 1.0, 3.0, 0.5]  # m; m/s and rad/s
-FALL, STRIKE, WALK = 0.12, 0.04, 2.0  # s
+FALL, STRIKE, STRIDE, WALK = 0.12, 0.04, 1.0, 2.0  # s
 
 
 def plate_there(steps: int) -> Array:
@@ -123,6 +125,19 @@ def chain_errors(steps: list[float]) -> list[float]:
     return errors
 
 
+def hexapod_errors(steps: list[float], step_there: float) -> tuple[list[float], float]:
+    """Greatest distance (mm) of the hexapod's trunk from its path by Exudyn, and how far (mm) it walks."""
+    scene = mujoco_hexapod.scene_of(STRIDE, "solver.accuracy=null", f"solver.step_s={step_there}")
+    there = run(scene)
+    time, trunk = there["time_s"], np.column_stack([there[f"trunk_{axis}_m"] for axis in "xyz"])
+    errors = []
+    for step in steps:
+        here = mujoco_hexapod.path_of(scene, step, STRIDE)
+        at = np.column_stack([np.interp(np.arange(len(here)) * step, time, one) for one in trunk.T])
+        errors.append(1e3 * float(np.linalg.norm(here - at, axis=1).max()))
+    return errors, 1e3 * float(trunk[-1, 0] - trunk[0, 0])
+
+
 def walker_speeds(steps: list[float]) -> tuple[float, list[float]]:
     """Mean speed (m/s) of the walker's trunk in the second half, by Exudyn, and by MuJoCo at some steps."""
     path = HERE / "configs" / "walker.yaml"
@@ -155,27 +170,51 @@ def order(steps: list[float], errors: list[float]) -> float:
 
 
 def main() -> int:
-    """Print the tables; 0 when orders are near one and robots stand, else 1."""
+    """Print the tables; 0 when orders are near one, speeds agree and robots stand, else 1."""
     quick = "--quick" in sys.argv
     print(f"{machine('mujoco', 'exudyn')}\n")
-    steps = [4e-4, 2e-4, 1e-4]
+    kept = motions(quick)
+    kept &= walking([1e-3, 5e-4] if quick else [2e-3, 1e-3, 5e-4, 2e-4, 1e-4])
+    kept &= standing([1e-3, 2e-3, 4e-3])
+    return 0 if kept else 1
+
+
+def motions(quick: bool) -> bool:
+    """Print errors by step of plate, chain and hexapod; whether their orders are near one."""
+    steps, strides = [4e-4, 2e-4, 1e-4], [2e-3, 1e-3, 5e-4, 2.5e-4]
+    if not quick:
+        strides += [1.25e-4, 6.25e-5]
     place = plate_there(600 if quick else 2400)
     plate = [1e3 * float(np.linalg.norm(plate_here(step) - place)) for step in steps]
     links = chain_errors(steps)
-    orders = order(steps, plate), order(steps, links)
+    legs, far = hexapod_errors(strides, 5e-4 if quick else 1e-4)
+    orders = order(steps, plate), order(steps, links), order(strides, legs)
     rows = [[f"{1e3 * s:g}", f"{a:.3f}", f"{b:.4f}"] for s, a, b in zip(steps, plate, links, strict=True)]
-    rows.append(["order", *(f"{one:.2f}" for one in orders)])
+    rows.append(["order", *(f"{one:.2f}" for one in orders[:2])])
     print(markdown(["step ms", "plate, end mm", "chain, tip path mm"], rows))
-    walk = [1e-3, 5e-4] if quick else [2e-3, 1e-3, 5e-4, 2e-4, 1e-4]
-    there, speeds = walker_speeds(walk)
-    rows = [[f"{1e3 * s:g}", f"{v:.4f}", f"{100 * (v / there - 1):+.2f} %"] for s, v in zip(walk, speeds, strict=True)]
+    rows = [[f"{1e3 * s:g}", f"{one:.3f}"] for s, one in zip(strides, legs, strict=True)]
+    print(f"\nThe hexapod walks {far:.1f} mm by Exudyn.\n")
+    print(markdown(["step ms", "hexapod, trunk path mm"], [*rows, ["order", f"{orders[2]:.2f}"]]))
+    return all(0.7 < one < 1.4 for one in orders)
+
+
+def walking(steps: list[float]) -> bool:
+    """Print the walker's speeds by step; whether at the shortest it is Exudyn's within 2 %."""
+    there, speeds = walker_speeds(steps)
+    rows = [[f"{1e3 * s:g}", f"{v:.4f}", f"{100 * (v / there - 1):+.2f} %"] for s, v in zip(steps, speeds, strict=True)]
     print(f"\nWalker: {there:.4f} m/s in the second half by Exudyn.\n")
     print(markdown(["step ms", "m/s by MuJoCo", "to Exudyn"], rows))
-    rates = {step: drift(step) for step in (1e-3, 2e-3, 4e-3)}
+    return abs(speeds[-1] / there - 1) < 0.02
+
+
+def standing(steps: list[float]) -> bool:
+    """Print how fast the hexapod sinks while it stands; whether it does not."""
+    rates = [drift(step) for step in steps]
     print("\nThe hexapod stands.\n")
-    print(markdown(["step ms", "sinks um/s"], [[f"{1e3 * s:g}", f"{rate:.2g}"] for s, rate in rates.items()]))
-    stands = max(abs(rate) for rate in rates.values()) < 0.1
-    return 0 if stands and all(0.7 < one < 1.4 for one in orders) and abs(speeds[-1] / there - 1) < 0.02 else 1
+    print(
+        markdown(["step ms", "sinks um/s"], [[f"{1e3 * s:g}", f"{r:.2g}"] for s, r in zip(steps, rates, strict=True)])
+    )
+    return max(abs(rate) for rate in rates) < 0.1
 
 
 if __name__ == "__main__":
