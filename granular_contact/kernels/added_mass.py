@@ -35,11 +35,12 @@ import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
 
+STAYS, FOLLOWS, BEGINS = 0, 1, 2  # friction state at the begin of a step: as it is, at the end of one, at rest
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 BRISTLE = np.dtype([("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("friction", "i8"), ("parted", "?")])
 
 
-@kernel(nogil=True)
+@part
 def place_bodies(numbers, tops, positions, rotations, centres, twists, turn, poses, arms):
     """Fill poses and arms from the state of an engine's bodies.
 
@@ -62,7 +63,7 @@ def place_bodies(numbers, tops, positions, rotations, centres, twists, turn, pos
             pose[5, i] = t0 * V[0] + t1 * V[1] + t2 * V[2]
 
 
-@kernel(nogil=True)
+@part
 def gather_twists(last, parents, axes, v, twists):
     """Fill twists (bodies, 6) of bodies from the rates v (m,) of a tree: axes (m, 6) of its degrees of freedom.
 
@@ -159,7 +160,7 @@ def momentum(added, twist, out):
         out[i - 3 if i >= 3 else i + 3] = k
 
 
-@kernel(nogil=True)
+@part
 def add_to_mass(last, parents, starts, axes, added, matrix):
     """Add what bodies gained to the mass matrix of a tree, kept row by row: a freedom, then those before it.
 
@@ -184,7 +185,7 @@ def add_to_mass(last, parents, starts, axes, added, matrix):
             i = parents[i]
 
 
-@kernel(nogil=True)
+@part
 def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, step, loads):
     """Fill loads (bodies, 6), about centres of mass inertial (all, 3) m, that bodies get for a trial step; world frame.
 
@@ -217,7 +218,7 @@ def about(w, x, y, z, out):
     out[5] = w[5] - x * w[1] + y * w[0]
 
 
-@kernel(nogil=True)
+@part
 def settle(numbers, tops, inertial, centres, added, gained, step, loads):
     """Take from the loads (bodies, 6) what the added inertia took up in a trial step; gained (bodies, 6): of twists."""
     p, q = np.empty(6), np.empty(6)
@@ -229,7 +230,7 @@ def settle(numbers, tops, inertial, centres, added, gained, step, loads):
             loads[b, k] -= q[k] / step
 
 
-@kernel(nogil=True)
+@part
 def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works, gained):
     """End of a step that took a time (s): work (J) of the loads (bodies, 6) is added to works (bodies,).
 
@@ -248,20 +249,20 @@ def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works
             gained[b, k] = now[b, k] - twists[b, k]
 
 
-@kernel(nogil=True)
+@part
 def blank(seen):
     """Begin to see bodies anew, see `space_law.DEPTH`."""
     for b in range(seen.shape[0]):
         seen[b, 0], seen[b, 1], seen[b, 2] = -np.inf, 0.0, np.inf
 
 
-@kernel(nogil=True)
+@part
 def keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept):
     """Copy arrays of an engine to others of their sizes."""
     q_kept[:], v_kept[:], act_kept[:], warm_kept[:], mass_kept[:] = q, v, act, warm, mass
 
 
-@kernel(nogil=True)
+@part
 def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
     """Where a step leads if twists gain what they gained in the one before: that in share, their sum in later.
 
@@ -289,7 +290,7 @@ def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
             later[b, k] = twists[b, k] + share[b, k]
 
 
-@kernel(nogil=True)
+@part
 def find_base(applied, numbers, written, home, base):
     """Fill base (bodies, 6) where the rows applied[numbers] are not those that were written, nor those of home."""
     for b in range(numbers.shape[0]):

@@ -138,6 +138,30 @@ def immersed_part(z, za, zb, zc, a, b, c):
 
 
 @part
+def immersion(z, za, zb, ax, ay, az, bx, by, bz):
+    """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
+
+    z: depth (m) of the centroid; za, zb (m): by how much the corners a and b, at (3,) m from it as are the results, are
+    deeper. A share of 0: nothing is below.
+    """
+    cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
+    if z + min(za, zb, zc) >= 0.0:
+        k = 1.0 / (12.0 * z)
+        hx, hy, hz = (
+            k * (za * ax + zb * bx + zc * cx),
+            k * (za * ay + zb * by + zc * cy),
+            k * (za * az + zb * bz + zc * cz),
+        )
+        return 1.0, z, 0.0, 0.0, 0.0, hx, hy, hz
+    if z + max(za, zb, zc) <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
+        z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
+    )
+    return share if mean > 0.0 else 0.0, mean, ox, oy, oz, hx, hy, hz
+
+
+@part
 def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of facets."""
     r00, r01, r02 = pose[0, 0], pose[0, 1], pose[0, 2]
@@ -180,27 +204,10 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
         side = elements[i, 14]
         if side != 0.0 and nx * vx + ny * vy + nz * vz <= -spread and nx * ex + ny * ey + nz * ez <= 0.0:
             continue  # nothing that it is led by, neither motion nor bristle
-        cx, cy, cz = -ax - bx, -ay - by, -az - bz
         za, zb = dx * ax + dy * ay + dz * az, dx * bx + dy * by + dz * bz
-        zc = -za - zb
-        share, mean = 1.0, z
-        lowest = min(za, zb, zc)
-        if z + lowest >= 0.0:
-            k = 1.0 / (12.0 * z)
-            ox, oy, oz = 0.0, 0.0, 0.0
-            hx, hy, hz = (
-                k * (za * ax + zb * bx + zc * cx),
-                k * (za * ay + zb * by + zc * cy),
-                k * (za * az + zb * bz + zc * cz),
-            )
-        else:
-            if z + max(za, zb, zc) <= 0.0:
-                continue
-            share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
-                z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
-            )
-            if share <= 0.0 or mean <= 0.0:
-                continue
+        share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, bx, by, bz)
+        if share <= 0.0:
+            continue
         j = np.inf
         if anchors.shape[1] > 3:
             j = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels import lines as one
-from granular_contact.kernels.added_mass import advance
+from granular_contact.kernels.added_mass import BEGINS, STAYS, advance
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
@@ -44,6 +44,25 @@ def longest(ends):
 
 
 @kernel(nogil=True)
+def act(
+    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, mode, poses, then, step,
+    seen, turn, arms, wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.act`."""
+    if mode != STAYS:
+        if mode == BEGINS:
+            anchors[:] = 0.0
+        follow(
+            ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step,
+            mode == BEGINS, seen,
+        )  # fmt: skip
+    resist(
+        ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step,
+        turn, arms, wrench, added,
+    )  # fmt: skip
+
+
+@part
 def follow(
     ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, again, seen,
 ):  # fmt: skip
@@ -91,7 +110,7 @@ def may_touch(depth, speed, step):
     return depth + 4.0 * step * (speed + 10.0 * step) > -1e-3
 
 
-@kernel(nogil=True)
+@part
 def resist(
     ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step, turn,
     arms, wrench, added,

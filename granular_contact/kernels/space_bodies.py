@@ -27,7 +27,7 @@ import numpy as np
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.ground import tangent_plane
+from granular_contact.kernels.ground import PLANE, tangent_plane
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import difference
 
@@ -278,9 +278,12 @@ def bound(sphere, pose, ground, near):
     x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
     y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
     z = pose[2, 0] * sphere.x + pose[2, 1] * sphere.y + pose[2, 2] * sphere.z
-    plane = np.empty(4)
-    tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
-    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    height, along, across = ground[0], ground[1], ground[2]
+    if ground.shape[0] != PLANE:  # a plane needs no memory of its own, which takes longer than the rest
+        plane = np.empty(4)
+        tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
+        height, along, across = plane[0], plane[1], plane[2]
+    depth = height + along * (pose[3, 0] + x) + across * (pose[3, 1] + y) - pose[3, 2] - z
     vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
     vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
     vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x

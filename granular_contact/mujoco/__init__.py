@@ -9,14 +9,18 @@
     print(bed.of(data).work, bed.of(data).wrenches["leg_1"])
 
 bed         the door: what the sand acts on, `apply`, `install`
-of_data     what a bed keeps for one MjData: friction state, forces, work; state and restore
-trial       a step of MuJoCo that is taken back, with bodies heavier by what the sand adds: how forces are made implicit
+callback    the bed as MuJoCo's passive callback
+of_data     what a bed keeps for one MjData: when its steps begin and end, what is read, state and restore
+step        the forces of one step, implicit in it
+trial       a step of MuJoCo that is taken back, with bodies heavier by what the sand adds
+shared      what is the same for all data of a model
 sand        elements in space and lines in the plane, with the kernels that both doors call
 geoms       geoms of a model -> shapes in space, sections in the plane
 checks      what of a model doubles the sand, or keeps it from acting
 """
 
 from granular_contact.mujoco.bed import MujocoBed
-from granular_contact.mujoco.of_data import BedData, BedState, History
+from granular_contact.mujoco.of_data import BedData
+from granular_contact.mujoco.state import BedState, History
 
 __all__ = ["BedData", "BedState", "History", "MujocoBed"]

@@ -19,32 +19,14 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.mujoco import checks, geoms
+from granular_contact.mujoco.callback import Callback
 from granular_contact.mujoco.engine import mujoco, name_of
-from granular_contact.mujoco.of_data import BedData, BedState
+from granular_contact.mujoco.of_data import BedData
 from granular_contact.mujoco.sand import PlanarSand, Sand, SpatialSand
-from granular_contact.mujoco.trial import General
+from granular_contact.mujoco.shared import Shared
+from granular_contact.mujoco.state import BedState
 
 Vector = NDArray[np.float64]
-
-
-class Shared:
-    """What is the same for all data of a model.
-
-    names, numbers (bodies,): of the bodies in the sand; tops (bodies,): of the first body of the mechanism of each, at
-    whose centre of mass MuJoCo's twists are; last (bodies,): the last degree of freedom that moves each, -1 if none;
-    turn (3, 3): from the world to the frame of the bed.
-    """
-
-    def __init__(
-        self, model: Any, numbers: Sequence[int], sand: Sand, turn: Vector, record: bool, lenient: bool
-    ) -> None:
-        self.names = tuple(name_of(model, "body", n) for n in numbers)
-        self.numbers = np.array(numbers, dtype=np.int64)
-        self.tops = np.array([model.body_rootid[n] for n in numbers], dtype=np.int64)
-        self.last = np.array([_last_freedom(model, n) for n in numbers], dtype=np.int64)
-        self.sand, self.turn = sand, np.ascontiguousarray(turn)
-        self.record, self.lenient = record, lenient
-        self.general, self.checked = General(model), False
 
 
 class MujocoBed:
@@ -122,8 +104,7 @@ class MujocoBed:
         self._options = {"record": record, "lenient": lenient}
         self._shared: Shared | None = None
         self._of: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()
-        self._installed: Any = None
-        self._before: Any = None
+        self._callback = Callback()
 
     # ---- what the medium acts on ----
 
@@ -301,46 +282,27 @@ class MujocoBed:
             with bed.install():
                 mujoco.mj_step(model, data, nstep=1000)
         """
-        self.uninstall()
         for data in datas:
             self.of(data)
         if self._shared is None:
             self._shared = self._close()
-        self._before = mujoco.get_mjcb_passive()
-        only = weakref.WeakSet(datas) if datas else None
-        before = self._before if callable(self._before) else None
-
-        def passive(model: Any, data: Any) -> None:
-            if before is not None:
-                before(model, data)
-            if model is not self.model or (only is not None and data not in only):
-                return
-            kept = self.of(data)
-            if not kept.busy:
-                kept.evaluate(data)
-
-        self._installed = passive
-        mujoco.set_mjcb_passive(passive)
+        self._callback.install(self.model, datas, self._evaluate)
         return self
+
+    def _evaluate(self, _: Any, data: Any) -> None:
+        kept = self.of(data)
+        if not kept.busy:
+            kept.evaluate(data)
 
     def uninstall(self) -> None:
         """Give MuJoCo the callback that it had before."""
-        if self._installed is not None and mujoco.get_mjcb_passive() is self._installed:
-            mujoco.set_mjcb_passive(self._before)
-        self._installed = None
+        self._callback.uninstall()
 
     def __enter__(self) -> MujocoBed:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.uninstall()
-
-
-def _last_freedom(model: Any, number: int) -> int:
-    """The last degree of freedom of a body, or of the next body before it that has any."""
-    while number > 0 and model.body_dofnum[number] == 0:
-        number = int(model.body_parentid[number])
-    return int(model.body_dofadr[number] + model.body_dofnum[number] - 1) if number > 0 else -1
 
 
 def _unit(name: str, given: ArrayLike) -> Vector:

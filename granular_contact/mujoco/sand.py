@@ -1,13 +1,14 @@
 """What of a bed is the same for all data of a model: elements in space or lines in the plane, and media.
 
-Both kinds have the same three calls. Arrays and signs are those of `kernels.added_mass`; a state is a list of arrays
-that a step changes.
+Both kinds are called alike. Arrays and signs are those of `kernels.added_mass`; a state is a list of arrays that a
+step changes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -31,11 +32,8 @@ class Sand(Protocol):
     def state(self) -> State:
         """A new state."""
 
-    def follow(self, state: State, poses: Vector, step: float, seen: Vector, begins: bool) -> None:
-        """End of a step at these poses, or the begin of a motion; step (s): the next."""
-
-    def resist(self, state: State, poses: Vector, then: Vector, step: float, *found: Vector) -> None:
-        """Add forces and inertia; found: turn and what follows it in `space_added_mass.resist`."""
+    def calls(self, state: State, *step: Any) -> list[Callable[..., None]]:
+        """A call for each batch, which takes step: what `space_added_mass.act` takes from `mode` on."""
 
 
 @dataclass(frozen=True)
@@ -63,46 +61,19 @@ class SpatialSand:
             b = part.batch.bodies
             far = b["radius"] + np.sqrt(b["x"] ** 2 + b["y"] ** 2 + b["z"] ** 2)
             np.maximum.at(self.sizes, part.of_bed, far)
-        self._begin: Any = None
 
     def state(self) -> State:
         """As of `Sand`."""
         return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.clusters), bool)) for p in self.parts]
 
-    def _compile(self, state: State, poses: Vector, step: float, seen: Vector) -> None:
-        turn = np.eye(3)
-        """Compile for arguments of these types, the first time on a machine."""
-        part, (anchors, active) = self.parts[0], state[0]
-        b, wrench, added = part.batch, np.zeros((1, 6)), np.zeros((1, 6, 6))
-        sand = (b.bodies, part.of_bed, b.clusters)
-        state_of = (b.elements, anchors, active, b.ground)
-        found = (turn, wrench[:, :3].copy(), wrench, added)
-        on = (*sand, part.inner, *state_of, b.medium, part.bristle)
-        self._resist = entry(space_added_mass.resist, *on, 1, poses, poses, step, *found)
-        self._follow = entry(space_added_mass.follow, *sand, *state_of, b.medium, poses, step, seen)
-        self._begin = entry(space_added_mass.begin, *sand, *state_of, poses, step, seen)
-        for other in self.parts:
-            _ = other.batch.medium
-
-    def follow(self, state: State, poses: Vector, step: float, seen: Vector, begins: bool) -> None:
+    def calls(self, state: State, *step: Any) -> list[Callable[..., None]]:
         """As of `Sand`."""
-        if self._begin is None:
-            self._compile(state, poses, step, seen)
-        for part, (anchors, active) in zip(self.parts, state, strict=True):
-            b = part.batch
-            if begins:
-                anchors[:] = 0.0
-                self._begin(b.bodies, part.of_bed, b.clusters, b.elements, anchors, active, b.ground, poses, step, seen)
-            else:
-                on = (b.bodies, part.of_bed, b.clusters, b.elements, anchors, active, b.ground, b.medium)
-                self._follow(*on, poses, step, seen)
-
-    def resist(self, state: State, poses: Vector, then: Vector, step: float, *found: Vector) -> None:
-        """As of `Sand`."""
+        found = []
         for part, (anchors, active) in zip(self.parts, state, strict=True):
             b = part.batch
             on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
-            self._resist(*on, part.bristle, part.rows, poses, then, step, *found)
+            found.append((*on, part.bristle, part.rows))
+        return _bound(space_added_mass.act, found, step)
 
 
 def _part(batch: Any, bristle: NDArray[np.void]) -> _Part:
@@ -126,51 +97,24 @@ class PlanarSand:
         self.sizes = np.zeros(len(facings))
         for part in self.parts:
             np.maximum.at(self.sizes, part.of_bed, part.reaches)
-        self._follow: Any = None
 
     def state(self) -> State:
         """As of `Sand`."""
         return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.records), bool)) for p in self.parts]
 
-    def _on(self, part: _Part, anchors: Vector, active: NDArray[np.bool_]) -> tuple[Any, ...]:
-        b = part.batch
-        return (
-            b.ends,
-            part.of_bed,
-            part.reaches,
-            self._facings,
-            b.geometry,
-            b.records,
-            b.profile,
-            b.medium,
-            anchors,
-            active,
-        )
-
-    def _compile(self, state: State, poses: Vector, step: float, seen: Vector) -> None:
-        turn = np.eye(3)
-        part, wrench, added = self.parts[0], np.zeros((1, 6)), np.zeros((1, 6, 6))
-        on = self._on(part, *state[0])
-        self._resist = entry(
-            planar_added_mass.resist, *on, part.bristle, poses, poses, step, turn, wrench[:, :3].copy(), wrench, added
-        )
-        self._follow = entry(planar_added_mass.follow, *on, poses, step, True, seen)
-        for other in self.parts:
-            _ = other.batch.medium
-
-    def follow(self, state: State, poses: Vector, step: float, seen: Vector, begins: bool) -> None:
+    def calls(self, state: State, *step: Any) -> list[Callable[..., None]]:
         """As of `Sand`."""
-        if self._follow is None:
-            self._compile(state, poses, step, seen)
+        found = []
         for part, (anchors, active) in zip(self.parts, state, strict=True):
-            if begins:
-                anchors[:] = 0.0
-            self._follow(*self._on(part, anchors, active), poses, step, begins, seen)
+            b = part.batch
+            of = (b.ends, part.of_bed, part.reaches, self._facings, b.geometry, b.records, b.profile, b.medium)
+            found.append((*of, anchors, active, part.bristle))
+        return _bound(planar_added_mass.act, found, step)
 
-    def resist(self, state: State, poses: Vector, then: Vector, step: float, *found: Vector) -> None:
-        """As of `Sand`."""
-        for part, (anchors, active) in zip(self.parts, state, strict=True):
-            self._resist(*self._on(part, anchors, active), part.bristle, poses, then, step, *found)
+
+def _bound(kernel: Any, parts: Sequence[tuple[Any, ...]], step: tuple[Any, ...]) -> list[Callable[..., None]]:
+    """A kernel with the arguments of each part; it is compiled here, the first time on a machine."""
+    return [partial(entry(kernel, *part, *step), *part) for part in parts]
 
 
 def _met(load: GranularLoad, kinds: Collection[str]) -> bool:

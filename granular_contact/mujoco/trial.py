@@ -6,7 +6,7 @@ that the added inertia takes up are those of the step that follows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Lock
 from typing import Any
@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 
 from granular_contact.errors import SolveError
 from granular_contact.kernels import added_mass as kernels
-from granular_contact.kernels.entry import entry
 from granular_contact.mujoco.engine import mujoco
 
-Vector = NDArray[np.float64]
 _IMPLICIT = (int(mujoco.mjtIntegrator.mjINT_IMPLICIT), int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST))
 
 
@@ -51,34 +49,30 @@ class General:
 
 
 class Trial:
-    """Trial steps of one MjData, from the present state; positions and velocities of MuJoCo have to be up to date.
+    """Trial steps of one MjData, from the present state; positions of MuJoCo have to be up to date.
 
-    last: as of `bed.Shared`; general: of the model.
+    last: as of `shared.Shared`; general: of the model. arrays: those of MuJoCo that a trial changes, and copies of
+    them, as `kernels.held_step` takes them.
     """
 
     def __init__(self, model: Any, data: Any, last: NDArray[np.int64], general: General) -> None:
-        self._model, self._general = model, general
-        self._mass, self._v = data.qM, data.qvel
-        self._own = np.zeros_like(self._mass)
-        self._states = (data.qpos, data.qvel, data.act, data.qacc_warmstart, data.qM)
-        self._kept = tuple(array.copy() for array in self._states)
-        self._keep = entry(kernels.keep, *self._states, *self._kept)
-        self._rates = np.zeros(model.nv)
+        self._model, self._general, self._mass = model, general, data.qM
+        changed = data.qpos, data.qvel, data.act, data.qacc_warmstart, data.qM
+        self.arrays = *changed, *(array.copy() for array in changed)
         self._option, self._dual = model.opt, int(model.opt.solver) == int(mujoco.mjtSolver.mjSOL_PGS)
         self._tree = (last, model.dof_parentid, model.dof_Madr, data.cdof)
-        self._add = entry(kernels.add_to_mass, *self._tree, np.zeros((1, 6, 6)), self._mass)
 
-    def step(self, data: Any, added: Vector) -> Vector:
-        """Rates (nv,) at the end of a step with the inertia (bodies, 6, 6) added, and the loads that data has."""
+    def make(self, data: Any, taken_back: Callable[[], None]) -> None:
+        """A step with the mass matrix and the loads that data has; `taken_back` reads its end and undoes it."""
         if not self._general.any:
-            return self._step(data, added)
+            self._make(data, taken_back)
+            return
         with self._general.within():
-            return self._step(data, added)
+            self._make(data, taken_back)
 
-    def _step(self, data: Any, added: Vector) -> Vector:
+    def _make(self, data: Any, taken_back: Callable[[], None]) -> None:
         model = self._model
-        self._keep(*self._states, *self._kept)
-        self._add(*self._tree, added, self._mass)
+        mujoco.mj_fwdVelocity(model, data)
         self._factor(data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
@@ -88,11 +82,9 @@ class Trial:
             mujoco.mj_implicit(model, data)
         else:
             mujoco.mj_Euler(model, data)
-        self._rates[:] = self._v
+        taken_back()
         data.time = time
-        self._keep(*self._kept, *self._states)
         self._factor(data)
-        return self._rates
 
     def _factor(self, data: Any) -> None:
         """Factors of the mass matrix, and what the dual solver makes of them."""
@@ -113,16 +105,16 @@ class Trial:
         x, y, z = np.sin(1.0 + np.arange(nv)), np.zeros(nv), np.zeros((1, nv))
         twists = np.zeros((count, 6))
         mujoco.mj_fwdPosition(self._model, data)
-        self._own[:] = self._mass
+        own = self._mass.copy()
         with self._general.within():
             mujoco.mj_mulM(self._model, data, y, x)
-            kernels.gather_twists(self._tree[0], self._tree[1], self._tree[3], x, twists)
-            self._add(*self._tree, added, self._mass)
+            kernels.gather_twists.py_func(self._tree[0], self._tree[1], self._tree[3], x, twists)
+            kernels.add_to_mass.py_func(*self._tree, added, self._mass)
             mujoco.mj_factorM(self._model, data)
             more = np.zeros(nv)
             mujoco.mj_mulM(self._model, data, more, x)
             mujoco.mj_solveM(self._model, data, z, more[None])
-        self._mass[:] = self._own
+        self._mass[:] = own
         self._factor(data)
         if not (np.allclose(z[0], x, rtol=1e-6) and np.isclose(x @ (more - y), np.sum(twists**2), rtol=1e-6)):
             raise SolveError(
