@@ -35,7 +35,9 @@ import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
 
-STAYS, FOLLOWS, BEGINS = 0, 1, 2  # friction state at the begin of a step: as it is, at the end of one, at rest
+# Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
+# begins here, with the friction state at rest.
+STEP, PASSED, BEGINS = 0, 1, 2
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 BRISTLE = np.dtype([("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("friction", "i8"), ("parted", "?")])
 

@@ -7,7 +7,7 @@ same types thousands of times looks once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,11 @@ def entry(kernel: Any, *arguments: Any) -> Callable[..., Any]:
     kernel.compile(types)
     compiled: Callable[..., Any] = kernel.get_overload(types)
     return compiled
+
+
+def bound(kernel: Any, *arguments: Any) -> Callable[[], Any]:
+    """The kernel with all its arguments, arrays whose contents change from call to call."""
+    return partial(entry(kernel, *arguments), *arguments)
 
 
 def _type_of(argument: Any) -> Any:

@@ -1,7 +1,7 @@
 """What surrounds the forces of a step that are held over it, in three calls: its begin, a trial of it, its loads.
 
 An engine's step takes some ten microseconds, and a call from Python one; so what is done to a few bodies is done in
-few calls. See `added_mass` for the equations and for arguments.
+few calls. See `added_mass` for the equations, for arguments and for the clock (3,).
 
     begin     the step that ended here is accepted; poses now, and where this one would end
     burden    the loads of a trial step are written, and inertia is added; the engine then makes it
@@ -11,6 +11,9 @@ few calls. See `added_mass` for the equations and for arguments.
 from __future__ import annotations
 
 from granular_contact.kernels.added_mass import (
+    BEGINS,
+    PASSED,
+    STEP,
     add_to_mass,
     blank,
     end_step,
@@ -29,16 +32,17 @@ from granular_contact.kernels.compiled import kernel
 @kernel(nogil=True)
 def begin(
     last, parents, axes, v, numbers, tops, positions, rotations, inertial, centres, turn, applied, written, brought,
-    base, sizes, slow, passed, begins, loads, works, gained, seen, twists, later, past, arms, poses, then, wrench,
+    base, sizes, slow, clock, loads, works, gained, seen, twists, later, past, arms, poses, then, wrench,
     added,
 ):  # fmt: skip
-    """Begin of a step; passed (s): how long the one took that ended here, 0 if none did; begins: a motion begins.
+    """Begin of a step; slow (m/s): see `foresee`.
 
     Filled are poses and arms; `then` with the velocities that are foreseen, whose gain is past; wrench and added are
     emptied, and seen where anchors will follow.
     """
     gather_twists(last, parents, axes, v, later)
     place_bodies(numbers, tops, positions, rotations, centres, later, turn, poses, arms)
+    passed, begins = clock[PASSED], clock[BEGINS] > 0.0
     if passed > 0.0:
         end_step(numbers, tops, inertial, centres, loads, twists, later, passed, works, gained)
     elif begins:
@@ -54,11 +58,11 @@ def begin(
 
 @kernel(nogil=True)
 def burden(
-    turn, numbers, tops, inertial, centres, wrench, arms, added, past, step, loads, applied, base, written, last,
+    turn, numbers, tops, inertial, centres, wrench, arms, added, past, clock, loads, applied, base, written, last,
     parents, starts, axes, q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept,
 ):  # fmt: skip
     """Write the loads of a trial step; whether it needs one: then the engine's state is kept and inertia is added."""
-    some = load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, step, loads)
+    some = load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, clock[STEP], loads)
     write_loads(applied, numbers, base, loads, written)
     if some:
         keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept)
@@ -68,7 +72,7 @@ def burden(
 
 @kernel(nogil=True)
 def relieve(
-    last, parents, axes, numbers, tops, inertial, centres, added, twists, later, step, loads, applied, base, written,
+    last, parents, axes, numbers, tops, inertial, centres, added, twists, later, clock, loads, applied, base, written,
     q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept,
 ):  # fmt: skip
     """Settle the loads from the rates v at the end of a trial step, write them, and take the trial back."""
@@ -76,6 +80,6 @@ def relieve(
     for b in range(twists.shape[0]):
         for k in range(6):
             later[b, k] -= twists[b, k]
-    settle(numbers, tops, inertial, centres, added, later, step, loads)
+    settle(numbers, tops, inertial, centres, added, later, clock[STEP], loads)
     keep(q_kept, v_kept, act_kept, warm_kept, mass_kept, q, v, act, warm, mass)
     write_loads(applied, numbers, base, loads, written)

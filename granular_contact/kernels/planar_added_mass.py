@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels import lines as one
-from granular_contact.kernels.added_mass import BEGINS, STAYS, advance
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, advance
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
@@ -45,17 +45,17 @@ def longest(ends):
 
 @kernel(nogil=True)
 def act(
-    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, mode, poses, then, step,
+    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, clock, poses, then,
     seen, turn, arms, wrench, added,
 ):  # fmt: skip
     """As `space_added_mass.act`."""
-    if mode != STAYS:
-        if mode == BEGINS:
-            anchors[:] = 0.0
+    step, begins = clock[STEP], clock[BEGINS] > 0.0
+    if begins:
+        anchors[:] = 0.0
+    if begins or clock[PASSED] > 0.0:
         follow(
-            ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step,
-            mode == BEGINS, seen,
-        )  # fmt: skip
+            ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, begins, seen
+        )
     resist(
         ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step,
         turn, arms, wrench, added,
@@ -229,8 +229,17 @@ def weigh(fx, fy, Q, first, last, m, x, y, flat):
         gx, gy = max(gx, Q[i, 2]), max(gy, Q[i, 3])
     fx, fy = abs(fx), abs(fy)
     if not m.parted or m.friction == SMOOTH:
-        qx = qy = math.sqrt(qx * qx + qy * qy)
-        fx = fy = math.sqrt(fx * fx + fy * fy)
+        square = qx * qx + qy * qy
+        if square > 0.0:
+            mass = max(gx, gy) * math.sqrt((fx * fx + fy * fy) / square)
+            flat[0, 0] += mass
+            flat[1, 1] += mass
+            flat[0, 2] -= mass * y
+            flat[2, 0] -= mass * y
+            flat[1, 2] += mass * x
+            flat[2, 1] += mass * x
+            flat[2, 2] += mass * (x * x + y * y)
+        return
     if qx > 0.0:
         add_along(gx * fx / qx, 1.0, 0.0, x, y, flat)
     if qy > 0.0:

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels import space_law as law
-from granular_contact.kernels.added_mass import BEGINS, FOLLOWS, add_inertia, add_point, advance, to_world
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance, to_world
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.facets import COLUMNS
 from granular_contact.kernels.facets_added_mass import add_turned, held_facets
@@ -26,13 +26,14 @@ from granular_contact.kernels.space_friction import drive
 
 @kernel(nogil=True)
 def act(
-    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, mode, poses, then, step,
-    seen, turn, arms, wrench, added,
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, clock, poses, then, seen,
+    turn, arms, wrench, added,
 ):  # fmt: skip
-    """One step of elements of a medium: `begin` or `follow`, as mode says, and `resist`."""
-    if mode == BEGINS:
+    """One step of elements of a medium: `begin` or `follow`, as the clock (3,) says, and `resist`."""
+    step = clock[STEP]
+    if clock[BEGINS] > 0.0:
         begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen)
-    elif mode == FOLLOWS:
+    elif clock[PASSED] > 0.0:
         follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen)
     resist(
         bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then, step,

@@ -160,8 +160,9 @@ class BedData:
         """A copy of all that an accepted step changes; MuJoCo's own state is saved beside it (`mj_getState`)."""
         now, rows = self._step, self._rows[: self.accepted + 1].copy()
         anchors = tuple((a.copy(), b.copy()) for a, b in now.sand)
-        arrays = (now.loads, now.base, now.twists, now.gained, now.seen, now.works)
-        return BedState(self.time, self.accepted, anchors, *(array.copy() for array in arrays), rows)
+        loads, base, twists = now.loads.copy(), now.base.copy(), now.twists.copy()
+        motion = twists, now.gained.copy(), now.seen.copy(), now.works.copy()
+        return BedState(self.time, self.accepted, anchors, loads, base, *motion, rows)
 
     def restore(self, state: BedState) -> None:
         """Go back to a state of this bed, of this or another MjData; set MuJoCo's own state beside it.

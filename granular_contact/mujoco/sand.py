@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from granular_contact.bed.load import GranularLoad
 from granular_contact.kernels import added_mass as kernels
 from granular_contact.kernels import planar_added_mass, space_added_mass
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.entry import bound
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
@@ -32,8 +31,8 @@ class Sand(Protocol):
     def state(self) -> State:
         """A new state."""
 
-    def calls(self, state: State, *step: Any) -> list[Callable[..., None]]:
-        """A call for each batch, which takes step: what `space_added_mass.act` takes from `mode` on."""
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+        """A call for each batch; step: what `space_added_mass.act` takes from its clock on."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ class SpatialSand:
         """As of `Sand`."""
         return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.clusters), bool)) for p in self.parts]
 
-    def calls(self, state: State, *step: Any) -> list[Callable[..., None]]:
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
         for part, (anchors, active) in zip(self.parts, state, strict=True):
@@ -102,7 +101,7 @@ class PlanarSand:
         """As of `Sand`."""
         return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.records), bool)) for p in self.parts]
 
-    def calls(self, state: State, *step: Any) -> list[Callable[..., None]]:
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
         for part, (anchors, active) in zip(self.parts, state, strict=True):
@@ -112,9 +111,8 @@ class PlanarSand:
         return _bound(planar_added_mass.act, found, step)
 
 
-def _bound(kernel: Any, parts: Sequence[tuple[Any, ...]], step: tuple[Any, ...]) -> list[Callable[..., None]]:
-    """A kernel with the arguments of each part; it is compiled here, the first time on a machine."""
-    return [partial(entry(kernel, *part, *step), *part) for part in parts]
+def _bound(kernel: Any, parts: Sequence[tuple[Any, ...]], step: tuple[Any, ...]) -> list[Callable[[], None]]:
+    return [bound(kernel, *part, *step) for part in parts]
 
 
 def _met(load: GranularLoad, kinds: Collection[str]) -> bool:

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels import held_step
-from granular_contact.kernels.added_mass import BEGINS, FOLLOWS, STAYS
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, write_loads
+from granular_contact.kernels.entry import bound
 from granular_contact.mujoco.sand import State
 from granular_contact.mujoco.trial import Trial
 
@@ -51,6 +51,7 @@ class Step:
         if not shared.checked:
             self._trial.check(data)
             shared.checked = True
+        self._clock = np.zeros(3)
         self._compile(shared, model, data)
 
     def _compile(self, shared: Shared, model: Any, data: Any) -> None:
@@ -58,47 +59,39 @@ class Step:
         n = len(shared.numbers)
         later, past, wrench = (np.zeros((n, 6)) for _ in range(3))
         arms, poses, then = np.zeros((n, 3)), np.zeros((n, 6, 3)), np.zeros((n, 6, 3))
-        added = np.zeros((n, 6, 6))
+        added, clock = np.zeros((n, 6, 6)), self._clock
         tree, at = (shared.last, model.dof_parentid, data.cdof), (shared.numbers, shared.tops)
         middle, applied, turn = (data.xipos, data.subtree_com), data.xfrc_applied, shared.turn
-        kept = self._trial.arrays
-
-        self._at_begin = (
-            *tree, data.qvel, *at, data.xpos, data.xmat, *middle, turn, applied, self.written, self.brought, self.base,
-            shared.sand.sizes, SLOW,
+        rows, kept = (applied, self.base, self.written), self._trial.arrays
+        self._begin = bound(
+            held_step.begin, *tree, data.qvel, *at, data.xpos, data.xmat, *middle, turn, applied, self.written,
+            self.brought, self.base, shared.sand.sizes, SLOW, clock, self.loads, self.works, self.gained, self.seen,
+            self.twists, later, past, arms, poses, then, wrench, added,
         )  # fmt: skip
-        self._to_begin = (
-            self.loads, self.works, self.gained, self.seen, self.twists, later, past, arms, poses, then, wrench, added,
+        self._acts = shared.sand.calls(self.sand, clock, poses, then, self.seen, turn, arms, wrench, added)
+        self._burden = bound(
+            held_step.burden, turn, *at, *middle, wrench, arms, added, past, clock, self.loads, *rows, *tree[:2],
+            model.dof_Madr, tree[2], *kept,
         )  # fmt: skip
-        self._begin = entry(held_step.begin, *self._at_begin, 0.0, False, *self._to_begin)
-
-        self._poses, self._found = (poses, then), (self.seen, turn, arms, wrench, added)
-        self._acts = shared.sand.calls(self.sand, STAYS, poses, then, 1.0, *self._found)
-
-        self._at_burden = turn, *at, *middle, wrench, arms, added, past
-        mass = (*tree[:2], model.dof_Madr, tree[2])
-        self._to_burden = self.loads, applied, self.base, self.written, *mass, *kept
-        self._burden = entry(held_step.burden, *self._at_burden, 1.0, *self._to_burden)
-
-        self._at_relieve = *tree, *at, *middle, added, self.twists, later
-        self._to_relieve = self.loads, applied, self.base, self.written, *kept
-        self._relieve = entry(held_step.relieve, *self._at_relieve, 1.0, *self._to_relieve)
-        self._write = entry(held_step.write_loads, applied, at[0], self.base, self.loads, self.written)
-        self._to_write = applied, at[0], self.base, self.loads, self.written
+        self._relieve = bound(
+            held_step.relieve, *tree, *at, *middle, added, self.twists, later, clock, self.loads, *rows, *kept
+        )
+        self._write = bound(write_loads, applied, at[0], self.base, self.loads, self.written)
 
     def make(self, data: Any, step: float, passed: float, begins: bool) -> None:
         """Find the loads of a step (s) and write them; positions of data are up to date.
 
         passed (s): how long the step took that ended here, 0 if none did; begins: a motion begins here.
         """
-        self._begin(*self._at_begin, passed, begins, *self._to_begin)
-        mode = FOLLOWS if passed > 0.0 else BEGINS if begins else STAYS
+        clock = self._clock
+        clock[STEP], clock[PASSED], clock[BEGINS] = step, passed, begins
+        self._begin()
         for act in self._acts:
-            act(mode, *self._poses, step, *self._found)
-        if self._burden(*self._at_burden, step, *self._to_burden):
-            self._trial.make(data, lambda: self._relieve(*self._at_relieve, step, *self._to_relieve))
+            act()
+        if self._burden():
+            self._trial.make(data, self._relieve)
 
     def write(self) -> None:
         """Put the loads into `xfrc_applied` again, after they were restored."""
-        self._write(*self._to_write)
+        self._write()
         self.brought[:] = self.written
