@@ -24,11 +24,13 @@ from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.plates import EDGE
+from granular_contact.kernels.scatter import facet_factor
 from granular_contact.kernels.space_friction import drive, mobilised
 
 COLUMNS = 15
 SIDE = 14
-SHEARED = 3  # column of anchors, see `ways`
+SHEARED, PATH, LAST = 3, 4, 5  # columns of anchors, see `ways`; the last three are a place
+WAYS = 8  # of columns, where a medium scatters
 PRESSED = 0.3
 
 
@@ -93,6 +95,13 @@ def count_way(anchors, i, x, y, z, nx, ny, nz, immersed):
     """Count the way of an anchor to (x, y, z) m, before it goes there; the shear displacement, as in `ways`."""
     dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
     anchors[i, SHEARED] = anchors[i, SHEARED] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
+
+
+@part
+def path(anchors, i, x, y, z):
+    """Way (m) of a facet with its middle at (x, y, z) m, since the start."""
+    dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
+    return anchors[i, PATH] + math.sqrt(dx * dx + dy * dy + dz * dz)
 
 
 @part
@@ -213,6 +222,19 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
             j = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
         gx, gy, gz, qx, qy, qz = law.facet(mean, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium)
         area = elements[i, 7] * share
+        if anchors.shape[1] > PATH:
+            k = facet_factor(
+                path(anchors, i, px, py, pz),
+                elements[i, 0],
+                elements[i, 1],
+                elements[i, 2],
+                elements[i, 7],
+                cluster,
+            )
+            if cluster.static & 1:
+                gx, gy, gz = k * gx, k * gy, k * gz
+            if cluster.static & 2:
+                qx, qy, qz = k * qx, k * qy, k * qz
         k = area * mean
         gx, gy, gz = k * gx, k * gy, k * gz
         ax, ay, az = (
@@ -261,6 +283,9 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
         deepest = z + max(za, zb, -za - zb)
+        if anchors.shape[1] > PATH:
+            anchors[i, PATH] = path(anchors, i, px, py, pz)
+            anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = px, py, pz
         row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx

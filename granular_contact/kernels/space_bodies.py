@@ -328,6 +328,8 @@ def release(elements, anchors, cluster, pose):
             anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
         if anchors.shape[1] > 3:
             anchors[i, 3] = 0.0
+        if anchors.shape[1] > 4:
+            anchors[i, 5], anchors[i, 6], anchors[i, 7] = anchors[i, 0], anchors[i, 1], anchors[i, 2]
 
 
 @kernel

@@ -7,7 +7,7 @@ pose (6, 3): the rotation R of a body, row by row, then the position of its refe
 angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
 and by how much a depth may grow with a way, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the moment
 about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; (n, 4) with
-the shear displacement of `ways`.
+the shear displacement of `ways`; (n, 8) with the whole way (m) and the place (m) at the end of the last step, too.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import OWN, SIZE, caller, filled
 
 # A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
-# width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face.
+# width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter,
+# grain (m), seed, static: of the medium, see `scatter`; static has a bit for each term that scatters.
 CLUSTER = np.dtype(
     [
         ("x", "f8"),
@@ -34,6 +35,10 @@ CLUSTER = np.dtype(
         ("width", "f8"),
         ("mass", "f8"),
         ("cap", "?"),
+        ("scatter", "f8"),
+        ("grain", "f8"),
+        ("seed", "i8"),
+        ("static", "i8"),
     ]
 )
 # Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is

@@ -103,7 +103,12 @@ class Law(Coefficients):
     @property
     def keeps_ways(self) -> bool:
         """Whether its forces need how far a surface has moved in the medium, see `kernels.ways`."""
-        return self.shear_grows or (self.scatter is not None and self.scatter.relative > 0.0)
+        return self.shear_grows or self.scatters
+
+    @property
+    def scatters(self) -> bool:
+        """Whether its static resistance scatters."""
+        return self.scatter is not None and self.scatter.relative > 0.0
 
     @property
     def shear_grows(self) -> bool:

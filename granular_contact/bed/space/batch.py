@@ -24,7 +24,7 @@ class SpatialBatch:
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
     (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
-    (rows, 3) m: the friction state, (rows, 4) with `ways`, see `kernels.ways`; active (clusters,): what may touch the
+    (rows, 3) m: the friction state, with `ways` more columns for ways, see `kernels.space_law`; active (clusters,): what may touch the
     surface in this step; poses, proximity: see `kernels.space_bodies`.
     """
 
@@ -36,7 +36,7 @@ class SpatialBatch:
         ground: Vector,
         turn: Vector,
         columns: Sequence[NDArray[np.int64]],
-        ways: bool = False,
+        ways: int = 0,
     ) -> None:
         self.ground, self.turn = ground, turn
         self._law, self._own, self._meets = law, own, sets[0].meets
@@ -54,7 +54,7 @@ class SpatialBatch:
         self.bodies = _bodies(self._groups)
         coordinates = np.concatenate([np.asarray(group[0].body.coordinates, np.int64) for group in self._groups])
         self.places = np.column_stack([coordinates, coordinates])
-        self.anchors = np.zeros((len(self.elements), 4 if ways else 3))
+        self.anchors = np.zeros((len(self.elements), 3 + ways))
         self.active = np.ones(len(self.clusters), dtype=bool)
         self.poses = np.zeros((len(self.bodies), 6, 3))
         self.proximity = np.zeros((len(self.bodies), 3))
@@ -71,6 +71,7 @@ class SpatialBatch:
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
+        self.anchors[:] = 0.0
         self.proximity[:] = 0.0
         self.proximity[:, kernels.EVER] = -np.inf
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)

@@ -18,6 +18,7 @@ from granular_contact.bed.space.heights import Heights
 from granular_contact.bed.space.history import SpatialHistory, SpatialTable
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
 from granular_contact.errors import scene_error
+from granular_contact.kernels.facets import WAYS
 from granular_contact.kernels.space_joining import kinds_of, owner_of
 from granular_contact.laws.law import Law, term_names
 from granular_contact.laws.layer import Layer
@@ -65,8 +66,9 @@ class SpatialLoad(GranularLoad):
             raise ValueError("medium: got a layer, allowed in space are media that fill the bed")
         self.media = tuple(layer.medium for layer in self.layers)
         for one in self.media:
-            if one.keeps_ways and not one.shear_grows:
-                raise ValueError(f"medium: {one.name} has scatter, which is for the plane; in space allowed is none")
+            if one.scatters and kinds(one) != ["surface"]:
+                words = "has scatter, which in space is for laws of surfaces; allowed is none"
+                raise ValueError(f"medium: {one.name} {words}")
             for key in one.lacking_in_space:
                 raise ValueError(f"medium: {one.name} has no {key}, but in space a number is needed there")
         self.records = records_of(self.layers, static, gravity)
@@ -137,8 +139,10 @@ class SpatialLoad(GranularLoad):
                     columns = [self.table.columns(index, one.body.name) for one in sets]
                     ground = self.ground.copy()
                     ground[0] -= float(getattr(medium, "surface_drop", 0.0))
-                    ways = medium.shear_grows and kind == "surface"
+                    ways = (WAYS - 3 if medium.scatters else int(medium.shear_grows)) if kind == "surface" else 0
                     batch = SpatialBatch(sets, owner_of(type(medium)), record, ground, self.turn, columns, ways)
+                    if medium.scatter is not None and medium.scatters:
+                        medium.scatter.fill(batch.clusters, medium.terms, medium.dynamic)
                     self.batches.append(batch)
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
 

@@ -40,8 +40,9 @@ class SpatialScenario(Scenario):
         ]
         for i, medium in enumerate(self.media):
             path = ("medium", i) if isinstance(self.medium, tuple) else ("medium",)
-            if medium.scatter is not None:
-                faults.append(((*path, "scatter"), "is for the plane; in space allowed is null"))
+            if medium.scatters and "flat" not in medium.takes:
+                words = f"is in space for laws of surfaces, and {medium.law} is none; allowed is null"
+                faults.append(((*path, "scatter"), words))
             faults += [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
         if self.wheel is not None:
             faults.append((("wheel",), "is for wheels in the plane; in space allowed is null"))
