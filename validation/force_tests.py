@@ -2,7 +2,8 @@
 
     python validation/force_tests.py [--quick]
 
-Only the noise is random, and normal. The last lines time a fit of three tests of 200 rows.
+Only the noise is random, and normal; in the last case the grains scatter besides, by another seed in each test, and the
+fit tells them apart. The last lines time a fit of three tests of 200 rows.
 """
 
 from __future__ import annotations
@@ -21,8 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
+from granular_contact.bed.contact_lines import Body, polyline
+from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import load_scenario
+from granular_contact.laws.probe import STEADY
+from granular_contact.laws.rft import GENERIC, Rft
+from granular_contact.laws.scatter import Scatter
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
 from granular_contact.studies.fit.law_alone import Motion, measured
@@ -34,6 +40,7 @@ from validation.tables import markdown
 Vector = NDArray[np.float64]
 
 CONFIGS = Path(__file__).parents[1] / "configs"
+SIDE = 0.0532  # m
 PLATE = "model.bodies.plate.shapes.0.width_m"
 DRAWS, QUICK_DRAWS, ROWS = 100, 10, 40
 
@@ -42,7 +49,8 @@ DRAWS, QUICK_DRAWS, ROWS = 100, 10, 40
 class Case:
     """What is fitted: true values by key, and where the fit starts; the medium besides; tests as overrides.
 
-    direction (deg below the horizontal), depth (m), speed (m/s) by row; noise (N); more: lines of the fit file.
+    direction (deg below the horizontal), depth (m), speed (m/s) by row; noise (N); more: of the fit file, on how the
+    body was moved; scatter: of grains, in tests by plates that are pressed in.
     """
 
     true: dict[str, float]
@@ -53,9 +61,11 @@ class Case:
     direction: float
     noise: float
     more: str = ""
+    scatter: Scatter | None = None
 
 
 PLATES = tuple(f"{PLATE}: {width}" for width in (0.03, 0.0532, 0.08))
+REPEATED = (f"{PLATE}: {SIDE}",) * 4
 DRAGGED = tuple(f"{PLATE}: {width}" for width in (0.04, 0.06))
 CASES = {
     "zeta": Case({"zeta": 0.9}, {"zeta": 0.3}, "law: rft", "penetrometer", PLATES, 90.0, 0.5),
@@ -89,6 +99,16 @@ CASES = {
         0.0,
         0.1,
     ),
+    "zeta where grains scatter": Case(
+        {"zeta": 0.9},
+        {"zeta": 0.3},
+        "law: rft",
+        "penetrometer",
+        REPEATED,
+        90.0,
+        0.15,
+        scatter=Scatter(0.3, 0.003),
+    ),
 }
 
 
@@ -106,7 +126,8 @@ def _medium(case: Case, values: dict[str, float]) -> str:
 def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
     """The tests without noise, as files, and the fit of them."""
     depth, speed = _columns(case, rows)
-    text = f"starts: {starts}\nparameters: [{', '.join(f'medium.{key}' for key in case.true)}]\n"
+    text = "scatter: true\nloss: linear\n" if case.scatter is not None else ""
+    text += f"starts: {starts}\nparameters: [{', '.join(f'medium.{key}' for key in case.true)}]\n"
     text += f"set: {{medium: {_medium(case, case.start)}}}\n"
     more = f", {case.more}" if case.more else ""
     text += f"force_test: {{direction: {case.direction:.1f}{more}}}\nruns:\n"
@@ -116,6 +137,8 @@ def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
             sets = [f"medium={_medium(case, case.true)}", f"{key}={value}"]
             body = SteadyBody(build(load_scenario(CONFIGS / f"{case.config}.yaml", sets)))
             force = measured(body, Motion(depth, speed, np.zeros(rows), case.direction))["force_N"]
+            if case.scatter is not None:  # or they were one measurement several times, which is refused
+                force = pressed(case.scatter.model_copy(update={"seed": i}), case.true["zeta"], depth)
             lines = [f"{z:.9g},{v:.9g},{f:.12g}" for z, v, f in zip(depth, speed, force, strict=True)]
             (Path(folder) / f"{i}.csv").write_text("\n".join(["depth_m,speed_m_s,force_N", *lines]), encoding="utf-8")
             text += f"  - {{config: {CONFIGS / case.config}.yaml, data: {i}.csv, name: test_{i}, set: {{{one}}}}}\n"
@@ -124,12 +147,30 @@ def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
         return prepare(load_specification(path))
 
 
-def noisy(exact: Problem, noise: float, seed: int) -> Problem:
-    """The same with noise (N) in its forces."""
+def pressed(scatter: Scatter, zeta: float, depth: Vector) -> Vector:
+    """Force (N) on a plate that is pressed in to each depth (m), where grains scatter; step by step, as ways count."""
+    load = GranularLoad(Rft(GENERIC, zeta, scatter=scatter), 0.0, static=STEADY)
+    load.add(polyline(Body("plate", [0, 1, 2]), [[-0.5 * SIDE, 0.0], [0.5 * SIDE, 0.0]], width=SIDE, strips=32))
+    load.start(np.zeros(3))
+    v, force = np.array([0.0, -0.01, 0.0]), []
+    for i, z in enumerate(depth):
+        q = np.array([0.0, -z, 0.0])
+        load.accept(float(i), q, v)
+        force.append(load.force(q, v, np.zeros(3))[1])
+    return np.array(force)
+
+
+def noisy(exact: Problem, case: Case, seed: int) -> Problem:
+    """The same with noise (N) in its forces, and grains that scatter if the case has some."""
     random = np.random.default_rng(seed)
     runs = []
-    for run in exact.runs:
-        values = run.measured.values + noise * random.standard_normal(run.measured.values.shape)
+    for i, run in enumerate(exact.runs):
+        values = run.measured.values
+        if case.scatter is not None:
+            grains = case.scatter.model_copy(update={"seed": len(exact.runs) * seed + i + 1})
+            depth, _ = _columns(case, len(values))
+            values = pressed(grains, case.true["zeta"], depth).reshape(values.shape)
+        values = values + case.noise * random.standard_normal(values.shape)
         runs.append(replace(run, measured=replace(run.measured, values=values)))
     return replace(exact, runs=tuple(runs))
 
@@ -142,7 +183,7 @@ def draws(name: str, seeds: Sequence[int]) -> list[Draw]:
     case, found = CASES[name], []
     exact = problem(case)
     for seed in seeds:
-        one = fit(noisy(exact, case.noise, seed))
+        one = fit(noisy(exact, case, seed))
         shared = [e for e in one.uncertainty.estimates if e.parameter.shared]
         found.append(([(e.value, e.error, e.low, e.high) for e in shared], one.goodness.status == "misfit"))
     return found
@@ -186,13 +227,13 @@ def timed(name: str, repeats: int) -> list[str]:
     """Processor time (s) of reading, checking and fitting three tests of 200 rows from eight starts, warm."""
     case = CASES[name]
     exact = problem(case, 200, 8)
-    fit(noisy(exact, case.noise, 0))
+    fit(noisy(exact, case, 0))
     reading, fitting = [], []
     for seed in range(repeats):
         began = time.process_time()
         one = problem(case, 200, 8)
         middle = time.process_time()
-        fit(noisy(one, case.noise, seed))
+        fit(noisy(one, case, seed))
         reading.append(middle - began)
         fitting.append(time.process_time() - middle)
     both = np.array(reading) + np.array(fitting)
@@ -205,7 +246,7 @@ def study(quick: bool) -> Outcome:
     parts = [coverage(name, QUICK_DRAWS if quick else DRAWS) for name in names]
     head = ["fitted", "", "true", "mean", "scatter", "stated error", "95 % intervals that hold it", "expected"]
     text = [
-        f"Two or three tests of {ROWS} rows each, noise unknown, soft_l1.",
+        f"Two or three tests of {ROWS} rows each (four where grains scatter), noise unknown, soft_l1 (there linear).",
         markdown(head, [row for rows, _ in parts for row in rows]),
     ]
     if not quick:
