@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support_runs import scenario_of
 
+from granular_contact import report
 from granular_contact.cli import main
 from granular_contact.errors import ConfigError
 from granular_contact.studies import ensemble
+from granular_contact.studies.ensemble import writing
 from granular_contact.studies.ensemble.runs import INSTANTS
 from granular_contact.studies.sweep.journal import Row
 
@@ -41,6 +45,12 @@ def test_numbers_of_an_ensemble() -> None:
         assert half[at] == pytest.approx(1.96 * values[:n].std(ddof=1) / np.sqrt(n), rel=1e-9)
     assert found.time[-1] == 2.0
     np.testing.assert_allclose(found.bands["depth_m"][2], np.median(values), rtol=1e-12)
+
+
+def test_an_ensemble_can_be_run_again_in_its_folder(tmp_path: Path) -> None:
+    writing.write(ensemble.of_rows(rows(np.arange(4.0))), tmp_path, figures=False)
+    assert {path.name for path in tmp_path.iterdir()} == {"statistics.csv", "convergence.csv", "bands.csv"}
+    report.check_target(tmp_path, "sweep")
 
 
 def test_members_differ_in_their_seed_alone() -> None:

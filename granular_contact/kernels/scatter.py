@@ -10,8 +10,8 @@ values of +1 or -1; between them
 and b likewise in the other direction: squares of the weights add to 1, so that xi has the mean 0 and the variance 1
 everywhere, a continuous first derivative, and no value beyond 2. With s <= MOST no strip is ever driven. A strip that
 is longer than a grain takes the mean of several, s sqrt(L / length). In space facets take the value of a cube of the
-size L, fixed to their body, and one larger than a grain takes s L / sqrt(area). The form is [ours]; no published spectrum is
-known.
+size L, fixed to their body, and one larger than a grain takes s L / sqrt(area). The form is [ours]; no published
+spectrum is known.
 """
 
 from __future__ import annotations

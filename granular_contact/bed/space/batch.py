@@ -24,8 +24,8 @@ class SpatialBatch:
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
     (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
-    (rows, 3) m: the friction state, with `ways` more columns for ways, see `kernels.space_law`; active (clusters,): what may touch the
-    surface in this step; poses, proximity: see `kernels.space_bodies`.
+    (rows, 3) m: the friction state, with `ways` more columns, see `kernels.space_law`; active (clusters,): what may
+    touch the surface in this step; poses, proximity: see `kernels.space_bodies`.
     """
 
     def __init__(
