@@ -33,11 +33,11 @@ def pushed(seed: int, facet: float = 0.01, steps: int = 30) -> Array:
 
 def test_a_plate_scatters_as_its_cubes_do() -> None:
     plain = pushed(0)
-    runs = [pushed(seed, steps=3) for seed in range(1, 61)]
+    runs = [pushed(seed, steps=3) for seed in range(1, 41)]
     at = np.array([run[2, 0, 2] for run in runs]) / plain[2, 0, 2]
-    # 36 cubes of the size of a grain lie on the plate; of 60 draws a deviation is known to 9 %.
-    assert np.std(at) == pytest.approx(SHARE * GRAIN / SIZE, rel=0.35)
-    assert np.mean(at) == pytest.approx(1.0, abs=4 * SHARE * GRAIN / SIZE / np.sqrt(60))
+    # 36 cubes of the size of a grain lie on the plate; of 40 draws a deviation is known to 11 %.
+    assert np.std(at) == pytest.approx(SHARE * GRAIN / SIZE, rel=0.4)
+    assert np.mean(at) == pytest.approx(1.0, abs=4 * SHARE * GRAIN / SIZE / np.sqrt(40))
 
 
 def test_it_changes_with_the_way_and_only_what_is_static() -> None:
@@ -70,3 +70,9 @@ def test_laws_of_bars_and_balls_are_refused_in_a_line() -> None:
     hill = Hill(1600.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7), scatter=Scatter(0.2, 0.003))
     with pytest.raises(ValueError, match="has scatter, which in space is for laws of surfaces; allowed is none"):
         load_on(hill, Plate((0.1, 0.1)))
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    from granular_contact.mujoco import MujocoBed
+
+    model = mujoco.MjModel.from_xml_string("<mujoco><worldbody/></mujoco>")
+    with pytest.raises(ValueError, match="in space is for runs in Exudyn"):
+        MujocoBed(model, PLAIN.model_copy(update={"scatter": Scatter(0.2, 0.003)}))
