@@ -46,7 +46,7 @@ SHORT = ("eta_d", "eta_h", "eta_v", "lambda")
 START = (5.0, 11.0, 15.0, 1.4)  # where every draw starts from
 RIGID = "method={reduced: {modes: 0}}"
 COLUMNS = ("tip_x_m", "tip_y_m")
-DRAWS, QUICK_DRAWS = 100, 4
+DRAWS, QUICK_DRAWS = 100, 2
 QUICK_CASES = [(angle, speeds[k]) for angle, speeds in SPEEDS.items() if angle in (22.0, 61.5) for k in (0, 2)]
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE)
 
