@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,137 @@ from granular_contact.laws.kinds import Kind
 Vector = NDArray[np.float64]
 
 
+H = TypeVar("H", bound="Entries")
+
+
 @dataclass(frozen=True)
-class LoadHistory:
+class Entries:
+    """What a load did at each accepted step; all its arrays have a row a step."""
+
+    time: Vector
+    work: Vector
+
+    def at_end(self: H) -> H:
+        """The last entry alone, if there is one."""
+        return replace(self, **self._rows(slice(-1, None)))
+
+    def since(self: H, start: float) -> H:
+        """The entries from a time (s) on, with works counted from there."""
+        first = int(np.searchsorted(self.time, start))
+        if first == 0:
+            return self
+        later = self._rows(slice(first, None))
+        return replace(self, **later | {n: v - v[:1] for n, v in later.items() if n in ("work", "floor_work")})
+
+    def _rows(self, rows: slice) -> dict[str, Any]:
+        return {name: values[rows] for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+
+
+class Table(ABC, Generic[H]):
+    """Rows that grow: first columns as in `blank`, then the power of each medium, its terms, and bodies.
+
+    blank: a row before anything is added to it; length: number of rows. Wrenches have 3 in the plane, 6 in space.
+    """
+
+    def __init__(
+        self, first: Vector, size: int, terms: Sequence[int], names: Sequence[str], bodies: Sequence[str]
+    ) -> None:
+        """First columns of a blank row, size of a wrench, terms of each medium, their names, names of bodies."""
+        self.media, self._size, self._terms = len(terms), size, tuple(terms)
+        self._names = tuple(names), tuple(bodies)
+        self._first = len(first)
+        self._first_term = self._first + self.media
+        self._first_body = self._first_term + size * TERMS * self.media
+        self.blank = np.concatenate([first, np.zeros(self._first_body - self._first + size * len(bodies))])
+        self._rows = np.zeros((256, len(self.blank)))
+        self._work: Vector | None = None
+        self._summed = 0, 0.0  # a row, and the work up to it
+        self.length = 0
+
+    def columns(self, medium: int, body: str) -> NDArray[Any]:
+        """Where kernels add the power of a medium, its terms and the wrench on a body."""
+        place = self._first_body + self._size * self._names[1].index(body)
+        term = self._first_term + self._size * TERMS * medium
+        return np.array([self._first + medium, term, place], dtype=np.int64)
+
+    def new_row(self, time: float) -> Vector:
+        """A blank row at the end, for this time (s)."""
+        if self.length == len(self._rows):
+            self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
+        if self.length == 0:
+            self._summed = 0, 0.0
+        row: Vector = self._rows[self.length]
+        row[:] = self.blank
+        row[TIME] = time
+        self.length += 1
+        return row
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that it has columns of."""
+        return self._names[1]
+
+    @property
+    def row(self) -> Vector:
+        """The last row."""
+        row: Vector = self._rows[self.length - 1]
+        return row
+
+    def wrenches(self, row: Vector) -> Vector:
+        """Forces and moments (bodies, size) of a row."""
+        return row[self._first_body :].reshape(-1, self._size).copy()
+
+    def kept(self) -> tuple[Vector, tuple[int, float]]:
+        """A copy of all rows so far, and what is summed up of them."""
+        return self._rows[: self.length].copy(), self._summed
+
+    def restore(self, rows: Vector, summed: tuple[int, float]) -> None:
+        """Take rows and sums that were kept for its own."""
+        self.length = len(rows)
+        if self.length > len(self._rows):
+            self._rows = np.zeros((2 * self.length, len(self.blank)))
+        self._rows[: self.length], self._summed = rows, summed
+
+    def last(self) -> H:
+        """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
+        if self._work is not None or self.length < 3:
+            return self.history().at_end()
+        first, before = self._summed
+        rows = self._rows[first : self.length]
+        work = before + integral(self._power(rows), rows[:, TIME])
+        self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
+        return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
+
+    def history(self) -> H:
+        """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
+        return self._read(self._rows[: self.length].copy())
+
+    def _power(self, rows: Vector) -> Vector:
+        power: Vector = rows[:, self._first : self._first_term].sum(axis=1)
+        return power
+
+    @abstractmethod
+    def _read(self, rows: Vector) -> H:
+        """Rows by their names."""
+
+    def _common(self, rows: Vector) -> dict[str, Any]:
+        """What is read in the plane and in space alike."""
+        time, power = rows[:, TIME], self._power(rows)
+        used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
+        terms = rows[:, self._first_term : self._first_body].reshape(len(rows), TERMS * self.media, self._size)
+        return {
+            "time": time,
+            "work": integral(power, time) if self._work is None else self._work,
+            "power": power,
+            "terms": terms[:, used],
+            "bodies": rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), self._size),
+            "term_names": self._names[0],
+            "body_names": self._names[1],
+        }
+
+
+@dataclass(frozen=True)
+class LoadHistory(Entries):
     """One entry per accepted step, the start included.
 
     time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
@@ -31,8 +161,6 @@ class LoadHistory:
     all terms together, for each of `body_names`; immersed: body, kind and width (m) of all that ever was.
     """
 
-    time: Vector
-    work: Vector
     power: Vector
     floor_work: Vector
     depth: Vector
@@ -47,128 +175,38 @@ class LoadHistory:
     body_names: tuple[str, ...]
     immersed: frozenset[tuple[str, Kind, float]] = frozenset()
 
-    def at_end(self) -> LoadHistory:
-        """The last entry alone, if there is one."""
-        return replace(self, **self._rows(slice(-1, None)))
 
-    def since(self, start: float) -> LoadHistory:
-        """The entries from a time (s) on, with both works counted from there."""
-        first = int(np.searchsorted(self.time, start))
-        if first == 0:
-            return self
-        later = self._rows(slice(first, None))
-        for name in ("work", "floor_work"):
-            later[name] = later[name] - later[name][:1]
-        return replace(self, **later)
-
-    def _rows(self, rows: slice) -> dict[str, Any]:
-        return {name: values[rows] for name, values in vars(self).items() if isinstance(values, np.ndarray)}
-
-
-class HistoryTable:
-    """Rows with the first columns of `kernels.lines`, then the power of each medium, its terms, and bodies.
-
-    blank: a row before anything is added to it; length: number of rows.
-    """
+class HistoryTable(Table[LoadHistory]):
+    """Rows with the first columns of `kernels.lines`, then the power of each medium, its terms, and bodies."""
 
     def __init__(
         self, terms: Sequence[int] = (), term_names: Sequence[str] = (), bodies: Sequence[str] = (), floor: bool = False
     ) -> None:
         """Terms of each medium, their names, names of bodies; floor: whether the last medium is the floor's contact."""
-        self.media, self._terms, self._floor = len(terms), tuple(terms), floor
-        self._names = tuple(term_names), tuple(bodies)
-        self._first_term = FIRST + self.media
-        self._first_body = self._first_term + 3 * TERMS * self.media
-        self.blank = np.zeros(self._first_body + 3 * len(bodies))
-        self.blank[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
-        self._rows = np.zeros((256, len(self.blank)))
-        self._work: Vector | None = None
-        self._summed = 0, 0.0  # a row, and the work up to it
-        self.length = 0
-
-    def columns(self, medium: int, body: str) -> Vector:
-        """Where `kernels.lines.accept` adds the power of a medium, its terms and the resultant of a body."""
-        place = self._first_body + 3 * self._names[1].index(body)
-        return np.array([FIRST + medium, self._first_term + 3 * TERMS * medium, place])
-
-    def new_row(self, time: float) -> Vector:
-        """A blank row at the end, for this time (s)."""
-        if self.length == len(self._rows):
-            self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
-        if self.length == 0:
-            self._summed = 0, 0.0
-        row: Vector = self._rows[self.length]
-        row[:] = self.blank
-        row[TIME] = time
-        self.length += 1
-        return row
+        first = np.zeros(FIRST)
+        first[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
+        super().__init__(first, 3, terms, term_names, bodies)
+        self._floor = floor
 
     def adopt(self, rows: Vector, work: Vector) -> None:
         """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
         self._rows, self._work, self.length = rows, work, len(rows)
 
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """Names of the bodies that it has columns of."""
-        return self._names[1]
-
-    @property
-    def row(self) -> Vector:
-        """The last row."""
-        row: Vector = self._rows[self.length - 1]
-        return row
-
-    def wrenches(self, row: Vector) -> Vector:
-        """Forces and moments (bodies, 3) of a row, as of `LoadHistory.bodies`."""
-        return row[self._first_body :].reshape(-1, 3).copy()
-
-    def kept(self) -> tuple[Vector, tuple[int, float]]:
-        """A copy of all rows so far, and what is summed up of them."""
-        return self._rows[: self.length].copy(), self._summed
-
-    def restore(self, rows: Vector, summed: tuple[int, float]) -> None:
-        """Take rows and sums that were kept for its own."""
-        self.length = len(rows)
-        if self.length > len(self._rows):
-            self._rows = np.zeros((2 * self.length, len(self.blank)))
-        self._rows[: self.length], self._summed = rows, summed
-
-    def last(self) -> LoadHistory:
-        """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
-        if self._work is not None or self.length < 3:
-            return self.history().at_end()
-        first, before = self._summed
-        rows = self._rows[first : self.length]
-        work = before + integral(self._power(rows), rows[:, TIME])
-        self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
-        return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
-
-    def history(self) -> LoadHistory:
-        """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
-        return self._read(self._rows[: self.length].copy())
-
     def _power(self, rows: Vector) -> Vector:
-        power: Vector = rows[:, FIRST : FIRST + self.media - self._floor].sum(axis=1)
+        power: Vector = rows[:, FIRST : self._first_term - self._floor].sum(axis=1)
         return power
 
     def _read(self, rows: Vector) -> LoadHistory:
-        time, sand, power = rows[:, TIME], FIRST + self.media - self._floor, self._power(rows)
-        used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
+        floor = rows[:, self._first_term - self._floor : self._first_term].sum(axis=1)
         return LoadHistory(
-            time=time,
-            work=integral(power, time) if self._work is None else self._work,
-            power=power,
-            floor_work=integral(rows[:, sand : self._first_term].sum(axis=1), time),
+            **self._common(rows),
+            floor_work=integral(floor, rows[:, TIME]),
             depth=rows[:, DEPTH],
             coarser=rows[:, COARSER : COARSER + 4],
             speed=rows[:, SPEED],
             lowest=rows[:, LOWEST],
             left=rows[:, LEFT],
             right=rows[:, RIGHT],
-            terms=rows[:, self._first_term : self._first_body].reshape(len(rows), TERMS * self.media, 3)[:, used],
-            bodies=rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), 3),
-            term_names=self._names[0],
-            body_names=self._names[1],
         )
 
 

@@ -160,7 +160,12 @@ class Results:
         return notebook(self)
 
     def to_dataframe(self) -> DataFrame:
-        """The table as a pandas DataFrame, one row per accepted step; what columns mean is in its `attrs`.
+        """The table as a pandas DataFrame, one row per accepted step.
+
+        Returns
+        -------
+        DataFrame
+            What columns mean is in its `attrs`.
 
         Raises
         ------
@@ -172,7 +177,17 @@ class Results:
         return dataframe(self)
 
     def plot(self, *names: str) -> Figure:
-        """Columns over time, a panel for each unit; a notebook shows the figure, `savefig` saves it.
+        """Columns over time, a panel for each unit.
+
+        Parameters
+        ----------
+        *names : str
+            Columns, as "tip_y_m".
+
+        Returns
+        -------
+        Figure
+            A notebook shows it, `savefig` saves it.
 
         Raises
         ------
@@ -184,7 +199,17 @@ class Results:
         return plot(self, names)
 
     def figures(self) -> dict[str, Figure]:
-        """All figures that a run is saved with, by name: motion, forces, energy, mechanism."""
+        """All figures that a run is saved with.
+
+        Returns
+        -------
+        dict of Figure
+            By name, as `motion`, `forces`, `energy`, `mechanism`; which there are depends on what moves.
+
+        Examples
+        --------
+        >>> simulate("pendulum").figures()["forces"].savefig("forces.pdf")  # doctest: +SKIP
+        """
         from granular_contact.results.methods import figures
 
         return figures(self)
@@ -242,6 +267,16 @@ class Results:
         """The results in a folder that a run or `save` wrote: the same table, summary, warnings and scenario.
 
         NaN in a summary is None after it. `snapshots` and `sizes` are not saved, so there are none.
+
+        Parameters
+        ----------
+        directory : str or path
+            Folder of the run.
+
+        Returns
+        -------
+        Results
+            The run.
 
         Raises
         ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -166,8 +167,7 @@ class PolylineShape(_Bent):
 
     @model_validator(mode="after")
     def _moves_on(self) -> PolylineShape:
-        if faults := _repeated(self.points_m):
-            raise refusal(faults)
+        check_corners(self.points_m)
         return self
 
 
@@ -182,14 +182,7 @@ class PolygonShape(_Shape):
 
     @model_validator(mode="after")
     def _encloses(self) -> PolygonShape:
-        faults = _repeated((*self.points_m, self.points_m[0]))
-        if not faults and abs(doubled_area(self.points_m)) < 1e-12 * extent(self.points_m) ** 2:
-            faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
-        if not faults and (pair := crossing(self.points_m)):
-            words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
-            faults = [(("points_m",), words)]
-        if faults:
-            raise refusal(faults)
+        check_section(self.points_m)
         return self
 
 
@@ -217,14 +210,22 @@ class FootShape(_Shape, Renewed):
         return self
 
 
-def _repeated(points: tuple[tuple[float, float], ...]) -> list[LocalFault]:
-    """A fault for each corner that is the same as the one before it."""
-    faults: list[LocalFault] = []
-    for i, (one, other) in enumerate(pairwise(points)):
-        if one == other:
-            message = f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
-            faults.append((("points_m",), message))
-    return faults
+def check_corners(points: Sequence[tuple[float, ...]]) -> None:
+    """Raise a fault for each corner that is the same as the one before it."""
+    message = "corners {} and {} are the same, {}; neighbours must differ"
+    same = [(i, list(one)) for i, (one, other) in enumerate(pairwise(points)) if one == other]
+    if same:
+        raise refusal([(("points_m",), message.format(i, i + 1, one)) for i, one in same])
+
+
+def check_section(corners: Sequence[tuple[float, float]]) -> None:
+    """Raise the faults of a polygon: corners that are the same, no area, sides that cross."""
+    check_corners((*corners, corners[0]))
+    if abs(doubled_area(corners)) < 1e-12 * extent(corners) ** 2:
+        raise refusal([(("points_m",), "encloses no area; the corners must not lie on one line")])
+    if pair := crossing(corners):
+        words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
+        raise refusal([(("points_m",), words)])
 
 
 SHAPES: dict[str, type[Strict]] = {

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
-from granular_contact.config.schema.shapes import check_opening
+from granular_contact.config.schema.shapes import check_corners, check_opening, check_section
 from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
-from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.values.strict import Listed, LocalFault, OneOrMore, Point, Positive, Strict, Tagged, Text, refusal
 
 Pair = Annotated[tuple[Positive, Positive], Listed]
@@ -134,18 +132,7 @@ class SpatialPolygon(_Shape):
 
     @model_validator(mode="after")
     def _encloses(self) -> SpatialPolygon:
-        faults: list[LocalFault] = []
-        for i, (one, other) in enumerate(pairwise((*self.points_m, self.points_m[0]))):
-            if one == other:
-                words = f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
-                faults.append((("points_m",), words))
-        if not faults and abs(doubled_area(self.points_m)) < 1e-12 * extent(self.points_m) ** 2:
-            faults = [(("points_m",), "encloses no area; the corners must not lie on one line")]
-        if not faults and (pair := crossing(self.points_m)):
-            words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
-            faults = [(("points_m",), words)]
-        if faults:
-            raise refusal(faults)
+        check_section(self.points_m)
         return self
 
 
@@ -161,10 +148,7 @@ class SpatialBar(Strict):
 
     @model_validator(mode="after")
     def _moves_on(self) -> SpatialBar:
-        for i, (one, other) in enumerate(pairwise(self.points_m)):
-            if one == other:
-                words = f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
-                raise refusal([(("points_m",), words)])
+        check_corners(self.points_m)
         return self
 
 

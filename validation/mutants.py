@@ -1,0 +1,239 @@
+"""Whether the tests notice small changes of the code: mutants of what decides, of joints, observers and kernels.
+
+    pip install cosmic-ray                      # makes the changes; only this script needs it
+    python validation/mutants.py                # 60 mutants, about half an hour of an idle core
+    python validation/mutants.py --count 12 --area joints --seed 2
+
+Each mutant is one change of one place (an operator, a comparison, a number, a condition), drawn from all places of the
+files of an area; the tests of its area run on a copy of the project until one fails. A mutant that none notices is
+printed with its line. Compiled code is kept from mutant to mutant but for the changed module and what inlines it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
+COPIED = ("granular_contact", "tests", "models", "configs", "schemas", "validation", "pyproject.toml")
+LONGEST = 900.0  # s: a mutant that runs longer hangs, which is noticed
+# Files whose places are changed, and the tests that have to notice.
+AREAS = {
+    "joints": (
+        ("kernels/joint_loads.py", "kernels/joint_laws.py", "multibody/joint_actions.py", "multibody/joint_history.py"),
+        ("tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"),
+    ),
+    "observers": (
+        ("multibody/observe.py", "multibody/senses.py", "results/stopping.py", "results/strides.py"),
+        (
+            "tests/test_strides.py",
+            "tests/multibody/test_stopping.py",
+            "tests/multibody/test_drives.py",
+            "tests/test_edges.py",
+        ),
+    ),
+    "decisions": (
+        (
+            "scene/workspace.py",
+            "scene/joints.py",
+            "scene/applicability.py",
+            "multibody/recorder.py",
+            "results/limits.py",
+        ),
+        (
+            "tests/scene/test_workspace.py",
+            "tests/scene/test_build.py",
+            "tests/multibody/test_free.py",
+            "tests/test_edges.py",
+        ),
+    ),
+    "kernels": (
+        ("kernels/immersion.py", "kernels/friction.py", "kernels/kinematics.py", "kernels/batches.py"),
+        (
+            "tests/kernels/test_immersion.py",
+            "tests/kernels/test_kinematics.py",
+            "tests/kernels/test_friction.py",
+            "tests/multibody/test_batches.py",
+        ),
+    ),
+}
+# Of the operators those that change what is computed.
+OPERATORS = re.compile(
+    r"core/(ReplaceBinaryOperator_(Add|Sub|Mul|Div)_(Add|Sub|Mul|Div)$|ReplaceComparisonOperator_(Lt|LtE|Gt|GtE|Eq|NotEq)_"
+    r"(Lt|LtE|Gt|GtE|Eq|NotEq)$|ReplaceUnaryOperator_USub_UAdd|ReplaceUnaryOperator_Delete_Not|NumberReplacer|AddNot"
+    r"|ReplaceAndWithOr|ReplaceOrWithAnd|ReplaceTrueWithFalse|ReplaceFalseWithTrue|ReplaceContinueWithBreak)"
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change: the area and the file (below the package) of its place, what is done there, and which place."""
+
+    area: str
+    file: str
+    operator: str
+    occurrence: int
+
+    def code(self) -> str | None:
+        """The changed file."""
+        from cosmic_ray.mutating import MutationVisitor
+        from cosmic_ray.plugins import get_operator
+
+        source = (ROOT / "granular_contact" / self.file).read_text(encoding="utf-8")
+        code: str | None = MutationVisitor.mutate_code(source, get_operator(self.operator)(), self.occurrence)
+        return code
+
+    def lines(self) -> str:
+        """The line before and after."""
+        source = (ROOT / "granular_contact" / self.file).read_text(encoding="utf-8")
+        changes = difflib.unified_diff(source.splitlines(), (self.code() or "").splitlines(), n=0, lineterm="")
+        return "\n".join(line for line in list(changes)[2:])
+
+
+def places(area: str) -> Iterator[Mutant]:
+    """All mutants of the files of an area."""
+    from cosmic_ray.ast import ast_nodes, get_ast
+    from cosmic_ray.plugins import get_operator, operator_names
+
+    names = [name for name in operator_names() if OPERATORS.match(name)]
+    for file in AREAS[area][0]:
+        tree = get_ast((ROOT / "granular_contact" / file).read_text(encoding="utf-8"))
+        for name in names:
+            operator = get_operator(name)()
+            count = sum(1 for node in ast_nodes(tree) for _ in operator.mutation_positions(node))
+            yield from (Mutant(area, file, name, i) for i in range(count))
+
+
+def drawn(areas: list[str], count: int, seed: int) -> list[Mutant]:
+    """So many mutants, from each area as many; a place is drawn before what is done there."""
+    found: list[Mutant] = []
+    for i, area in enumerate(areas):
+        share = count // len(areas) + (i < count % len(areas))
+        kinds: dict[str, list[Mutant]] = {}
+        for one in places(area):
+            kinds.setdefault(f"{one.file} {one.operator.partition('_')[0]}", []).append(one)
+        dice, left = random.Random(f"{seed} {area}"), [*kinds.values()]
+        weights = [len({one.occurrence for one in ones}) for ones in left]
+        chosen: dict[Mutant, None] = {}
+        while len(chosen) < min(share, sum(map(len, left))):
+            chosen[dice.choice(dice.choices(left, weights)[0])] = None
+        found += chosen
+    return found
+
+
+def stale(file: str) -> set[str]:
+    """Names of the modules whose compiled code may hold code of a file: its own, and those that use it by any way.
+
+    Laws are joined to the kernels when they are first used, so that what a law uses may be in all of them.
+    """
+    texts = {
+        (room, path.stem): path.read_text(encoding="utf-8")
+        for room in ("kernels", "laws")
+        for path in (ROOT / "granular_contact" / room).rglob("*.py")
+    }
+    found = {("kernels", Path(file).stem)}
+    while True:
+        names = "|".join(sorted(name for _, name in found))
+        use = re.compile(rf"^from .*\b({names})\b|\bkernels\.({names})\b", re.M)
+        more = found | {place for place, text in texts.items() if use.search(text)}
+        if any(room == "laws" for room, _ in more):
+            return {name for _, name in texts}
+        if more == found:
+            return {name for _, name in found}
+        found = more
+
+
+def tests_notice(area: str, cache: Path) -> bool:
+    """Whether a test of the area fails on the copy."""
+    # Code that was compiled elsewhere would be of the unchanged file, so that the copy has a place of its own.
+    environment = os.environ | {"PYTHONPATH": str(PLACE), "NUMBA_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "-o", "addopts=", "-x", "-q", *AREAS[area][1]]
+    try:
+        done = subprocess.run(command, cwd=PLACE, env=environment, capture_output=True, timeout=LONGEST, check=False)
+    except subprocess.TimeoutExpired:
+        return True
+    return done.returncode != 0
+
+
+def is_noticed(mutant: Mutant) -> bool:
+    """Run the tests on a copy with this change."""
+    file, kept, cache = PLACE / "granular_contact" / mutant.file, PLACE / "cache", PLACE / "cache_of_mutant"
+    before, stamp = file.read_text(encoding="utf-8"), file.stat()
+    shutil.rmtree(cache, ignore_errors=True)
+    old = stale(mutant.file) if mutant.file.startswith("kernels/") else set()
+    shutil.copytree(
+        kept,
+        cache,
+        copy_function=os.link,
+        ignore=lambda _, names: [name for name in names if name.partition(".")[0] in old and ".nb" in name],
+    )
+    try:
+        file.write_text(mutant.code() or before, encoding="utf-8")
+        return tests_notice(mutant.area, cache)
+    finally:
+        file.write_text(before, encoding="utf-8")
+        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # or its compiled code would be too old
+
+
+def copied() -> None:
+    """A fresh copy of the project beside the compiled code of the last time."""
+    for name in COPIED:
+        target = PLACE / name
+        if target.is_dir():
+            shutil.rmtree(target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, target, ignore=shutil.ignore_patterns("__pycache__", "results"))
+        else:
+            shutil.copy(ROOT / name, target)
+
+
+def main() -> int:
+    """Print which mutants survive, and a table; 1 when the tests fail on the unchanged code."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--area", choices=AREAS, action="append")
+    chosen = parser.parse_args()
+    areas = chosen.area or [*AREAS]
+    copied()
+    (PLACE / "cache").mkdir(exist_ok=True)
+    for area in areas:
+        if tests_notice(area, PLACE / "cache"):
+            print(f"the tests of {area} fail on the code as it is, in {PLACE}")
+            return 1
+    killed: dict[str, list[bool]] = {area: [] for area in areas}
+    begin = time.perf_counter()
+    for mutant in drawn(areas, chosen.count, chosen.seed):
+        noticed = is_noticed(mutant)
+        killed[mutant.area].append(noticed)
+        print(f"{'noticed ' if noticed else 'SURVIVED'} {mutant.file}: {mutant.operator}", flush=True)
+        if not noticed:
+            print(mutant.lines(), flush=True)
+    print(f"\n| area | mutants | noticed |\n| --- | --- | --- |\n{_rows(killed)}")
+    print(f"\nseed {chosen.seed}, {time.perf_counter() - begin:.0f} s")
+    return 0
+
+
+def _rows(killed: dict[str, list[bool]]) -> str:
+    total = [one for ones in killed.values() for one in ones]
+    return "\n".join(
+        f"| {name} | {len(ones)} | {sum(ones)} ({100 * sum(ones) / max(len(ones), 1):.0f} %) |"
+        for name, ones in {**killed, "all": total}.items()
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
