@@ -38,7 +38,7 @@ from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.scene.types import Connection, InitialMotion, Reduced, Scene
+from granular_contact.scene.types import InitialMotion, Joint, Reduced, Scene
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -96,9 +96,7 @@ def cantilever(elements: int, gravity: float = 0.0) -> Scene:
     """The link alone, clamped to the ground."""
     scene = pendulum(elements, gravity)
     link = replace(scene.links[0], motion=InitialMotion(ZERO, 0.0, ZERO, 0.0))
-    return replace(
-        scene, rigid=(), links=(link,), connections=(Connection("clamp", "weld", None, ZERO, link.name, ZERO),)
-    )
+    return replace(scene, rigid=(), links=(link,), joints=(Joint("clamp", "weld", None, ZERO, link.name, ZERO),))
 
 
 def statics(elements: int, *, force: float = 0.0, moment: float = 0.0, gravity: float = 0.0, steps: int = 1) -> Vector:

@@ -121,8 +121,8 @@ def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
     }  # fmt: skip
     if results.status.code not in GOOD:
         return Found(**found)
-    own = track(results, tree, scene.least_way)
-    again = _Again(own, folder, scene.least_way)
+    own = track(results, tree, scene.least_path)
+    again = _Again(own, folder, scene.least_path)
     found["images"] = {name: again.off(image, tree, name == "mirror image") for name, image in IMAGES.items()}
     found["half"] = again.off(lambda one: images.finer(one, 2.0), tree, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", 2e-4)
@@ -162,7 +162,7 @@ class _Again:
 
     own: Track
     folder: Path
-    least_way: float
+    least_path: float
 
     def run(self, image: images.Image, tree: Any) -> Any:
         """Results of a form; None where there is none, or it did not end."""
@@ -183,7 +183,7 @@ class _Again:
             return math.inf
         if results is None or (silent and _doubts(results)):
             return math.nan
-        return apart(self.own, track(results, image(tree), self.least_way), mirror)
+        return apart(self.own, track(results, image(tree), self.least_path), mirror)
 
 
 def every(

@@ -53,7 +53,7 @@ class SteadyBody:
         self._scene, self.body = scene, _chosen(scene, name)
         if scene.bed is None or not scene.bed.level:
             raise scene_error("bed", "a steady motion needs a medium with a level surface")
-        joint = next((c for c in scene.connections if c.child == self.body.name), None)
+        joint = next((c for c in scene.joints if c.child == self.body.name), None)
         self.center = np.zeros(2) if joint is None else np.asarray(joint.child_point, float)
         self.angle = self.body.motion.angle
         self.lowest = min(_lowest(shape, self.angle) for shape in _met(self.body))

@@ -46,7 +46,7 @@ def see(seen: Observations) -> list[float]:
     return [*trunk, spin, *np.sin(angles), *np.cos(angles), *(0.1 * rates), *contacts]
 
 
-def way(before: Observations, after: Observations) -> float:
+def distance(before: Observations, after: Observations) -> float:
     """How far (m) the trunk got to the right."""
     return after["trunk_x_m"] - before["trunk_x_m"]
 
@@ -57,9 +57,9 @@ def fell(seen: Observations) -> bool:
 
 
 def runner_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
-    """The environment `granular_contact/Runner-v0`; the sum of its rewards is the way in metres.
+    """The environment `granular_contact/Runner-v0`; the sum of its rewards is the distance in metres.
 
     options: as of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`.
     """
-    given = {"observation": see, "reward": way, "terminated": fell}
+    given = {"observation": see, "reward": distance, "terminated": fell}
     return GranularEnv(scenario(end_time_s), **(given | options))

@@ -91,13 +91,15 @@ class Panel:
 
 def panels(medium: Law) -> tuple[Panel, Panel, Panel]:
     """Force of a medium against depth, against speed, and against the direction of motion, on a body that it takes."""
-    shape, what, ways = _body(medium)
+    shape, what, directions = _body(medium)
     z, v, gamma = np.linspace(1e-4, 2 * DEPTH, 60), np.linspace(0.0, 3.0, 60), np.linspace(-90.0, 90.0, 91)
     deep = shape(DEPTH)
     by_depth = tuple(
-        Curve(label, z, np.array([_against(medium, shape(x), SLOW, a) for x in z])) for label, a in ways.items()
+        Curve(label, z, np.array([_against(medium, shape(x), SLOW, a) for x in z])) for label, a in directions.items()
     )
-    by_speed = tuple(Curve(label, v, np.array([_against(medium, deep, x, a) for x in v])) for label, a in ways.items())
+    by_speed = tuple(
+        Curve(label, v, np.array([_against(medium, deep, x, a) for x in v])) for label, a in directions.items()
+    )
     turned = np.array([_total(medium, deep, SLOW, x) for x in gamma])
     components = (Curve("horizontal, against the motion", gamma, -turned[:, 0]), Curve("upward", gamma, turned[:, 1]))
     return (
@@ -113,12 +115,12 @@ def _body(medium: Law) -> tuple[Callable[[float], Probe], str, dict[str, float]]
     if "ball" in medium.takes:
         diameter = size or BALL
         return lambda depth: ball(depth, diameter), f"steel ball of {1e3 * diameter:.3g} mm", {"downward": 90.0}
-    ways = {"plunging": 90.0, "withdrawing": -90.0, "horizontally": 0.0}
+    directions = {"plunging": 90.0, "withdrawing": -90.0, "horizontally": 0.0}
     if "flat" in medium.takes:
         width = size or PLATE
-        return lambda depth: plate(depth, 0.0, width), f"level plate of {1e3 * width:.3g} mm", ways
+        return lambda depth: plate(depth, 0.0, width), f"level plate of {1e3 * width:.3g} mm", directions
     diameter = size or BAR
-    return lambda depth: upright_bar(depth, diameter), f"upright bar of {1e3 * diameter:.3g} mm", ways
+    return lambda depth: upright_bar(depth, diameter), f"upright bar of {1e3 * diameter:.3g} mm", directions
 
 
 def _total(medium: Law, probe: Probe, speed: float, angle: float) -> Vector:

@@ -16,7 +16,7 @@ from granular_contact.kernels.law import LAW, RUN
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
 from granular_contact.multibody.system import RigidHandle, System
-from granular_contact.scene.types import Connection, RigidBody, Scene, Vector
+from granular_contact.scene.types import Joint, RigidBody, Scene, Vector
 from granular_contact.scene.workspace import can_be_immersed
 
 
@@ -60,7 +60,7 @@ class Tree:
 
 def tree(scene: Scene) -> Tree:
     """Set up a scene that `scene.minimal_support` allows."""
-    joints = outward(scene.connections)
+    joints = outward(scene.joints)
     bodies = [body for joint in joints for body in scene.rigid if body.name == joint.child]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
     system = System(scene, None, Numbers(len(bodies)), handles, {}, None)
@@ -82,9 +82,9 @@ def _granular_load(scene: Scene, bodies: list[RigidBody]) -> GranularLoad | None
     return load if load.lines else None
 
 
-def outward(joints: tuple[Connection, ...]) -> list[Connection]:
+def outward(joints: tuple[Joint, ...]) -> list[Joint]:
     """Joints in an order in which every parent comes before its children."""
-    of_parent: dict[str | None, list[Connection]] = {}
+    of_parent: dict[str | None, list[Joint]] = {}
     for joint in joints:
         of_parent.setdefault(joint.parent, []).append(joint)
     ordered, waiting = [], of_parent.pop(None, [])[::-1]
@@ -94,7 +94,7 @@ def outward(joints: tuple[Connection, ...]) -> list[Connection]:
     return ordered
 
 
-def _forest(system: System, joints: list[Connection], bodies: list[RigidBody], load: GranularLoad | None) -> Forest:
+def _forest(system: System, joints: list[Joint], bodies: list[RigidBody], load: GranularLoad | None) -> Forest:
     records = np.zeros(len(bodies), BODY)
     for record, joint, body in zip(records, joints, bodies, strict=True):
         record["parent"] = -1 if joint.parent is None else system.rigid[joint.parent].node

@@ -88,7 +88,7 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
         said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
         yield AccuracyWarning(f"{said}, and the result is not usable; {remedy(motion.scene)}", math.inf)
         return
-    path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_way)
+    path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_path)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / path
     if motion.scene.solver.accuracy is None:  # or every jump was judged as it came
         error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / path, 0.5 * unknown)
@@ -106,7 +106,7 @@ def _unknown_energy(motion: Kinematics) -> float:
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
     work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
-    scale = max(float(kinetic.max()), work, motion.scene.force_scale * motion.scene.least_way)
+    scale = max(float(kinetic.max()), work, motion.scene.force_scale * motion.scene.least_path)
     return uncertain_work(motion) / scale if scale > 0.0 else 0.0
 
 
@@ -151,7 +151,7 @@ def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
     jump = np.abs(first[:, 1:] - last[:, :-1]).sum(axis=1)
     if link.free:
         jump = np.maximum(jump, np.abs(last[:, -1]))
-    path = max(motion.way, motion.scene.least_way)
+    path = max(motion.way, motion.scene.least_path)
     size = float(jump.max()) * length**2
     if size > ROUGH_BEAM * path:
         more = min(elements * int(np.ceil(np.sqrt(size / path / ROUGH_BEAM) + 1.0)), 1024)

@@ -37,7 +37,7 @@ def build(scene: Scene) -> System:
         links={link.name: _add_link(mbs, link) for link in scene.links},
         bed=None,
     )
-    for joint in scene.connections:
+    for joint in scene.joints:
         add_joint(system, ground, joint)
     return assembled(replace(system, bed=_granular_load(system)))
 

@@ -15,7 +15,7 @@ from granular_contact.kernels import joint_loads
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.joint_coordinates import SLIDER
 from granular_contact.kernels.joint_loads import JOINT, MOST, single_curvature
-from granular_contact.scene.types import Connection, Vector
+from granular_contact.scene.types import Joint, Vector
 
 Numbers = list[float]
 
@@ -47,7 +47,7 @@ class Coordinate:
     kernels: Any = joint_loads
     _at: Callable[..., tuple[float, float]] | None = None
 
-    def __init__(self, joint: Connection, parent: End, child: End) -> None:
+    def __init__(self, joint: Joint, parent: End, child: End) -> None:
         self.joint, self.size = joint, parent.size + child.size
         self.record, self.turns = np.zeros(1, JOINT), np.array([parent.angle, child.angle])
         record = self.record[0]

@@ -12,14 +12,14 @@ from exudyn import itemInterface as items
 
 from granular_contact.multibody.joint_actions import Turning
 from granular_contact.multibody.system import System
-from granular_contact.scene.types import Connection, Drive, Vector, rotation
+from granular_contact.scene.types import Drive, Joint, Vector, rotation
 
 if TYPE_CHECKING:
     from granular_contact.multibody.coordinates import Coordinate, End, Numbers
     from granular_contact.scene.signals import Signal
 
 
-def add_joint(system: System, ground: Any, joint: Connection) -> None:
+def add_joint(system: System, ground: Any, joint: Joint) -> None:
     """Put a joint into the system, with its spring, damper, stops, friction and drive."""
     _constrain(system, ground, joint)
     if not joint.has_coordinate:
@@ -40,7 +40,7 @@ def add_joint(system: System, ground: Any, joint: Connection) -> None:
     system.loads[joint.name] = JointLoad(_coordinate(system, joint), _nodes(system, joint), joint.law, drive)
 
 
-def _constrain(system: System, ground: Any, joint: Connection) -> None:
+def _constrain(system: System, ground: Any, joint: Joint) -> None:
     if joint.kind == "free":
         return
     mbs = system.mbs
@@ -92,12 +92,12 @@ def _angle(system: System, name: str | None) -> float:
 # ---- coordinates ----
 
 
-def _nodes(system: System, joint: Connection) -> list[int]:
+def _nodes(system: System, joint: Joint) -> list[int]:
     ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
     return [system.node_at(body, point) for body, point in ends if body is not None]
 
 
-def _coordinate(system: System, joint: Connection, *, whole: bool = False) -> Coordinate:
+def _coordinate(system: System, joint: Joint, *, whole: bool = False) -> Coordinate:
     """Coordinate of a joint; whole: for those who have the reference values in the coordinates already."""
     from granular_contact.multibody.coordinates import Coordinate
 
@@ -117,7 +117,7 @@ def _end(system: System, body: str | None, point: Vector, *, whole: bool) -> End
     return End([0.0] * len(reference) if whole else reference, at, system.scene.body(body).motion.angle)
 
 
-def _add_spring(system: System, joint: Connection) -> None:
+def _add_spring(system: System, joint: Joint) -> None:
     """Linear spring and damper of a hinge of rigid bodies: the engine's own, between their angles."""
     mbs, law = system.mbs, joint.law
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
@@ -139,7 +139,7 @@ def _angle_marker(system: System, body: str | None) -> Any:
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0 if body is None else 2))
 
 
-def _add_turning(system: System, joint: Connection, drive: Drive) -> int:
+def _add_turning(system: System, joint: Joint, drive: Drive) -> int:
     """Motion of a hinge of rigid bodies: the engine's own constraint between their angles."""
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
     number = int(system.mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=ends)))
@@ -147,7 +147,7 @@ def _add_turning(system: System, joint: Connection, drive: Drive) -> int:
     return number
 
 
-def _add_motion(system: System, joint: Connection, drive: Drive) -> int:
+def _add_motion(system: System, joint: Joint, drive: Drive) -> int:
     """Constraint s(q) = signal(t)."""
     s = _coordinate(system, joint, whole=True)  # as markers of nodes have them
     return add_constraint(system.mbs, s, _nodes(system, joint), drive)

@@ -11,7 +11,7 @@ from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.energy import accumulate
 from granular_contact.results.interpolation import Track
-from granular_contact.scene.types import Connection, Vector
+from granular_contact.scene.types import Joint, Vector
 
 
 class Kinematics:
@@ -56,7 +56,7 @@ class Kinematics:
         """Rate (n,) rad/s of a rigid body, counter-clockwise."""
         return self.angle(name, np.zeros(2))[1]
 
-    def coordinate(self, joint: Connection) -> tuple[Vector, Vector]:
+    def coordinate(self, joint: Joint) -> tuple[Vector, Vector]:
         """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
         if joint.kind == "hinge":

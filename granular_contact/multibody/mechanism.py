@@ -15,7 +15,7 @@ from granular_contact.results.energy import work
 from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
 from granular_contact.results.strides import drive_numbers, stride_numbers
 from granular_contact.scene.signals import period
-from granular_contact.scene.types import Connection, Scene, Vector
+from granular_contact.scene.types import Joint, Scene, Vector
 
 LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
 Driven = dict[str, tuple[Vector, Vector]]  # torque or force (n,) of drives, and power (n,) W, by joint
@@ -27,8 +27,8 @@ def label(body: str) -> str:
     return f"{first}_body" if first == "tip" else first
 
 
-def _joint(scene: Scene, name: str) -> Connection:
-    return next(joint for joint in scene.connections if joint.name == name)
+def _joint(scene: Scene, name: str) -> Joint:
+    return next(joint for joint in scene.joints if joint.name == name)
 
 
 # ---- columns ----
@@ -37,7 +37,7 @@ def _joint(scene: Scene, name: str) -> Connection:
 def joint_columns(motion: Kinematics) -> series.Series:
     """Coordinate and rate of every hinge and slider."""
     columns: series.Series = {}
-    for joint in motion.scene.connections:
+    for joint in motion.scene.joints:
         if joint.has_coordinate:
             of_joint = joint.name, joint.child, joint.parent, *motion.coordinate(joint)
             hinge = joint.kind == "hinge"
@@ -93,14 +93,14 @@ def joint_forces(motion: Kinematics) -> dict[str, JointForces]:
     held = {name: load.first_anchor for name, load in motion.system.loads.items()}
     return {
         joint.name: joint_history.joint_forces(joint.law, held.get(joint.name, 0.0), *motion.coordinate(joint))
-        for joint in motion.scene.connections
+        for joint in motion.scene.joints
         if not joint.law.is_idle
     }
 
 
 def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
     """What joints store, and the work done in them; only of what the mechanism has."""
-    joints, forces = [joint for joint in motion.scene.connections if not joint.law.is_idle], joint_forces(motion)
+    joints, forces = [joint for joint in motion.scene.joints if not joint.law.is_idle], joint_forces(motion)
     time = motion.trajectory.time
     done = [joint_history.joint_history(forces[j.name], time, motion.coordinate(j)[1]) for j in joints]
     laws = [joint.law for joint in joints]
@@ -126,7 +126,7 @@ def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Trac
     return {label(body): [[float(a), float(b)] for a, b in above_zero(time, depths.get(body, []))] for body in bodies}
 
 
-def travels(joint: Connection) -> bool:
+def travels(joint: Joint) -> bool:
     """Whether a joint lets all that hangs on it move along the surface."""
     along = joint.axis is not None and abs(joint.axis[0]) > LEAST_ALONG
     return joint.parent is None and (joint.kind == "free" or along)

@@ -22,7 +22,7 @@ from granular_contact.results.limits import Reach
 from granular_contact.results.observation import Observation, pictures
 from granular_contact.results.series import Series
 from granular_contact.results.stopping import Stop, Touch, find_rest, find_stop, find_touch, find_turn
-from granular_contact.scene.types import Connection
+from granular_contact.scene.types import Joint
 
 
 def observe(system: System, trajectory: Trajectory) -> Observation:
@@ -114,10 +114,10 @@ def stop(motion: Kinematics, touch: Touch) -> Stop | None:
 
 def _never_stops(motion: Kinematics) -> bool:
     """Whether a stop means nothing: of what is driven, and of what did not move."""
-    return bool(motion.scene.drives) or motion.way <= motion.scene.least_way
+    return bool(motion.scene.drives) or motion.way <= motion.scene.least_path
 
 
-def _stop_about(motion: Kinematics, pivot: Connection, after: slice) -> Stop | None:
+def _stop_about(motion: Kinematics, pivot: Joint, after: slice) -> Stop | None:
     """First zero of the mean rate in some instants, with the pivot's angle there."""
     rate, inertia = motion.mean_rate()
     moment, load = motion.weight_moment(), motion.trajectory.load
@@ -158,7 +158,7 @@ def key_numbers(
         numbers["penetration_time_s"] = sinking
     if scene.body_columns and load is not None:
         numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
-    if scene.drives and any(mechanism.travels(joint) for joint in scene.connections):
+    if scene.drives and any(mechanism.travels(joint) for joint in scene.joints):
         numbers |= mechanism.travel(motion, driven)
         if (strides := mechanism.strides(motion, driven)) is not None:
             numbers["strides"] = strides

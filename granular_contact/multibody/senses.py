@@ -14,7 +14,7 @@ from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.system import System
 from granular_contact.results.observed import Observations, Seen, Told
 from granular_contact.results.series import clockwise_moment
-from granular_contact.scene.types import Connection, Vector
+from granular_contact.scene.types import Joint, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.load import GranularLoad
@@ -35,7 +35,7 @@ class Senses:
     def __init__(self, system: System, load: GranularLoad | None) -> None:
         self.system, self.load = system, load
         scene = system.scene
-        joints = [joint for joint in scene.connections if joint.has_coordinate]
+        joints = [joint for joint in scene.joints if joint.has_coordinate]
         bodies = [body.name for body in scene.bodies]
         of_load = () if load is None else load.table.bodies
         self.seen = Seen(
@@ -74,7 +74,7 @@ class Senses:
 
     # ---- set up ----
 
-    def _turns_rigid(self, joint: Connection) -> bool:
+    def _turns_rigid(self, joint: Joint) -> bool:
         """Whether it is a hinge of rigid bodies."""
         return joint.kind == "hinge" and not {joint.parent, joint.child} & self.system.links.keys()
 
@@ -92,7 +92,7 @@ class Senses:
         at = [0.0, 0.0] if body in self.system.links else point.tolist()
         return End([0.0] * len(places), at, self.system.scene.body(body).motion.angle), places
 
-    def _joint(self, joint: Connection) -> tuple[Coordinate, list[int]]:
+    def _joint(self, joint: Joint) -> tuple[Coordinate, list[int]]:
         from granular_contact.multibody.coordinates import Coordinate
 
         (parent, first), (child, second) = (
@@ -119,7 +119,7 @@ class Senses:
         self.system.turning_ends.append(root)
         return np.array(shares), root, places
 
-    def _rigid_hinges(self, joints: list[Connection]) -> tuple[Vector, Vector]:
+    def _rigid_hinges(self, joints: list[Joint]) -> tuple[Vector, Vector]:
         """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies."""
         matrix, offsets = np.zeros((len(joints), self.system.mbs.systemData.ODE2Size())), np.zeros(len(joints))
         for i, joint in enumerate(joints):

@@ -66,7 +66,7 @@ def settings(scene: Scene) -> Any:
     newton.relativeTolerance = 1e-8
     newton.useModifiedNewton = True
     radius = SPECTRAL_RADIUS
-    moving = sum(joint.kind != "weld" for joint in scene.connections)
+    moving = sum(joint.kind != "weld" for joint in scene.joints)
     prescribed = any(drive.kind == "motion" for drive in scene.drives)
     if prescribed or (solver.accuracy is not None and moving > 1):
         radius = OF_CHANGING_STEPS

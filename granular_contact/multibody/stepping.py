@@ -63,7 +63,7 @@ class StepControl:
         links = [np.array([data.GetNodeLTGODE2(node)[:2] for node in link.nodes]) for link in system.links.values()]
         self.links = [places[:, axis] for places in links for axis in (0, 1)]
         self.rigid = np.array([i for rigid in system.rigid.values() for i in data.GetNodeLTGODE2(rigid.node)], int)
-        arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.connections}
+        arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.joints}
         motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
         self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
         self.bends = bends(drive.signal for drive in scene.drives if drive.kind != "motion")

@@ -151,8 +151,8 @@ class Results:
 
     def __repr__(self) -> str:
         rows, columns = self.table.shape
-        doubts = f", {len(self.warnings)} warning{'s' * (len(self.warnings) > 1)}" if self.warnings else ""
-        return f"<results of {self.name}: {self.status.message}; {rows} rows, {columns} columns{doubts}>"
+        warned = f", {len(self.warnings)} warning{'s' * (len(self.warnings) > 1)}" if self.warnings else ""
+        return f"<results of {self.name}: {self.status.message}; {rows} rows, {columns} columns{warned}>"
 
     def _repr_html_(self) -> str:
         from granular_contact.results.methods import notebook

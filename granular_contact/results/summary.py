@@ -64,7 +64,7 @@ def summarise(
         "max_depth_m": None if depth is None else depth[0],
         "max_deflection_m": None if deflection is None else abs(deflection[0]),
         "max_deflection_time_s": None if deflection is None else deflection[1],
-        "energy": energy.key_numbers(series, scene.force_scale * scene.least_way),
+        "energy": energy.key_numbers(series, scene.force_scale * scene.least_path),
         "cost": asdict(cost),
         "versions": versions(),
         "warnings": [],
@@ -73,7 +73,7 @@ def summarise(
 
 def _measure(scene: Scene) -> str | None:
     """What stopping means for a mechanism; None where it means nothing."""
-    if scene.drives or all(joint.kind == "weld" for joint in scene.connections):
+    if scene.drives or all(joint.kind == "weld" for joint in scene.joints):
         return None
     return REST_MEASURE if scene.pendulum is None else STOP_MEASURE
 

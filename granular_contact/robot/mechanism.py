@@ -190,8 +190,8 @@ def _stops(joint: Joint, robot: Robot, wishes: Wishes) -> dict[str, float] | Non
     weight = _WEIGHT * sum(link.inertial.mass for link in robot.links.values() if link.inertial is not None)
     slider = joint.kind == "prismatic"
     asked, dissipation = wishes.stiffness[slider], wishes.dissipation[slider]
-    holds, way = (weight, _MILLIMETRE) if slider else (weight * _ARM, _DEGREE)
-    stiffness = asked if asked is not None else (joint.effort or holds) / way
+    holds, travel = (weight, _MILLIMETRE) if slider else (weight * _ARM, _DEGREE)
+    stiffness = asked if asked is not None else (joint.effort or holds) / travel
     if slider:
         found = {"lower_m": joint.lower, "upper_m": joint.upper, "stiffness_N_per_m": stiffness}
         return found | ({"dissipation_s_per_m": dissipation} if dissipation else {})

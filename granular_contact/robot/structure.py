@@ -55,13 +55,13 @@ def _no_such(what: str, name: str, known: Mapping[str, object]) -> str:
 def _check_loops(reader: Reader, links: Mapping[str, Link], above: Mapping[str, Joint]) -> None:
     seen: set[str] = set()
     for start in links:
-        way: list[str] = []
+        chain: list[str] = []
         name = start
         while name in above and name not in seen:
             seen.add(name)
-            way.append(name)
+            chain.append(name)
             name = above[name].parent
-        if name in way and above[name].parent != name:
-            loop = " -> ".join(reversed([*way[way.index(name) :], name]))
+        if name in chain and above[name].parent != name:
+            loop = " -> ".join(reversed([*chain[chain.index(name) :], name]))
             key = f"joint.{above[name].name}.parent"
             reader.fault(above[name].lines["parent"], key, f"{loop} is a closed chain; URDF has trees only")

@@ -15,7 +15,7 @@ from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.drives import drives
-from granular_contact.scene.joints import connections
+from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import closed, redundant
 from granular_contact.scene.minimal_support import check_minimal
@@ -98,7 +98,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         name=scenario.name or scenario.model.name,
         rigid=rigid,
         links=links,
-        connections=tuple(connections(layout, rigid, states)),
+        joints=tuple(joints_of(layout, rigid, states)),
         gravity=scenario.gravity_m_s2,
         bed=placed,
         load=scenario.load,

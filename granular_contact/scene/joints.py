@@ -8,10 +8,10 @@ from typing import Any
 
 from granular_contact.config import schema
 from granular_contact.scene.layout import ZERO, Frame, JointState, Layout, direction, point
-from granular_contact.scene.types import Connection, JointLaw, RigidBody, Vector, rotation
+from granular_contact.scene.types import Joint, JointLaw, RigidBody, Vector, rotation
 
 
-def connections(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[str, JointState]) -> Iterator[Connection]:
+def joints_of(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[str, JointState]) -> Iterator[Joint]:
     """Joints and closures between what moves on its own.
 
     states: of the joints of the tree.
@@ -39,7 +39,7 @@ def connections(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[st
         elif isinstance(joint, schema.HingeClosure):
             offset = start - (parent_frame.angle - child_frame.angle)
             offset = 0.0 if abs(offset) < 1e-12 else offset
-        yield Connection(
+        yield Joint(
             name=name,
             kind=joint.type,
             parent=parent,

@@ -31,7 +31,7 @@ def _mechanism(scene: Scene) -> Iterator[str]:
     if scene.links:
         yield f"{scene.links[0].name} is flexible"
     others: dict[tuple[str, str], list[str]] = {}
-    for joint in scene.connections:
+    for joint in scene.joints:
         if joint.closes or joint.kind != "hinge":
             words = f"is {SINGULAR[joint.kind]}", f"are {PLURAL[joint.kind]}"
             others.setdefault(("closes a loop", "close loops") if joint.closes else words, []).append(joint.name)
@@ -44,7 +44,7 @@ def _extras(scene: Scene) -> Iterator[str]:
         yield f"{scene.drives[0].joint} is driven"
     if scene.settle:
         yield "initial.settle is true"
-    names = [joint.name for joint in scene.connections if not joint.law.is_idle]
+    names = [joint.name for joint in scene.joints if not joint.law.is_idle]
     if names:
         yield f"{_named(names)} {'has' if len(names) == 1 else 'have'} a spring, damper, stops or friction"
 

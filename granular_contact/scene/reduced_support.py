@@ -8,7 +8,7 @@ import numpy as np
 
 from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.errors import scene_error
-from granular_contact.scene.types import Connection, FlexibleLink, Reduced, RigidBody, Scene
+from granular_contact.scene.types import FlexibleLink, Joint, Reduced, RigidBody, Scene
 
 SUPPORTED = (
     "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
@@ -39,7 +39,7 @@ def _media(scene: Scene) -> Iterator[str]:
     true_sign = isinstance(scene.method, Reduced) and scene.method.static == "true_sign"
     for medium in scene.media:
         if medium.keeps_ways:
-            yield f"{medium.name} scatters, or its shear grows with the way, which the engine alone keeps count of"
+            yield f"{medium.name} scatters, or its shear grows with the path, which the engine alone keeps count of"
         if true_sign and not medium.by_component:
             yield f"the law of {medium.name} has no sign of each component of the velocity for static: true_sign"
 
@@ -52,10 +52,10 @@ def _bodies(scene: Scene) -> Iterator[str]:
 
 
 def _joints(scene: Scene) -> Iterator[str]:
-    hinges = [joint for joint in scene.connections if joint.kind == "hinge"]
+    hinges = [joint for joint in scene.joints if joint.kind == "hinge"]
     if len(hinges) != 1:
         yield f"it has {len(hinges) or 'no'} hinges"
-    for joint in scene.connections:
+    for joint in scene.joints:
         child, fits = _reduces(scene, joint)
         if not fits:
             where = "the ground" if joint.parent is None else joint.parent
@@ -68,12 +68,12 @@ def _extras(scene: Scene) -> Iterator[str]:
         yield f"{scene.drives[0].joint} is driven"
     if scene.settle:
         yield "initial.settle is true"
-    for joint in scene.connections:
+    for joint in scene.joints:
         if not joint.law.is_idle:
             yield f"{joint.name} has a spring, damper, stops or friction"
 
 
-def _reduces(scene: Scene, joint: Connection) -> tuple[str, bool]:
+def _reduces(scene: Scene, joint: Joint) -> tuple[str, bool]:
     """The child of a joint, in words, and whether the reduced model supports such a joint."""
     child = scene.body(joint.child)
     if isinstance(child, RigidBody):

@@ -186,7 +186,7 @@ class JointLaw:
 
 
 @dataclass(frozen=True)
-class Connection:
+class Joint:
     """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
 
     axis: of a slider, unit vector (2,) in the parent's frame. offset: a hinge's coordinate less the difference of the
@@ -248,7 +248,7 @@ class Scene:
     name: str
     rigid: tuple[RigidBody, ...]
     links: tuple[FlexibleLink, ...]
-    connections: tuple[Connection, ...]
+    joints: tuple[Joint, ...]
     gravity: float
     bed: Bed | None
     load: Load
@@ -300,8 +300,8 @@ class Scene:
 
     def radius(self, body: RigidBody) -> float:
         """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints."""
-        joints = [c.child_point for c in self.connections if c.child == body.name]
-        joints += [c.parent_point for c in self.connections if c.parent == body.name]
+        joints = [c.child_point for c in self.joints if c.child == body.name]
+        joints += [c.parent_point for c in self.joints if c.parent == body.name]
         shapes = [float(np.linalg.norm(point)) + shape.drop for shape in body.shapes for point in shape.points]
         return max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
 
@@ -324,7 +324,7 @@ class Scene:
         return max(*(math.hypot(*arm) for arm in far), *map(self.radius, self.rigid), 0.0)
 
     @cached_property
-    def least_way(self) -> float:
+    def least_path(self) -> float:
         """Path length (m) below which nothing counts as moved: 1e-4 of the size, or ten yield displacements.
 
         A body that lies in sand moves by some yield displacements without slipping.
@@ -351,23 +351,23 @@ class Scene:
         return self.mass * (max(abs(self.gravity), 9.81) + self.speed * self.speed / max(self.length, 1e-3))
 
     @cached_property
-    def pivot(self) -> Connection | None:
+    def pivot(self) -> Joint | None:
         """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""
-        on_ground = [c for c in self.connections if c.parent is None]
-        if any(c.kind in ("slider", "free") for c in on_ground) or any(c.closes for c in self.connections):
+        on_ground = [c for c in self.joints if c.parent is None]
+        if any(c.kind in ("slider", "free") for c in on_ground) or any(c.closes for c in self.joints):
             return None
         return next((c for c in on_ground if c.kind == "hinge"), None)
 
     @cached_property
-    def pendulum(self) -> Connection | None:
+    def pendulum(self) -> Joint | None:
         """The pivot of a mechanism that turns about it as one: nothing else of it moves but links that bend."""
-        moving = [joint for joint in self.connections if joint.kind != "weld"]
+        moving = [joint for joint in self.joints if joint.kind != "weld"]
         return self.pivot if moving == [self.pivot] else None
 
     @cached_property
-    def floating(self) -> Connection | None:
+    def floating(self) -> Joint | None:
         """The joint of a mechanism that flies free: its only joint to the ground, with three degrees of freedom."""
-        on_ground = [c for c in self.connections if c.parent is None]
+        on_ground = [c for c in self.joints if c.parent is None]
         return on_ground[0] if len(on_ground) == 1 and on_ground[0].kind == "free" else None
 
     def drive(self, joint: str) -> Drive | None:

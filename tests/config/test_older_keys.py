@@ -57,11 +57,11 @@ def test_old_and_new_keys_make_the_same_scene() -> None:
         assert one.motion.position == pytest.approx(other.motion.position, abs=1e-16)
         for a, b in zip(one.shapes, other.shapes, strict=True):
             np.testing.assert_allclose(a.points, b.points, atol=1e-16)
-    axes = [scene.connections[0].axis for scene in (old, new)]
+    axes = [scene.joints[0].axis for scene in (old, new)]
     np.testing.assert_allclose(axes[0], axes[1], atol=1e-15)
     # By hand: the rail rises to the left at 120 degrees from the x axis, the bar stands 25 degrees above it.
     np.testing.assert_allclose(axes[0], [-0.5, np.sqrt(0.75)], atol=1e-15)
-    assert np.degrees(old.body(old.connections[0].child).motion.angle) == pytest.approx(25.0)
+    assert np.degrees(old.body(old.joints[0].child).motion.angle) == pytest.approx(25.0)
 
 
 def test_each_old_key_is_told_once_with_its_line_and_what_to_write(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from granular_contact.multibody.coordinates import Coordinate, End
-from granular_contact.scene.types import Connection
+from granular_contact.scene.types import Joint
 
 RIGID, CABLE, GROUND = [0.1, -0.2, 0.4], [0.3, 0.2, 0.8, 0.6], list[float]()
 CASES = [
@@ -25,7 +25,7 @@ CASES = [
 def made(kind: str, parent: list[float], child: list[float]) -> Coordinate:
     points = [np.array([0.05, 0.02]), np.array([-0.03, 0.04])]
     axis = np.array([0.6, 0.8]) if kind == "slider" else None
-    joint = Connection("j", kind, "p", points[0], "c", points[1], axis=axis, offset=0.3)
+    joint = Joint("j", kind, "p", points[0], "c", points[1], axis=axis, offset=0.3)
     ends = [End(reference, point.tolist()) for reference, point in zip((parent, child), points, strict=True)]
     return Coordinate(joint, *ends)
 

@@ -54,7 +54,7 @@ def test_welded_bodies_are_one() -> None:
     (body,) = scene.rigid
     assert body.name == "RB1+RB2+link"
     assert [(s.part, s.kind) for s in body.shapes] == [("RB1", "outline"), ("RB2", "round"), ("link", "round")]
-    assert [c.name for c in scene.connections] == ["pivot"]
+    assert [c.name for c in scene.joints] == ["pivot"]
     assert not scene.links
 
 
@@ -113,7 +113,7 @@ def test_hinge_chain() -> None:
     np.testing.assert_allclose(upper.motion.position, start + 0.15 * axis, atol=1e-15)
     np.testing.assert_allclose(lower.motion.position, start + 0.4 * axis, atol=1e-15)
     assert (scene.pivot.name, scene.pivot.parent) == ("shoulder", None)
-    elbow = scene.connections[1]
+    elbow = scene.joints[1]
     for name, point in ((elbow.parent, elbow.parent_point), (elbow.child, elbow.child_point)):
         np.testing.assert_allclose(place(scene.body(name).motion, point), start + 0.3 * axis, atol=1e-15)
     # Both turn about the shoulder at 2 rad/s, clockwise.
@@ -178,7 +178,7 @@ def test_child_joint_inside_a_flexible_link_is_refused() -> None:
 
 def test_joints_at_both_ends_of_a_flexible_link_are_fine() -> None:
     scene = scene_of(with_beam("[0, 0]", "{type: hinge, parent: beam, child: hook, parent_point_m: [0.2, 0]}"))
-    assert [(c.kind, c.parent, c.child) for c in scene.connections] == [
+    assert [(c.kind, c.parent, c.child) for c in scene.joints] == [
         ("hinge", None, "beam"),
         ("hinge", "beam", "hook"),
     ]

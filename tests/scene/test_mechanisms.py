@@ -79,7 +79,7 @@ def test_places_and_velocities_follow_from_the_joints() -> None:
 
 
 def test_coordinates_of_joints_at_the_start() -> None:
-    rail, hip, knee = scene_of(LEG).connections
+    rail, hip, knee = scene_of(LEG).joints
     assert (rail.start, rail.rate) == (0.2, 1.5)
     assert (hip.start, hip.rate) == (pytest.approx(math.radians(20.0)), 3.0)
     assert (knee.start, knee.rate) == (pytest.approx(math.radians(30.0)), 0.0)
@@ -188,7 +188,7 @@ def test_rates_that_tear_a_loop_are_refused() -> None:
 
 def test_motion_sets_the_start_of_its_joint() -> None:
     sine = "{type: motion, angle_deg: {type: sine, amplitude: 10, frequency_Hz: 2, offset: 5}}"
-    _, hip, knee = scene_of(LEG, f"drives.knee={sine}").connections
+    _, hip, knee = scene_of(LEG, f"drives.knee={sine}").joints
     assert (knee.start, knee.rate) == (
         pytest.approx(math.radians(5.0), rel=1e-14),
         pytest.approx(math.radians(10.0) * 4 * math.pi, rel=1e-14),
@@ -207,7 +207,7 @@ def test_a_start_that_misses_the_motion_is_refused_with_the_gap() -> None:
 
 def test_control_sets_the_start_of_a_joint_of_which_nothing_is_said() -> None:
     drive = "{type: pd, angle_deg: {type: constant, value: 50}, gain_Nm_per_rad: 1}"
-    _, hip, knee = scene_of(LEG, f"drives={{knee: {drive}, hip: {drive}}}").connections
+    _, hip, knee = scene_of(LEG, f"drives={{knee: {drive}, hip: {drive}}}").joints
     assert math.degrees(knee.start) == pytest.approx(50.0)
     assert math.degrees(hip.start) == pytest.approx(20.0)
 
@@ -231,7 +231,7 @@ initial: {{impact_angle_deg: 20, joints: {{hinge_3: {{angle_deg: -15}}}}}}
 def test_a_chain_is_bodies_and_hinges() -> None:
     scene = scene_of(CHAIN)
     assert [body.name for body in scene.rigid] == ["hook", *(f"link_{i}" for i in range(1, 6))]
-    hinges = scene.connections[1:]
+    hinges = scene.joints[1:]
     assert [(c.name, c.parent, c.child) for c in hinges] == [
         (f"hinge_{i}", "hook" if i == 1 else f"link_{i - 1}", f"link_{i}") for i in range(1, 6)
     ]

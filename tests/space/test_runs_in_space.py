@@ -273,7 +273,7 @@ def test_the_gradient_of_a_coordinate_is_its_derivative(kind: str) -> None:
     model["joints"]["knee"] |= {"type": kind, "axis": [1, 2, 3], "rpy_deg": [10, 20, 30]}
     for key in ("stops", "damping_Nm_s_per_rad"):
         model["joints"]["knee"].pop(key)
-    joint: Any = build(load({"model": model})).connections[1]
+    joint: Any = build(load({"model": model})).joints[1]
     s = SpatialCoordinate(joint, [0.0] * 14)
     for _ in range(5):
         parent, child = rotations.of_quaternion(random.normal(size=4)), rotations.of_quaternion(random.normal(size=4))

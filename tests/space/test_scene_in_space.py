@@ -157,8 +157,8 @@ def test_a_four_bar_of_hinges_keeps_the_constraints_it_needs() -> None:
     }
     run["initial"] = {"joints": {"one": {"angle_deg": 70, "rate_rad_s": 2}}}
     scene = scene_of(run)
-    assert sum(scene.connections[-1].constrained) == 2
+    assert sum(scene.joints[-1].constrained) == 2
     a, _, c = scene.rigid  # a parallelogram: opposite sides turn alike
     np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-12)
     np.testing.assert_allclose(a.motion.rate, [0, 2, 0], atol=1e-12)
-    assert abs(scene.connections[-1].rate) == pytest.approx(2.0)
+    assert abs(scene.joints[-1].rate) == pytest.approx(2.0)

@@ -62,7 +62,7 @@ def path_of(scene: Any, step: float, seconds: float) -> Array:
     bed = MujocoBed(model, [layer.medium for layer in scene.bed.layers], scene.bed.origin, static=scene.static)
     bed.add_geoms(".*", facet_size=0.025)
     data.qpos[2] = DROP
-    for joint in scene.connections:
+    for joint in scene.joints:
         if joint.kind == "hinge":
             data.joint(joint.name).qpos, data.joint(joint.name).qvel = joint.start, joint.rate
     trunk, made = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "trunk"), []

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from granular_contact.bed.of_scene import lines_of
 from granular_contact.mujoco import MujocoBed
 from granular_contact.scene import Scene
-from granular_contact.scene.types import Connection, Drive, RigidBody, rotation
+from granular_contact.scene.types import Drive, Joint, RigidBody, rotation
 
 Array = NDArray[np.float64]
 FREE = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0"/>'
@@ -24,8 +24,8 @@ FREE = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joi
 
 def model_of(scene: Scene, step: float, integrator: str = "implicitfast") -> Any:
     """Model of a tree of hinges on the ground or on a body that flies free, with a time step (s)."""
-    children: dict[str | None, list[Connection]] = {}
-    for joint in scene.connections:
+    children: dict[str | None, list[Joint]] = {}
+    for joint in scene.joints:
         children.setdefault(joint.parent, []).append(joint)
     bodies = "".join(_body(scene, joint, children) for joint in children[None])
     drives = "".join(_drive(drive) for drive in scene.drives)
@@ -36,7 +36,7 @@ def model_of(scene: Scene, step: float, integrator: str = "implicitfast") -> Any
     )
 
 
-def _body(scene: Scene, joint: Connection, children: dict[str | None, list[Connection]]) -> str:
+def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -> str:
     body = scene.body(joint.child)
     assert isinstance(body, RigidBody)
     place, angle = body.motion.position, body.motion.angle
@@ -104,7 +104,7 @@ def bed_of(scene: Scene, model: Any, **options: Any) -> MujocoBed:
 def start(scene: Scene, model: Any) -> Any:
     """Data at the start of the scene, with its rates."""
     data = mujoco.MjData(model)
-    for joint in scene.connections:
+    for joint in scene.joints:
         if joint.kind == "free":
             motion = scene.body(joint.child).motion
             data.qvel[:3] = motion.velocity[0], motion.velocity[1], -motion.rate

@@ -29,14 +29,14 @@ class Track:
     way: float
 
 
-def track(results: Any, tree: Tree, least_way: float) -> Track:
-    """Track of a run; least_way (m) counts as a way at the least."""
+def track(results: Any, tree: Tree, least_path: float) -> Track:
+    """Track of a run; least_path (m) counts as a way at the least."""
     columns = [*_bodies(results, tree)] or [*_pivot(results, tree)]
     place, rate = (np.column_stack([column[i] for column in columns]) for i in (0, 1))
     place = place - place[0]
     ways = [float(np.abs(np.diff(place[:, i])).sum()) for i in range(place.shape[1])]
     bodies = [math.hypot(*ways[i : i + 2]) + sum(ways[i + 2 : i + 3]) for i in range(0, len(ways), 3)]
-    return Track(results["time_s"], place, rate, np.array([column[2] for column in columns]), max(least_way, *bodies))
+    return Track(results["time_s"], place, rate, np.array([column[2] for column in columns]), max(least_path, *bodies))
 
 
 def _bodies(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:

@@ -20,7 +20,7 @@ from granular_contact.multibody.space.coordinates import SpatialCoordinate
 from granular_contact.multibody.space.system import SpatialHandle, SpatialSystem
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.loops import CONSTRAINED
-from granular_contact.scene.space.types import SpatialConnection, SpatialRigidBody, SpatialScene, Vector
+from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene, Vector
 
 WHOLE = {
     "hinge": items.ObjectJointRevoluteZ,
@@ -36,14 +36,14 @@ def build(scene: SpatialScene) -> SpatialSystem:
     ground = mbs.AddObject(items.ObjectGround())
     rigid = {body.name: _add(mbs, body) for body in scene.rigid}
     system = SpatialSystem(scene=scene, container=container, mbs=mbs, rigid=rigid, links={}, bed=None)
-    for joint in scene.connections:
+    for joint in scene.joints:
         _constrain(system, ground, joint)
         if joint.has_coordinate:
             _let_act(system, joint)
     return assembled(replace(system, bed=_granular_load(system)))
 
 
-def _let_act(system: SpatialSystem, joint: SpatialConnection) -> None:
+def _let_act(system: SpatialSystem, joint: SpatialJoint) -> None:
     """Spring, damper, stops, friction and drive of a joint."""
     handles = [system.rigid[name] for name in (joint.parent, joint.child) if name is not None]
     nodes = [handle.node for handle in handles]
@@ -83,7 +83,7 @@ def _add(mbs: Any, body: SpatialRigidBody) -> SpatialHandle:
     return SpatialHandle(body, node, obj)
 
 
-def _constrain(system: SpatialSystem, ground: Any, joint: SpatialConnection) -> None:
+def _constrain(system: SpatialSystem, ground: Any, joint: SpatialJoint) -> None:
     """Constraint of a joint: the engine's own of its kind, or of what is left of it where it closes a loop."""
     if joint.kind == "free":
         return

@@ -10,7 +10,7 @@ import numpy as np
 from granular_contact.kernels import space_joints
 from granular_contact.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.multibody.coordinates import Coordinate
-from granular_contact.scene.space.types import SpatialConnection
+from granular_contact.scene.space.types import SpatialJoint
 
 
 class SpatialCoordinate(Coordinate):
@@ -18,7 +18,7 @@ class SpatialCoordinate(Coordinate):
 
     kernels: Any = space_joints
 
-    def __init__(self, joint: SpatialConnection, references: Sequence[float]) -> None:
+    def __init__(self, joint: SpatialJoint, references: Sequence[float]) -> None:
         """references: values of the coordinates of parent and child, none of the ground."""
         self.joint, self.size = joint, len(references)  # type: ignore[assignment]
         self.record, self.turns = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])

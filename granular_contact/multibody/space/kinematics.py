@@ -15,7 +15,7 @@ from granular_contact.results import Outline
 from granular_contact.results.in_space import silhouette
 from granular_contact.results.interpolation import Track
 from granular_contact.scene.space import rotations
-from granular_contact.scene.space.types import Part, SpatialConnection, Vector
+from granular_contact.scene.space.types import Part, SpatialJoint, Vector
 
 
 class SpatialKinematics(Kinematics):
@@ -80,7 +80,7 @@ class SpatialKinematics(Kinematics):
         at = self._places[name][:3]
         return self.engine.q[:, at], self.engine.v[:, at]
 
-    def coordinate(self, joint: SpatialConnection) -> tuple[Vector, Vector]:  # type: ignore[override]
+    def coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
         """Coordinate (n,) rad, right-handed, or m, of a hinge or slider, and its rate."""
         frame = self.rotation(joint.parent) @ joint.parent_turn
         axis = frame[:, :, 2]

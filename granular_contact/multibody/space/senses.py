@@ -31,7 +31,7 @@ class SpatialSenses(Senses):
     def __init__(self, system: SpatialSystem, load: GranularLoad | None) -> None:
         self.system, self.load = system, load
         scene, data = system.scene, system.mbs.systemData
-        joints = [joint for joint in scene.connections if joint.has_coordinate]
+        joints = [joint for joint in scene.joints if joint.has_coordinate]
         names = [body.name for body in scene.bodies]
         met = () if load is None else load.table.bodies
         self.seen = SpatialSeen(

@@ -14,7 +14,7 @@ from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.space.bed import bed, keys_of_media
 from granular_contact.scene.space.bodies import bodies_of, rigid_body
-from granular_contact.scene.space.joints import connections, on_ground
+from granular_contact.scene.space.joints import joints_of, on_ground
 from granular_contact.scene.space.layout import pose
 from granular_contact.scene.space.loops import closed, needed
 from granular_contact.scene.space.start import start
@@ -54,7 +54,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         name=scenario.name or model.name,
         rigid=rigid,
         links=(),
-        connections=tuple(connections(model, placed, rigid, states, held)),
+        joints=tuple(joints_of(model, placed, rigid, states, held)),
         gravity=scenario.gravity_m_s2,
         bed=surface,
         load=scenario.load,

@@ -14,16 +14,16 @@ from granular_contact.scene.layout import GROUND
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import Frame, JointState, Pose, axis_of
 from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
-from granular_contact.scene.space.types import SpatialConnection, SpatialRigidBody
+from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody
 
 
-def connections(
+def joints_of(
     model: schema.SpatialModel,
     placed: Pose,
     rigid: tuple[SpatialRigidBody, ...],
     states: Mapping[str, JointState],
     needed: Mapping[str, tuple[bool, ...]],
-) -> Iterator[SpatialConnection]:
+) -> Iterator[SpatialJoint]:
     """Joints and closures between what moves on its own; needed: which constraints of closures count."""
     homes: dict[str, tuple[str | None, Frame]] = {}
     for body in rigid:
@@ -45,7 +45,7 @@ def connections(
         if joint.type not in ("hinge", "ball", "free"):
             on_child = turn  # closed to round-off
         start, rate = coordinate(name, joint, placed, states)
-        yield SpatialConnection(
+        yield SpatialJoint(
             name=name,
             kind=joint.type,
             parent=parent,

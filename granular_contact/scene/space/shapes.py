@@ -21,7 +21,7 @@ from granular_contact.geometry.polygon import ears
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Meets, Part, Vector
 
-CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the way
+CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
 NOT_CUT = math.inf
 
 

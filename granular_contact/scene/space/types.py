@@ -91,7 +91,7 @@ class SpatialRigidBody:
 
 
 @dataclass(frozen=True)
-class SpatialConnection:
+class SpatialJoint:
     """Joint of two bodies; parent None is the ground. Its frame is at a point (3,) m of each, turned by (3, 3) in it.
 
     z of the joint's frame is the axis of a hinge or slider; at coordinate 0 both frames coincide. constrained: which of
@@ -131,7 +131,7 @@ class SpatialScene(Scene):
     """
 
     rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
-    connections: tuple[SpatialConnection, ...]  # type: ignore[assignment]
+    joints: tuple[SpatialJoint, ...]  # type: ignore[assignment]
     bed: SpatialBed | None  # type: ignore[assignment]
 
     in_space = True
@@ -152,8 +152,8 @@ class SpatialScene(Scene):
 
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
         """Distance (m) from a body's centre of mass to the farthest point of its parts and joints."""
-        joints = [c.child_point for c in self.connections if c.child == body.name and c.kind != "free"]
-        joints += [c.parent_point for c in self.connections if c.parent == body.name]
+        joints = [c.child_point for c in self.joints if c.child == body.name and c.kind != "free"]
+        joints += [c.parent_point for c in self.joints if c.parent == body.name]
         far = [float(np.linalg.norm(point)) for point in joints]
         for part in body.parts:
             points = part.triangles.reshape(-1, 3) if len(part.triangles) else part.points

@@ -164,27 +164,27 @@ def _unloading(depth: Vector, test: ForceTest) -> NDArray[np.bool_]:
     back = np.zeros(len(depth), bool)
     if abs(downward) < 0.5:
         return back
-    way = depth * np.sign(downward)
-    least = TURNING_BACK * float(np.ptp(way))
-    for a, b in _falls(way, least):
-        last = b == len(way) - 1 and b > a + 1  # else it goes in again from there
+    travel = depth * np.sign(downward)
+    least = TURNING_BACK * float(np.ptp(travel))
+    for a, b in _falls(travel, least):
+        last = b == len(travel) - 1 and b > a + 1  # else it goes in again from there
         back[a + 1 : b + last] = True
     return back
 
 
-def _falls(way: Vector, least: float) -> list[tuple[int, int]]:
+def _falls(travel: Vector, least: float) -> list[tuple[int, int]]:
     """From each greatest to the next least value (indices), where it falls by more than `least`."""
     found: list[tuple[int, int]] = []
     top = bottom = 0
     falling = False
-    for i in range(1, len(way)):
+    for i in range(1, len(travel)):
         if not falling:
-            top = i if way[i] >= way[top] else top
-            if way[top] - way[i] > least:
+            top = i if travel[i] >= travel[top] else top
+            if travel[top] - travel[i] > least:
                 falling, bottom = True, i
-        elif way[i] <= way[bottom]:
+        elif travel[i] <= travel[bottom]:
             bottom = i
-        elif way[i] - way[bottom] > least:
+        elif travel[i] - travel[bottom] > least:
             found.append((top, bottom))
             falling, top = False, i
     return [*found, (top, bottom)] if falling else found

@@ -1,8 +1,8 @@
 """Repeated force tests: the scatter of grains, the noise of the sensor and the coefficients, told apart.
 
-A medium that scatters (`kernels.scatter`) gives a force F (1 + s xi), xi a smooth random function of the way that the
+A medium that scatters (`kernels.scatter`) gives a force F (1 + s xi), xi a smooth random function of the path that the
 body has gone, of the length L. Its residuals are as large as the force and alike over L; those of a sensor are neither.
-With F the force of the law, way w and noise sigma the residuals have the covariance
+With F the force of the law, path w and noise sigma the residuals have the covariance
 
     Omega_ij = s^2 F_i F_j rho((w_i - w_j) / L) + sigma^2 delta_ij
 
@@ -34,9 +34,9 @@ Vector = NDArray[np.float64]
 
 MOST_ROWS = 1000  # of a test: the time goes with their cube
 ROUNDS, SETTLED = 6, 1e-3  # of coefficients and scatter in turn; change of a coefficient in its errors that ends them
-TRIED_LENGTHS = 5  # starting points for L, from three rows to a fifth of the way
+TRIED_LENGTHS = 5  # starting points for L, from three rows to a fifth of the path
 STEP = 1e-2  # of the logarithms, for the curvature of the likelihood
-LEAST_SLOPE = 0.5  # sine of the direction from which on the way follows from the depth
+LEAST_SLOPE = 0.5  # sine of the direction from which on the path follows from the depth
 
 
 @dataclass(frozen=True)
@@ -93,21 +93,21 @@ def faults(requests: Sequence[RunRequest], runs: Sequence[MeasuredRun]) -> Itera
 
 def apart(problem: Problem, solution: Solution) -> tuple[Solution, Scattering]:
     """Coefficients and scatter, from the coefficients of a fit that took all for noise; raises ModelFailed."""
-    times, ways, data = problem.times(), list(_ways(problem)), problem.data()
+    times, paths, data = problem.times(), list(_paths(problem)), problem.data()
     scaled, (low, high) = solution.scaled, problem.bounds
     start = None
     for _ in range(ROUNDS):
         model = problem.model(scaled, times)
         slopes = jacobian(problem, scaled, times)
-        logs = start = _likeliest(ways, _split(model, ways), _split(data - model, ways), start)
-        rows, white = _whitened(ways, model, slopes, data - model, logs)
+        logs = start = _likeliest(paths, _split(model, paths), _split(data - model, paths), start)
+        rows, white = _whitened(paths, model, slopes, data - model, logs)
         covariance = np.asarray(np.linalg.pinv(rows.T @ rows), float)
         step = covariance @ rows.T @ white
         scaled = np.clip(scaled + step, low, high)
         if float(np.max(np.abs(step) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)))) < SETTLED:
             break
     force, length, noise = np.exp(logs)
-    errors = _errors(ways, _split(model, ways), _split(data - model, ways), logs)
+    errors = _errors(paths, _split(model, paths), _split(data - model, paths), logs)
     found = Scattering(
         float(force),
         float(force * errors[0]),
@@ -122,16 +122,16 @@ def apart(problem: Problem, solution: Solution) -> tuple[Solution, Scattering]:
     return replace(solution, scaled=scaled, sigma=sigma, residuals=data - model, jacobian=slopes), found
 
 
-def _ways(problem: Problem) -> Iterator[Vector]:
+def _paths(problem: Problem) -> Iterator[Vector]:
     for run in problem.runs:
         assert isinstance(run.simulator, LawAlone)  # or there was a fault
-        way = way_of(run.measured, float(run.simulator.motion.along[1]))
-        assert way is not None
-        yield way
+        path = way_of(run.measured, float(run.simulator.motion.along[1]))
+        assert path is not None
+        yield path
 
 
-def _split(values: Vector, ways: list[Vector]) -> list[Vector]:
-    return np.split(values, np.cumsum([len(way) for way in ways])[:-1])
+def _split(values: Vector, paths: list[Vector]) -> list[Vector]:
+    return np.split(values, np.cumsum([len(path) for path in paths])[:-1])
 
 
 def correlation(lag: Vector) -> Vector:
@@ -163,37 +163,37 @@ def _weight(t: Vector, which: int) -> Vector:
     return np.asarray(parts[which] / np.sqrt(parts[0] ** 2 + parts[1] ** 2))
 
 
-def _omega(way: Vector, model: Vector, logs: Vector) -> Vector:
+def _omega(path: Vector, model: Vector, logs: Vector) -> Vector:
     force, length, noise = np.exp(logs)
-    alike = correlation((way[:, None] - way[None, :]) / length)
-    return np.asarray(force**2 * np.outer(model, model) * alike + noise**2 * np.eye(len(way)))
+    alike = correlation((path[:, None] - path[None, :]) / length)
+    return np.asarray(force**2 * np.outer(model, model) * alike + noise**2 * np.eye(len(path)))
 
 
-def _cost(ways: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> float:
+def _cost(paths: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> float:
     """Half the negative logarithm of the likelihood, twice."""
     total = 0.0
-    for way, model, rest in zip(ways, models, residuals, strict=True):
+    for path, model, rest in zip(paths, models, residuals, strict=True):
         try:
-            factor = cho_factor(_omega(way, model, logs), lower=True)
+            factor = cho_factor(_omega(path, model, logs), lower=True)
         except np.linalg.LinAlgError:
             return np.inf
         total += float(rest @ cho_solve(factor, rest)) + 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
     return total
 
 
-def _likeliest(ways: list[Vector], models: list[Vector], residuals: list[Vector], start: Vector | None) -> Vector:
+def _likeliest(paths: list[Vector], models: list[Vector], residuals: list[Vector], start: Vector | None) -> Vector:
     """Logarithms of s, L and sigma of the greatest likelihood, from an earlier one or from several lengths."""
     rest, model = np.concatenate(residuals), np.concatenate(models)
     rms = float(np.sqrt(np.mean(rest**2)))
     size = rms / float(np.sqrt(np.mean(model**2)))
-    step = float(np.median(np.concatenate([np.diff(way) for way in ways])))
-    span = max(float(np.ptp(way)) for way in ways)
+    step = float(np.median(np.concatenate([np.diff(path) for path in paths])))
+    span = max(float(np.ptp(path)) for path in paths)
     lengths = np.geomspace(3.0 * step, max(0.2 * span, 4.0 * step), TRIED_LENGTHS)
     points = [np.log([size, length, 0.3 * rms]) for length in lengths] if start is None else [start]
     floor = np.log([1e-6, step, 1e-6 * rms])
-    best = min(points, key=lambda one: _cost(ways, models, residuals, one))
+    best = min(points, key=lambda one: _cost(paths, models, residuals, one))
     found = minimize(
-        lambda one: _cost(ways, models, residuals, np.maximum(one, floor)),
+        lambda one: _cost(paths, models, residuals, np.maximum(one, floor)),
         best,
         method="Nelder-Mead",
         options={"xatol": 2e-3, "fatol": 1e-3, "maxiter": 200},
@@ -201,25 +201,25 @@ def _likeliest(ways: list[Vector], models: list[Vector], residuals: list[Vector]
     return np.asarray(np.maximum(found.x, floor))
 
 
-def _errors(ways: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> Vector:
+def _errors(paths: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> Vector:
     """Standard errors of the logarithms, from the curvature of the likelihood."""
     curvature = np.zeros((3, 3))
     for i in range(3):
         for j in range(3):
             a, b = STEP * np.eye(3)[i], STEP * np.eye(3)[j]
             corners = [(1.0, a + b), (-1.0, a - b), (-1.0, b - a), (1.0, -a - b)]
-            curvature[i, j] = sum(sign * _cost(ways, models, residuals, logs + x) for sign, x in corners)
+            curvature[i, j] = sum(sign * _cost(paths, models, residuals, logs + x) for sign, x in corners)
     inverse = np.linalg.pinv(curvature / (8.0 * STEP**2))  # of half the cost
     return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)))
 
 
-def _whitened(ways: list[Vector], model: Vector, slopes: Vector, rest: Vector, logs: Vector) -> tuple[Vector, Vector]:
+def _whitened(paths: list[Vector], model: Vector, slopes: Vector, rest: Vector, logs: Vector) -> tuple[Vector, Vector]:
     """Derivatives (values, p) and residuals (values,) in the measure of Omega."""
-    ends = np.cumsum([len(way) for way in ways])[:-1]
-    blocks = zip(ways, _split(model, ways), np.split(slopes, ends), _split(rest, ways), strict=True)
+    ends = np.cumsum([len(path) for path in paths])[:-1]
+    blocks = zip(paths, _split(model, paths), np.split(slopes, ends), _split(rest, paths), strict=True)
     rows, white = [], []
-    for way, own, derivative, residual in blocks:
-        lower = np.linalg.cholesky(_omega(way, own, logs))
+    for path, own, derivative, residual in blocks:
+        lower = np.linalg.cholesky(_omega(path, own, logs))
         rows.append(solve_triangular(lower, derivative, lower=True))
         white.append(solve_triangular(lower, residual, lower=True))
     return np.concatenate(rows), np.concatenate(white)
