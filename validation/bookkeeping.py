@@ -12,6 +12,7 @@ their first run on. `waiting` is what workers stand idle at the end of generatio
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 import tempfile
@@ -107,6 +108,7 @@ def by_sweep(name: str, count: int, folder: Path) -> Spent:
 def by_search(name: str, count: int, folder: Path) -> Spent:
     """A search by cma."""
     _, _, one, ends, other, others = SCENES[name]
+    importlib.import_module("cma")  # starting Python is left out
     path = folder / "search.yaml"
     parameters = f"parameters: {{{one}: {list(ends)}, {other}: {list(others)}}}\n"
     path.write_text(f"{text(name)}{parameters}objective: {{maximise: max_depth_m}}\nevaluations: {count}\n")
