@@ -34,6 +34,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.memory import clear, copy, room1
 
 # Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
 # begins here, with the friction state at rest.
@@ -168,7 +169,7 @@ def add_to_mass(last, parents, starts, axes, added, matrix):
 
     last (bodies,), parents and axes as of `gather_twists`; starts (m,): of the rows.
     """
-    y = np.empty(6)
+    y = room1(6)
     for b in range(last.shape[0]):
         if added[b, 5, 5] == 0.0 and added[b, 3, 3] == 0.0 and added[b, 4, 4] == 0.0:
             continue
@@ -194,7 +195,7 @@ def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past
     centres[tops] (all, 3) m: the points of twists. past (bodies, 6): the gain of twists that was foreseen. Returns
     whether there is any wrench.
     """
-    w, p, some = np.empty(6), np.empty(6), False
+    w, p, some = room1(6), room1(6), False
     for b in range(numbers.shape[0]):
         n, c = numbers[b], centres[tops[b]]
         fx, fy, fz = to_world(turn, wrench[b, 0], wrench[b, 1], wrench[b, 2])
@@ -223,7 +224,7 @@ def about(w, x, y, z, out):
 @part
 def settle(numbers, tops, inertial, centres, added, gained, step, loads):
     """Take from the loads (bodies, 6) what the added inertia took up in a trial step; gained (bodies, 6): of twists."""
-    p, q = np.empty(6), np.empty(6)
+    p, q = room1(6), room1(6)
     for b in range(numbers.shape[0]):
         n, c = numbers[b], centres[tops[b]]
         momentum(added[b], gained[b], p)
@@ -261,7 +262,11 @@ def blank(seen):
 @part
 def keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept):
     """Copy arrays of an engine to others of their sizes."""
-    q_kept[:], v_kept[:], act_kept[:], warm_kept[:], mass_kept[:] = q, v, act, warm, mass
+    copy(q_kept, q)
+    copy(v_kept, v)
+    copy(act_kept, act)
+    copy(warm_kept, warm)
+    copy(mass_kept, mass)
 
 
 @part
@@ -273,8 +278,8 @@ def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
     (bodies,): how far bodies reach from their reference points (m). Before, later has the twists of now; they go to
     twists. wrench and added are emptied.
     """
-    wrench[:] = 0.0
-    added[:] = 0.0
+    clear(wrench)
+    clear(added)
     for b in range(twists.shape[0]):
         for k in range(6):
             twists[b, k] = later[b, k]

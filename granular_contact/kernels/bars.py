@@ -25,6 +25,7 @@ from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, immersed_interval
 from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.memory import clear, room2, room3, rows
 from granular_contact.kernels.planar_friction import drive, mobilised
 
 
@@ -57,7 +58,7 @@ def placed(elements, pose, ground):
     n = elements.shape[0]
     P, V, Z = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
     for i in range(n):
-        station(elements[i], pose[3], pose[4], pose[5], pose[:3], P[i], V[i])
+        station(elements[i], pose[3], pose[4], pose[5], rows(pose, 0, 3), P[i], V[i])
         Z[i] = ground[0] + ground[1] * P[i, 0] + ground[2] * P[i, 1] - P[i, 2]
     return P, V, Z
 
@@ -67,12 +68,12 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a bar."""
     x, n = pose[3], elements.shape[0]
     P, V, Z = placed(elements, pose, ground)
-    f = np.zeros((TERMS, 2, 3))
+    f = room3(TERMS, 2, 3)
     for i in range(n - 1):
         a, b = immersed_interval(Z[i], Z[i + 1])
         if a == b:
             continue
-        f[:] = 0.0
+        clear(f)
         p, q, A, B = P[i], P[i + 1], anchors[i], anchors[i + 1]
         law.bar_force(
             a, b, Z[i], Z[i + 1], q[0] - p[0], q[1] - p[1], q[2] - p[2], V[i, 0], V[i, 1], V[i, 2],
@@ -83,7 +84,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
             add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
     if cluster.cap and Z[n - 1] > 0.0:
-        f[:] = 0.0
+        clear(f)
         p, q = P[n - 2], P[n - 1]
         last = V[n - 1]
         law.cap_force(q[0] - p[0], q[1] - p[1], q[2] - p[2], last[0], last[1], last[2], cluster, medium, f)
@@ -176,7 +177,8 @@ def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x
 def vertical_force(a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, f):
     """Add the vertical term to f[end, xyz] (N); other arguments as in `bar_statics.vertical_force`."""
     length = math.sqrt(cx * cx + cy * cy + cz * cz)
-    planar = np.zeros((2, 2))
+    planar = room2(2, 2)
+    clear(planar)
     planar_vertical_force(a, b, z0, z1, length, 0.0, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, planar)
     f[0, 2] += planar[0, 1]
     f[1, 2] += planar[1, 1]

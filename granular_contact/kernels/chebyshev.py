@@ -14,6 +14,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import copy
 from granular_contact.kernels.tree_load import rates
 
 DAMPING = 2.0 / 13.0
@@ -34,8 +35,9 @@ def step(y, h, stages, w, slope, before, last, end):
     argument = stages * math.log(w0 + root)
     w1 = math.sinh(argument) * (w0 * w0 - 1.0) / (math.cosh(argument) * stages * root - w0 * math.sinh(argument))
     b_last = b_before = 1.0 / (2.0 * w0) ** 2
-    before[:] = y
-    last[:] = y + (w1 * b_last * h) * slope
+    copy(before, y)
+    for i in range(y.shape[0]):
+        last[i] = y[i] + (w1 * b_last * h) * slope[i]
     # Chebyshev polynomials T at w0 with their first and second derivatives, of the last two degrees.
     t2, t1, d2, d1, dd2, dd1 = 1.0, w0, 0.0, 1.0, 0.0, 0.0
     for _ in range(2, stages + 1):
@@ -53,7 +55,7 @@ def step(y, h, stages, w, slope, before, last, end):
             before[i], last[i] = last[i], new
         t2, t1, d2, d1, dd2, dd1 = t1, t, d1, d, dd1, dd
         b_before, b_last = b_last, b
-    end[:] = last
+    copy(end, last)
 
 
 @part
@@ -67,7 +69,7 @@ def radius(y, slope, w, direction, moved, response):
     for i in range(size):
         norm += direction[i] * direction[i]
     if norm == 0.0:
-        direction[:] = slope
+        copy(direction, slope)
         for i in range(size):
             norm += slope[i] * slope[i]
     scale = 1e-8 * (1.0 + np.sqrt(np.dot(y[:size], y[:size])))
@@ -76,7 +78,7 @@ def radius(y, slope, w, direction, moved, response):
         if norm == 0.0:
             return 0.0, count
         factor = scale / math.sqrt(norm)
-        moved[:] = y
+        copy(moved, y)
         for i in range(size):
             moved[i] += factor * direction[i]
         rates(moved, w, response)

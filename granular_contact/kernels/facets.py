@@ -270,7 +270,7 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets."""
-    R, x, v, w = pose[:3], pose[3], pose[4], pose[5]
+    R, x, v, w = pose, pose[3], pose[4], pose[5]
     dx = ground[1] * R[0, 0] + ground[2] * R[1, 0] - R[2, 0]
     dy = ground[1] * R[0, 1] + ground[2] * R[1, 1] - R[2, 1]
     dz = ground[1] * R[0, 2] + ground[2] * R[1, 2] - R[2, 2]

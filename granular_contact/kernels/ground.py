@@ -8,9 +8,8 @@ points the map is that of Catmull and Rom, with a rise that does not jump; beyon
 
 from __future__ import annotations
 
-import numpy as np
-
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import room1
 
 PLANE, MAP = 4, 9
 
@@ -27,14 +26,15 @@ def _weights(t, w, dw):
 @part
 def tangent_plane(ground, x, y, plane):
     """Fill plane (4,) with the one that touches the surface at x, y (m), as `ground` of a plane."""
-    plane[:] = ground[:PLANE]
+    for i in range(PLANE):
+        plane[i] = ground[i]
     if ground.shape[0] == PLANE:
         return
     cell, rows, columns = ground[4], int(ground[7]), int(ground[8])
     u, v = (x - ground[5]) / cell, (y - ground[6]) / cell
     a, b = min(max(u, 0.0), columns - 1.0), min(max(v, 0.0), rows - 1.0)
     i, j = min(int(a), columns - 2), min(int(b), rows - 2)
-    wx, dx, wy, dy = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    wx, dx, wy, dy = room1(4), room1(4), room1(4), room1(4)
     _weights(a - i, wx, dx)
     _weights(b - j, wy, dy)
     height = along = across = 0.0

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import clear
 
 HINGE, SLIDER = 0, 1
 RIGID, CABLE = 3, 4  # coordinates of a node; the ground has none
@@ -101,7 +102,7 @@ def _slider(joint, q, v, slope):
 @part
 def coordinate(joint, turns, q, v, slope):
     """Coordinate and its rate; slope is filled with its gradient. Turns become those found here."""
-    slope[:] = 0.0
+    clear(slope)
     if joint.kind == HINGE:
         return _hinge(joint, turns, q, v, slope)
     return _slider(joint, q, v, slope)
@@ -123,7 +124,7 @@ def _bending(size, reference, q, first, sign, second):
 @part
 def curvature(joint, q, second):
     """Fill second with the second derivatives of the coordinate; whether there are any."""
-    second[:] = 0.0
+    clear(second)
     n, child = joint.parent, joint.child
     if joint.kind == HINGE:
         _bending(n, joint.parent_reference, q, 0, 1.0, second)

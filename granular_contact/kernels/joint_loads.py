@@ -17,6 +17,7 @@ import numpy as np
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_coordinates import COORDINATE, coordinate, curvature
 from granular_contact.kernels.joint_laws import follow, total
+from granular_contact.kernels.memory import room1, room2
 
 ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
 _STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
@@ -35,7 +36,7 @@ def _gather(system_q, system_v, places, count, q, v):
 @kernel
 def force(system_q, system_v, joints, state, places, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
-    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         count = joint.parent + joint.child
@@ -53,7 +54,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     Rows and columns are coordinates of the overlay; entries of zero are left out.
     """
     number = 0
-    q, v, slope, second = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty((MOST, MOST))
+    q, v, slope, second = room1(MOST), room1(MOST), room1(MOST), room2(MOST, MOST)
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         count = joint.parent + joint.child
@@ -81,7 +82,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
 @kernel
 def accept(system_q, system_v, joints, state, places):
     """End of a step: the anchors follow."""
-    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         if joint.friction > 0.0:

@@ -112,3 +112,21 @@ def clear(typing_context, array):
         return context.get_dummy_value()
 
     return types.none(array), generate
+
+
+@intrinsic
+def copy(typing_context, to, given):
+    """to[...] = given, of the same size and type."""
+    _contiguous(to)
+    _contiguous(given)
+    if to.dtype != given.dtype:
+        raise TypingError(f"got {given} for {to}, allowed are the same numbers")
+
+    def generate(context, builder, signature, values):
+        end, begin = (
+            make_array(kind)(context, builder, value) for kind, value in zip(signature.args, values, strict=True)
+        )
+        cgutils.raw_memcpy(builder, end.data, begin.data, begin.nitems, begin.itemsize)
+        return context.get_dummy_value()
+
+    return types.none(to, given), generate

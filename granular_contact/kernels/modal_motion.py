@@ -10,6 +10,7 @@ import numpy as np
 
 from granular_contact.kernels import modal_calls
 from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.memory import copy
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
 from granular_contact.kernels.slip import slip_bias, slip_rows, slip_velocity
@@ -125,7 +126,7 @@ def decide(y, s, stopped, w):
         found = violation(y, trial, open_, w)
         if found < least:
             best[:], least = trial, found
-    s[:] = best
+    copy(s, best)
     halt(y, s, w)
 
 
@@ -144,6 +145,6 @@ def halt(y, s, w):
         slip_rows(q, w, J)
         for c in range(2):
             if s[c] == 0.0:
-                push[:] = J[c]
+                copy(push, J[c])
                 accelerate(q, push, w.pendulum[0])
                 v -= push * ((np.dot(J[c], v)) / np.dot(J[c], push))

@@ -19,6 +19,7 @@ from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
 from granular_contact.kernels.kinematics import stations
 from granular_contact.kernels.law import TERMS, forces
+from granular_contact.kernels.memory import clear, room1, room2, rows
 from granular_contact.kernels.planar_friction import drive, shortening
 from granular_contact.kernels.surface import height
 
@@ -72,7 +73,7 @@ def follow(
     out of reach the depth is a bound.
     """
     n = longest(ends)
-    P, V, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty(3), np.empty(3)
+    P, V, q, v = np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
     highest = np.max(profile[:, 1])
     for r in range(lines.shape[0]):
         s, e = ends[r, 0], ends[r + 1, 0]
@@ -86,7 +87,7 @@ def follow(
                 continue
         p, velocity = P[: e - s], V[: e - s]
         flatten(pose, facings[of_bed[r]], q, v)
-        stations(q, v, geometry[s:e], p, velocity)
+        stations(q, v, rows(geometry, s, e - s), p, velocity)
         deepest, speed = -np.inf, 0.0
         for i in range(e - s):
             surface, slope = height(profile, p[i, 0])
@@ -98,9 +99,9 @@ def follow(
                 saw[LOWEST] = min(saw[LOWEST], p[i, 1] - lines[r].drop)
         saw[DEPTH] = max(saw[DEPTH], deepest)
         if deepest <= 0.0 or again or not active[r]:
-            one.release(p, anchors[s:e], medium[0])
+            one.release(p, rows(anchors, s, e - s), medium[0])
         else:
-            one.drag_anchors(p, anchors[s:e], lines[r], profile, medium[0])
+            one.drag_anchors(p, rows(anchors, s, e - s), lines[r], profile, medium[0])
         active[r] = may_touch(deepest, speed, step)
 
 
@@ -117,8 +118,9 @@ def resist(
 ):  # fmt: skip
     """As `space_added_mass.resist`."""
     n = longest(ends)
-    P, V, F, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty(3), np.empty(3)
-    Q, ahead, totals, flat = np.empty((n, 4)), np.empty((6, 3)), np.zeros((TERMS, 3)), np.empty((3, 3))
+    P, V, F, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
+    Q, ahead, totals, flat = np.empty((n, 4)), room2(6, 3), room2(TERMS, 3), room2(3, 3)
+    clear(totals)
     for r in range(lines.shape[0]):
         if not active[r]:
             continue
@@ -126,12 +128,12 @@ def resist(
         k = e - s
         advance(poses[at], then[at], step, ahead)
         flatten(ahead, facings[at], q, v)
-        stations(q, v, geometry[s:e], P[:k], V[:k])
+        stations(q, v, rows(geometry, s, e - s), P[:k], V[:k])
         if not one.immersed(P[:k], lines[r], profile):
             continue
-        forces(P[:k], V[:k], anchors[s:e], lines[r], profile, medium[0], F[:k], totals)
-        stretch(P[:k], V[:k], anchors[s:e], bristle[0], step, F[:k], Q[:k])
-        flat[:] = 0.0
+        forces(P[:k], V[:k], rows(anchors, s, e - s), lines[r], profile, medium[0], F[:k], totals)
+        stretch(P[:k], V[:k], rows(anchors, s, e - s), bristle[0], step, F[:k], Q[:k])
+        clear(flat)
         for i in range(k):
             fx, fy = F[i, 0], F[i, 1]
             if fx == 0.0 and fy == 0.0:
@@ -150,7 +152,8 @@ def resist(
 @part
 def spread_out(flat, turn, arm, added):
     """Add an inertia in the plane (3, 3) to that of a body (6, 6) about a point from which the old one is at arm."""
-    J = np.zeros((3, 6))
+    J = room2(3, 6)
+    clear(J)
     for k in range(3):
         J[0, 3 + k], J[1, 3 + k], J[2, k] = turn[0, k], turn[2, k], -turn[1, k]
     for row in range(2):  # velocity of the reference point where the body turns about the other

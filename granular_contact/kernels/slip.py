@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import copy
 from granular_contact.kernels.modal import modal_scatter, modal_stations
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate
@@ -119,7 +120,7 @@ def hold(q, v, h, s, w, sigma):
 
     h: generalised forces other than those of the medium.
     """
-    sigma[:] = s
+    copy(sigma, s)
     stuck = np.flatnonzero(s == 0.0)
     count, m = stuck.shape[0], q.shape[0]
     if count == 0:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.bars import add, station
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.memory import clear, room1, room2, rows
 
 
 @part
 def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a ball; its depth is that of its lowest point, as in the plane."""
     x = pose[3]
-    p, v, f = np.empty(3), np.empty(3), np.zeros((TERMS, 3))
-    station(elements[0], x, pose[4], pose[5], pose[:3], p, v)
+    p, v, f = room1(3), room1(3), room2(TERMS, 3)
+    clear(f)
+    station(elements[0], x, pose[4], pose[5], rows(pose, 0, 3), p, v)
     z = ground[0] + ground[1] * p[0] + ground[2] * p[1] - p[2] + 0.5 * cluster.width
     if z <= 0.0:
         return
@@ -30,8 +30,8 @@ def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
 @part
 def follow_ball(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of a ball."""
-    p, v = np.empty(3), np.empty(3)
-    station(elements[0], pose[3], pose[4], pose[5], pose[:3], p, v)
+    p, v = room1(3), room1(3)
+    station(elements[0], pose[3], pose[4], pose[5], rows(pose, 0, 3), p, v)
     px, py, pz = p[0], p[1], p[2]
     z = ground[0] + ground[1] * px + ground[2] * py - pz + 0.5 * cluster.width
     row[law.DEPTH] = max(row[law.DEPTH], z)

@@ -27,23 +27,11 @@ import numpy as np
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.ground import PLANE, tangent_plane
+from granular_contact.kernels.ground import tangent_plane
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import difference
+from granular_contact.kernels.memory import clear, room1, room2, rows
 
-# size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
-BODY = np.dtype(
-    [
-        ("size", "i8"),
-        ("start", "i8"),
-        ("first", "i8"),
-        ("last", "i8"),
-        ("x", "f8"),
-        ("y", "f8"),
-        ("z", "f8"),
-        ("radius", "f8"),
-    ]
-)
 # Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
 # surface (m/s), greatest depth so far (m).
 DEEPEST, APPROACH, EVER = 0, 1, 2
@@ -72,7 +60,7 @@ def turning(q, size, R, G):
     R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
     R[1, 0], R[1, 1], R[1, 2] = ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb
     R[2, 0], R[2, 1], R[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
-    G[:] = 0.0
+    clear(G)
     G[0, 0], G[0, 2] = 1.0, sb
     G[1, 1], G[1, 2] = ca, -sa * cb
     G[2, 1], G[2, 2] = sa, ca * cb
@@ -81,7 +69,7 @@ def turning(q, size, R, G):
 @part
 def place(q, v, size, turn, pose, G):
     """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
-    R = np.empty((3, 3))
+    R = room2(3, 3)
     turning(q, size, R, G)
     for i in range(3):
         for j in range(3):
@@ -108,16 +96,16 @@ def below(sphere, pose, ground, plane):
 @part
 def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
     """Set out (7,) to the generalised forces on a body, and fill W (TERMS, 6) with its wrench in the bed's frame."""
-    G = np.empty((3, 4))
+    G = room2(3, 4)
     place(q, v, body.size, turn, pose, G)
-    W[:] = 0.0
-    plane = np.empty(4)
+    clear(W)
+    plane = room1(4)
     for c in range(body.first, body.last):
         if active[c]:
             s, e = clusters[c].first, clusters[c].last
             below(clusters[c], pose, ground, plane)
-            law.forces(elements[s:e], anchors[s:e], clusters[c], pose, plane, medium, W)
-    out[:] = 0.0
+            law.forces(rows(elements, s, e - s), rows(anchors, s, e - s), clusters[c], pose, plane, medium, W)
+    clear(out)
     for i in range(3):
         force, moment = 0.0, 0.0
         for j in range(3):
@@ -134,14 +122,14 @@ def force(
     system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, out
 ):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
-    q, v, f, pose, W = np.empty(7), np.empty(7), np.empty(7), np.empty((6, 3)), np.empty((TERMS, 6))
+    q, v, f, pose, W = room1(7), room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = places[body.start : body.start + body.size]
+        at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
+        law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
         for i in range(body.size):
             out[at[i, 1]] += f[i]
 
@@ -178,23 +166,23 @@ def tangent(
 
     By differences, as `lines.tangent`.
     """
-    q, v, there, moved = np.empty(7), np.empty(7), np.empty(7), np.empty(7)
-    pose, W = np.empty((6, 3)), np.empty((TERMS, 6))
+    q, v, there, moved = room1(7), room1(7), room1(7), room1(7)
+    pose, W = room2(6, 3), room2(TERMS, 6)
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = places[body.start : body.start + body.size]
+        at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, there)
-        if not W.any():
+        law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, there)
+        if law.nothing(W):
             continue
-        d = difference(q[: body.size], fq, fv)
+        d = difference(rows(q, 0, body.size), fq, fv)
         for j in range(body.size):
             at_q, at_v = q[j], v[j]
             q[j] += d * fq
             v[j] += d * fv
-            body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, moved)
+            law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, moved)
             q[j], v[j] = at_q, at_v
             for i in range(body.size):
                 if moved[i] != there[i]:
@@ -229,20 +217,20 @@ def accept(
     terms and the wrench of a body stand in the row, six numbers each: force (N) and moment about the world origin
     (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time.
     """
-    q, v, f, W = np.empty(7), np.empty(7), np.empty(7), np.empty((TERMS, 6))
-    seen, plane = np.empty(3), np.empty(4)
+    q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
+    seen, plane = room1(3), room1(4)
     for b in range(bodies.shape[0]):
         body, pose = bodies[b], poses[b]
-        at = places[body.start : body.start + body.size]
+        at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
+        law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
         bound(body, pose, ground, proximity[b])
         seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
         for c in range(body.first, body.last):
             if active[c]:
                 s, e = clusters[c].first, clusters[c].last
                 below(clusters[c], pose, ground, plane)
-                law.follow(elements[s:e], anchors[s:e], clusters[c], pose, plane, medium[0], seen)
+                law.follow(rows(elements, s, e - s), rows(anchors, s, e - s), clusters[c], pose, plane, medium[0], seen)
         if not acts(body, active):
             seen[law.DEPTH] = proximity[b, DEEPEST]
         proximity[b, EVER] = max(proximity[b, EVER], seen[law.DEPTH])
@@ -260,7 +248,7 @@ def accept(
 @part
 def write(W, turn, q, row):
     """Add a wrench (6,) about a body's reference point in the bed's frame to one about the world origin, (6,)."""
-    F, M = np.empty(3), np.empty(3)
+    F, M = room1(3), room1(3)
     for i in range(3):
         F[i] = turn[0, i] * W[0] + turn[1, i] * W[1] + turn[2, i] * W[2]
         M[i] = turn[0, i] * W[3] + turn[1, i] * W[4] + turn[2, i] * W[5]
@@ -278,12 +266,9 @@ def bound(sphere, pose, ground, near):
     x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
     y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
     z = pose[2, 0] * sphere.x + pose[2, 1] * sphere.y + pose[2, 2] * sphere.z
-    height, along, across = ground[0], ground[1], ground[2]
-    if ground.shape[0] != PLANE:  # a plane needs no memory of its own, which takes longer than the rest
-        plane = np.empty(4)
-        tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
-        height, along, across = plane[0], plane[1], plane[2]
-    depth = height + along * (pose[3, 0] + x) + across * (pose[3, 1] + y) - pose[3, 2] - z
+    plane = room1(4)
+    tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
+    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
     vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
     vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
     vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
@@ -304,7 +289,7 @@ def update_active(bodies, clusters, elements, anchors, active, ground, poses, pr
 
     What comes into reach has its anchors put where it is.
     """
-    some, near = False, np.empty(2)
+    some, near = False, room1(2)
     for b in range(bodies.shape[0]):
         body, within = bodies[b], may_touch(proximity[b], step)
         for c in range(body.first, body.last):
@@ -335,11 +320,11 @@ def release(elements, anchors, cluster, pose):
 @kernel
 def start(system_q, reference, places, bodies, turn, clusters, elements, anchors, poses):
     """Begin at these coordinates: no bristle is stretched; poses (bodies, 6, 3) are filled."""
-    q, v, G = np.empty(7), np.zeros(7), np.empty((3, 4))
-    still = np.zeros_like(system_q)
+    q, v, G = room1(7), room1(7), room2(3, 4)
     for b in range(bodies.shape[0]):
         body = bodies[b]
-        gather(system_q, still, reference, places[body.start : body.start + body.size], q, v)
+        gather(system_q, system_q, reference, rows(places, body.start, body.size), q, v)
+        clear(v)
         place(q, v, body.size, turn, poses[b], G)
         for c in range(body.first, body.last):
             release(elements, anchors, clusters[c], poses[b])

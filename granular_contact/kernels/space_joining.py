@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import bars, facets, law, slices, space_balls, space_law
 from granular_contact.kernels.joining import PARTS, compiled, let_call_others, record_type
+from granular_contact.kernels.space_bodies import body_forces
 from granular_contact.kernels.space_friction import parted_return, whole_return
 
 # What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
@@ -43,10 +44,14 @@ def owner_of(law: type) -> type:
     return next(one for one in law.__mro__ if PARTS & vars(one).keys())
 
 
-def space_record(owner: Any, own: NDArray[np.void], kind: str) -> NDArray[np.void]:
-    """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind; own: the law's record (1,)."""
+def space_record(owner: Any, own: NDArray[np.void], kind: str, bodies: bool = False) -> NDArray[np.void]:
+    """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind.
+
+    own: the law's record (1,); bodies: whether they are on bodies that `space_bodies` moves by their coordinates.
+    """
     forces, follow = KINDS[kind]
-    return space_law.record_of(own, {"forces": forces, "follow": follow, **_functions(owner, kind)})
+    moved = {"body": body_forces} if bodies else {}
+    return space_law.record_of(own, {"forces": forces, "follow": follow, **_functions(owner, kind), **moved})
 
 
 @cache

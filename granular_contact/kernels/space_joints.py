@@ -21,6 +21,7 @@ from granular_contact.kernels.joint_coordinates import HINGE
 from granular_contact.kernels.joint_laws import follow, total
 from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE
 from granular_contact.kernels.lines import difference
+from granular_contact.kernels.memory import clear, room1, room2, room3, rows
 from granular_contact.kernels.space_bodies import turning
 
 MOST = 14  # coordinates of two nodes
@@ -45,7 +46,7 @@ JOINT = np.dtype(
 @part
 def _frames(joint, q, frames, places, turns):
     """Fill rotations (2, 3, 3) and positions (2, 3) of parent and child, and the G (2, 3, 4) of `space_bodies`."""
-    q0 = np.empty(7)
+    q0 = room1(7)
     for side in range(2):
         count = joint.parent if side == 0 else joint.child
         first = 0 if side == 0 else joint.parent
@@ -59,10 +60,10 @@ def _frames(joint, q, frames, places, turns):
 @part
 def coordinate(joint, last, q, v, slope):
     """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
-    R, x, G = np.empty((2, 3, 3)), np.empty((2, 3)), np.empty((2, 3, 4))
+    R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
     _frames(joint, q, R, x, G)
-    slope[:] = 0.0
-    a, by_turn, n = np.empty(3), np.empty((2, 3)), joint.parent  # the axis; by what w_P and w_C count
+    clear(slope)
+    a, by_turn, n = room1(3), room2(2, 3), joint.parent  # the axis; by what w_P and w_C count
     P, C = joint.parent_turn, joint.child_turn
     for i in range(3):
         a[i] = R[0, i, 0] * P[0, 2] + R[0, i, 1] * P[1, 2] + R[0, i, 2] * P[2, 2]
@@ -76,7 +77,7 @@ def coordinate(joint, last, q, v, slope):
         s = math.atan2(sine, cosine)
         s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
     else:
-        d, arm, s = np.empty(3), np.empty(3), 0.0  # from the parent's node to the joint's point on the child
+        d, arm, s = room1(3), room1(3), 0.0  # from the parent's node to the joint's point on the child
         for i in range(3):
             arm[i], on_parent = 0.0, 0.0
             for j in range(3):
@@ -121,7 +122,7 @@ def _along(joint, now, q, v, slope):
 @kernel
 def force(system_q, system_v, joints, state, places, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
-    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
@@ -134,14 +135,14 @@ def force(system_q, system_v, joints, state, places, out):
 @kernel
 def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     """As `joint_loads.tangent`, by differences."""
-    q, v, slope, moved = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    q, v, slope, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
     number = 0
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
         _gather(system_q, system_v, places[k], count, q, v)
         tau = _along(joint, state[k], q, v, slope)
-        d = difference(q[:count], fq, fv)
+        d = difference(rows(q, 0, count), fq, fv)
         for j in range(count):
             at_q, at_v = q[j], v[j]
             q[j] += d * fq
@@ -160,7 +161,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
 @kernel
 def accept(system_q, system_v, joints, state, places):
     """End of a step: the anchors follow."""
-    q, v, slope = np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         if joint.friction > 0.0:

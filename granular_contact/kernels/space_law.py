@@ -41,15 +41,29 @@ CLUSTER = np.dtype(
         ("static", "i8"),
     ]
 )
+# size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
+BODY = np.dtype(
+    [
+        ("size", "i8"),
+        ("start", "i8"),
+        ("first", "i8"),
+        ("last", "i8"),
+        ("x", "f8"),
+        ("y", "f8"),
+        ("z", "f8"),
+        ("radius", "f8"),
+    ]
+)
 # Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is
 # immersed.
 DEPTH, SPEED, LOWEST = 0, 1, 2
 
-FUNCTIONS = ("forces", "follow", "facet", "bar", "cap", "ball", "anchor")
+FUNCTIONS = ("forces", "follow", "facet", "bar", "cap", "ball", "anchor", "body")
 SPACE_LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), ("own", "f8", (SIZE,))])
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
+_MARKS, _BODIES = types.Array(types.boolean, 1, "C"), (from_dtype(BODY), _ROWS, types.Array(_CLUSTER, 1, "C"))
 _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
@@ -59,8 +73,9 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
     "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
     "anchor": ((*[_NUMBER] * 6, OWN), types.UniTuple(_NUMBER, 3)),
+    "body": ((_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.none),
 }
-_forces, _follow, _facet, _bar, _cap, _ball, _anchor = (
+_forces, _follow, _facet, _bar, _cap, _ball, _anchor, _body = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )
 
@@ -116,6 +131,22 @@ def drag_anchor(px, py, pz, ax, ay, az, medium):
     return _anchor(medium, (px, py, pz, ax, ay, az))
 
 
+@part
+def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
+    """`space_bodies.body_forces`, which several kernels call."""
+    _body(medium, (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, out))
+
+
 def record_of(own: np.ndarray, functions: dict[str, Any]) -> np.ndarray:
     """Record (1,) of SPACE_LAW for a law's own record (1,) and its compiled functions by name."""
     return filled(own, functions, SPACE_LAW, SIGNATURES)
+
+
+@part
+def nothing(W):
+    """Whether a wrench (TERMS, 6) is none at all."""
+    for term in range(W.shape[0]):
+        for k in range(W.shape[1]):
+            if W[term, k] != 0.0:
+                return False
+    return True

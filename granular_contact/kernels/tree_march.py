@@ -10,6 +10,7 @@ from granular_contact.kernels import batches
 from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.lines import TIME
+from granular_contact.kernels.memory import copy
 from granular_contact.kernels.tree_load import accept, fastest, rates
 
 # Why `march` came back: the table is full, everything rests, the end, no step is small enough.
@@ -42,7 +43,7 @@ def write(t, y, w, blank, state, row):
     """Accept y at time t (s) and keep it: pose, twist and work in `state`, the medium's doing in `row`, which is first
     made `blank`.
     """
-    row[:] = blank
+    copy(row, blank)
     accept(y, w, row, False)
     row[TIME] = t
     n = w.bodies.shape[0]
@@ -111,7 +112,7 @@ def march(y, w, control, clock, counts, direction, blank, states, rows):
         clock[NOW] = c.end if h == left else clock[NOW] + h
         clock[AGE] += 1
         counts[STEPS] += 1
-        y[:] = end
+        copy(y, end)
         write(clock[NOW], y, w, blank, states[counts[STEPS]], rows[counts[STEPS]])
         if fastest(w) > c.rest_speed:
             clock[RESTING_SINCE] = clock[NOW]

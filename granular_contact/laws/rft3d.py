@@ -57,6 +57,7 @@ C = (
     (0.01033, 0.13527, 0.07881),
     (0.15120, -0.33207, -0.27519),
 )
+F1, F2, F3 = (tuple(row[k] for row in C) for k in range(3))
 
 
 class Rft3d(Law):
@@ -109,18 +110,18 @@ def response(nx, ny, nz, ux, uy, uz):
     return ax, ay, az
 
 
-def cubic(x1, x2, x3, k):
-    """Polynomial f_(k+1)."""
-    f = C[0][k] + x1 * (C[1][k] + x1 * (C[4][k] + x1 * C[10][k])) + x2 * (C[2][k] + x2 * (C[5][k] + x2 * C[11][k]))
-    f += x3 * (C[3][k] + x3 * (C[6][k] + x3 * C[12][k]))
-    f += x1 * x2 * (C[7][k] + x2 * C[13][k] + x1 * C[14][k]) + x2 * x3 * (C[8][k] + x3 * C[15][k] + x2 * C[16][k])
-    return f + x3 * x1 * (C[9][k] + x1 * C[17][k] + x3 * C[18][k] + x2 * C[19][k])
+def cubic(x1, x2, x3, c):
+    """Polynomial with the coefficients c (20,)."""
+    f = c[0] + x1 * (c[1] + x1 * (c[4] + x1 * c[10])) + x2 * (c[2] + x2 * (c[5] + x2 * c[11]))
+    f += x3 * (c[3] + x3 * (c[6] + x3 * c[12]))
+    f += x1 * x2 * (c[7] + x2 * c[13] + x1 * c[14]) + x2 * x3 * (c[8] + x3 * c[15] + x2 * c[16])
+    return f + x3 * x1 * (c[9] + x1 * c[17] + x3 * c[18] + x2 * c[19])
 
 
 def alpha(nx, ny, nz, ux, uy, uz):
     """Generic response (3,) of an element with normal n that moves in the direction u."""
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
-    f1, f2, f3 = cubic(x1, x2, x3, 0), cubic(x1, x2, x3, 1), cubic(x1, x2, x3, 2)
+    f1, f2, f3 = cubic(x1, x2, x3, F1), cubic(x1, x2, x3, F2), cubic(x1, x2, x3, F3)
     return f1 * nx + f2 * ux, f1 * ny + f2 * uy, f1 * nz + f2 * uz - f3
 
 

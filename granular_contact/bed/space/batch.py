@@ -14,6 +14,7 @@ from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.space_joining import space_record
+from granular_contact.kernels.space_law import BODY
 from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
@@ -66,6 +67,11 @@ class SpatialBatch:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
         return space_record(self._law, self._own, self._meets)
 
+    @cached_property
+    def _for_bodies(self) -> NDArray[np.void]:
+        """The medium for the kernels of `space_bodies`."""
+        return space_record(self._law, self._own, self._meets, bodies=True)
+
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
         if where is not None:
@@ -76,7 +82,7 @@ class SpatialBatch:
         self.proximity[:, kernels.EVER] = -np.inf
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)
         kernels.start(q, reference, *on, self.poses)
-        self._sand = (reference, *on, self.active, self.ground, self.medium)
+        self._sand = (reference, *on, self.active, self.ground, self._for_bodies)
         if self._compiled:
             return
         # Compiling, the first time on a machine, belongs to the start and not to the first step.
@@ -141,7 +147,7 @@ def _counted(sets: Sequence[Elements]) -> NDArray[np.void]:
 
 def _bodies(groups: Sequence[Sequence[Elements]]) -> NDArray[np.void]:
     """Records of bodies, each with the clusters of its sets."""
-    bodies = np.zeros(len(groups), kernels.BODY)
+    bodies = np.zeros(len(groups), BODY)
     coordinate = cluster = 0
     for body, group in zip(bodies, groups, strict=True):
         clusters = np.concatenate([one.clusters for one in group])
