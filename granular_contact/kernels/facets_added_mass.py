@@ -14,6 +14,7 @@ from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.facets import SHEARED, SIDE, along_square, immersion
 from granular_contact.kernels.friction import SMOOTH
+from granular_contact.kernels.memory import clear, room2
 from granular_contact.kernels.space_friction import drive
 
 
@@ -166,7 +167,8 @@ def weigh(k, q, along, x, y, z, nx, ny, nz, A):
 @part
 def add_turned(inertia, pose, turn, arm, added):
     """Add an inertia in the frame of a body, its upper triangle, to added (6, 6); arm (3,) and turn as there."""
-    B, T = np.zeros((6, 6)), np.empty((6, 6))  # twist in the frame of the body by that in the world
+    B, T = room2(6, 6), room2(6, 6)  # twist in the frame of the body by that in the world
+    clear(B)
     for i in range(3):
         for j in range(3):
             r = turn[0, j] * pose[0, i] + turn[1, j] * pose[1, i] + turn[2, j] * pose[2, i]

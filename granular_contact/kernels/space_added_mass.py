@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance, to_world
 from granular_contact.kernels.compiled import kernel, part
@@ -19,6 +17,7 @@ from granular_contact.kernels.facets_added_mass import add_turned, held_facets
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
 from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.memory import clear, room1, room2
 from granular_contact.kernels.planar_friction import drive as drive_across
 from granular_contact.kernels.space_bodies import DEEPEST, below, bound, may_touch, release
 from granular_contact.kernels.space_friction import drive
@@ -48,7 +47,7 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
     seen (bodies, 3), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth
     is a bound.
     """
-    near, plane = np.empty(2), np.empty(4)
+    near, plane = room1(2), room1(4)
     for b in range(bodies.shape[0]):
         body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
         bound(body, pose, ground, near)
@@ -74,7 +73,7 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
 @part
 def begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen):
     """Begin at these poses: no bristle is stretched; seen as of `follow`, all depths are bounds."""
-    near = np.empty(2)
+    near = room1(2)
     for b in range(bodies.shape[0]):
         body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
         for c in range(body.first, body.last):
@@ -94,8 +93,8 @@ def resist(
     Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
     end of the step; turn (3, 3) as of `space_bodies`.
     """
-    W, ahead, near, plane = np.empty((TERMS, 6)), np.empty((6, 3)), np.empty(2), np.empty(4)
-    inertia = np.empty((6, 6))
+    W, ahead, near, plane = room2(TERMS, 6), room2(6, 3), room1(2), room1(4)
+    inertia = room2(6, 6)
     for b in range(bodies.shape[0]):
         body, at = bodies[b], of_bed[b]
         some = False
@@ -104,7 +103,7 @@ def resist(
                 continue
             if not some:
                 advance(poses[at], then[at], step, ahead)
-                inertia[:] = 0.0
+                clear(inertia)
                 some = True
             bound(clusters[c], ahead, ground, near)
             if near[DEEPEST] <= 0.0:
@@ -116,7 +115,7 @@ def resist(
                 held_facets(*on, step, bristle[0], wrench[at], inertia)
                 continue
             for i in range(s, e - rows + 1):
-                W[:] = 0.0
+                clear(W)
                 E, A = elements[i : i + rows], anchors[i : i + rows]
                 law.forces(E, A, clusters[c] if i == e - rows else inner[c], ahead, plane, medium[0], W)
                 fx, fy, fz = total(W, 0), total(W, 1), total(W, 2)
