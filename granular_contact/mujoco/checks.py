@@ -73,10 +73,24 @@ def _pair(model: Any, a: int, b: int) -> bool:
 
 
 def _fixed(model: Any, bodies: list[int]) -> Iterator[str]:
-    """Mechanisms whose first body has no joint, while others of it are in the sand."""
-    for top in dict.fromkeys(int(model.body_rootid[b]) for b in bodies):
+    """Mechanisms whose first body has no joint, while others of it are in the sand, or was made a part of the world."""
+    tops = list(dict.fromkeys(int(model.body_rootid[b]) for b in bodies))
+    for top in tops:
         if model.body_dofnum[top] == 0:
             yield (
                 f"body {name_of(model, 'body', top)} is fixed to the world, so its limbs move in the sand and it does "
                 "not: if it should walk, give it a <freejoint/>"
             )
+    hinged = [name_of(model, "body", top) for top in tops if _is_hinged(model, top)]
+    if len(hinged) > 1:
+        yield (
+            f"bodies {', '.join(hinged)} turn on hinges of the world: if they are limbs of one robot, as of a URDF, "
+            "whose first link MuJoCo makes a part of the world, give that a <freejoint/>"
+        )
+
+
+def _is_hinged(model: Any, body: int) -> bool:
+    """Whether a body has hinges, and no other joint."""
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    kinds = model.jnt_type[first : first + count]
+    return count > 0 and bool((kinds == int(mujoco.mjtJoint.mjJNT_HINGE)).all())

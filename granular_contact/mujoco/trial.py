@@ -56,6 +56,8 @@ class Trial:
     """
 
     def __init__(self, model: Any, data: Any, last: NDArray[np.int64], general: General) -> None:
+        if not hasattr(data, "qM"):
+            raise _another_way()
         self._model, self._general, self._mass = model, general, data.qM
         changed = data.qpos, data.qvel, data.act, data.qacc_warmstart, data.qM
         self.arrays = *changed, *(array.copy() for array in changed)
@@ -117,7 +119,10 @@ class Trial:
         self._mass[:] = own
         self._factor(data)
         if not (np.allclose(z[0], x, rtol=1e-6) and np.isclose(x @ (more - y), np.sum(twists**2), rtol=1e-6)):
-            raise SolveError(
-                f"MuJoCo {mujoco.__version__} keeps its mass matrix in another way than 3.1 and 3.2: "
-                "pip install 'mujoco<3.3'"
-            )
+            raise _another_way()
+
+
+def _another_way() -> SolveError:
+    return SolveError(
+        f"MuJoCo {mujoco.__version__} keeps its mass matrix in another way than 3.1 and 3.2: pip install 'mujoco<3.3'"
+    )

@@ -123,6 +123,25 @@ def test_what_doubles_the_sand_or_keeps_it_from_acting_is_told() -> None:
     assert said.endswith("give it a <freejoint/>")
 
 
+def test_a_robot_file_is_taken_with_a_free_joint_and_told_without_one() -> None:
+    path = str(ROOT / "models" / "hexapod" / "hexapod.urdf")
+    spec = mujoco.MjSpec.from_file(path)
+    spec.meshdir = "meshes"
+    bed = MujocoBed(model := spec.compile(), SAND)
+    assert "is fixed to the world: sand does not move it (a missing <freejoint/>?)" in refused(bed.add_geoms, ".*")
+    bed.add_geoms("leg_.*")
+    with pytest.warns(UserWarning, match=r"leg_rear_right turn on hinges of the world: .* give that a <freejoint/>$"):
+        bed.of(mujoco.MjData(model))
+    spec = mujoco.MjSpec.from_file(path)
+    spec.meshdir = "meshes"
+    spec.worldbody.first_body().add_freejoint()
+    bed = MujocoBed(model := spec.compile(), SAND)
+    assert len(bed.add_geoms("trunk|leg_.*")) == 7
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bed.of(mujoco.MjData(model))
+
+
 def test_sections_of_geoms_in_a_plane() -> None:
     joints = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0"/>'
     geoms = '<geom name="box" type="box" size="0.05 0.04 0.03"/>'

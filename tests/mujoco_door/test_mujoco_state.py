@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -119,6 +122,33 @@ def test_data_in_threads_are_stepped_as_one_after_the_other() -> None:
         together = list(pool.map(run, speeds))
     np.testing.assert_array_equal(together, alone)
     assert len({*np.round(np.array(alone)[:, 0], 6)}) == 4
+
+
+def test_other_threads_run_while_forces_are_computed() -> None:
+    """This thread counts; another looks whether it did so within one call that computes forces."""
+    model = model_of('<geom name="box" type="sphere" size="0.1"/>', place="0 0 -0.1")
+    bed, data = MujocoBed(model, SAND), mujoco.MjData(model)
+    bed.add_geoms("box", facet_size=0.004)
+    (act,) = bed.apply(data)._step._acts
+    counted, within = [0], []
+
+    def look() -> None:
+        for _ in range(100):
+            before = counted[0]
+            act()
+            within.append(counted[0] - before)
+
+    often, thread = sys.getswitchinterval(), threading.Thread(target=look)
+    sys.setswitchinterval(60.0)  # so that a thread has its turn when the other gives it up, and at no other time
+    try:
+        thread.start()
+        while thread.is_alive():
+            counted[0] += 1
+            time.sleep(0.0)
+    finally:
+        sys.setswitchinterval(often)
+        thread.join()
+    assert any(within)
 
 
 def test_a_rollout_of_mujoco_is_one_in_sand() -> None:
