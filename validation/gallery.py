@@ -127,23 +127,41 @@ def comment(path: Path) -> str:
     return re.split(r"(?<=\.) ", words)[0]
 
 
-def draw(one: Entry) -> Path:
-    """Write the picture of a model as a PNG of few colours; its path."""
+def draw(one: Entry, name: str) -> Path:
+    """Write the picture of a config as a PNG of few colours; its path."""
     from granular_contact.report.figures.film import write_strip
 
-    path = FIGURES / f"gallery_{one.model}.png"
+    path = FIGURES / f"gallery_{name}.png"
     write_strip(one.results, path, PANELS, WIDTH)
     return path
 
 
 def sections(entries: list[Entry]) -> Iterator[str]:
-    """A section for each model: its picture, by the config of its name or the plainest one, and all its configs."""
+    """A section for each model, with a picture of each of its configs; that of its name, or the plainest, first."""
     for model in dict.fromkeys(one.model for one in entries):
         own = [one for one in entries if one.model == model]
         shown = min(own, key=lambda one: (one.name != model, len(one.name)))
         yield f"## {model}\n\n{shown.description}.\n"
-        yield f"![{shown.words}](../{draw(shown).relative_to(HERE.parent).as_posix()})\n"
+        for one in (shown, *(one for one in own if one is not shown)):
+            path = draw(one, model if one is shown else one.name)
+            yield f"![{one.words}](../{path.relative_to(HERE.parent).as_posix()})\n"
         yield table([(one.name, one.words, one.number) for one in own])
+
+
+# Of sweeps and fits the figures of their studies.
+PICTURES = {
+    "Sweeps": (
+        ("The stopping time of the twelve impacts against their speed.", "paper_cases_stopping"),
+        ("Which part of the variance of the stopping time each of six inputs explains.", "sensitivity_six"),
+        ("Forward force on the wheel and its sinkage against slip, by three laws and measured.", "measured_wheel"),
+    ),
+    "Fits": (("Pressure under the plates against depth, by three laws and measured.", "measured_plates"),),
+}
+
+
+def pictures(heading: str) -> str:
+    """Lines of the pictures below a heading."""
+    return "".join(f"![{words}](../validation/figures/{name}.png)\n\n" for words, name in PICTURES[heading])
 
 
 def table(rows: list[tuple[str, str, str]]) -> str:
@@ -160,9 +178,9 @@ def main() -> None:
     searches = [(name, comment(CONFIGS / f"{name}.yaml"), runs(name)) for name in names(config.is_optimise)]
     fits = [(name, comment(CONFIGS / f"{name}.yaml"), rows(name)) for name in names(config.is_fit)]
     tables = (
-        f"## Sweeps\n\n{table(sweeps)}",
+        f"## Sweeps\n\n{pictures('Sweeps')}{table(sweeps)}",
         f"{SEARCHES}\n\n{table(searches)}",
-        f"{FITS}\n\n{table(fits)}",
+        f"{FITS}\n\n{pictures('Fits')}{table(fits)}",
     )
     parts = [INTRODUCTION, *sections(entries), *tables]
     PAGE.write_text("\n".join(parts), encoding="utf-8")

@@ -48,6 +48,13 @@ def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
     return _LINK.sub(lambda found: _link(page.file.src_uri, found), markdown)
 
 
+def on_post_build(*, config: Any) -> None:
+    """Take the addresses out of the theme's scripts: for old browsers and diagrams they would fetch from there."""
+    for script in Path(config["site_dir"]).glob("assets/javascripts/*.js"):
+        text = script.read_text(encoding="utf-8")
+        script.write_text(re.sub(r"https://unpkg\.com/[^\"']*", "about:blank", text), encoding="utf-8")
+
+
 def _source(page: str) -> Path:
     """Folder of the file of the repository that a page is made of."""
     for name, made in PAGES.items():

@@ -21,7 +21,7 @@ BUILD = "from mkdocs.__main__ import cli; cli(['build', '--strict', '-q', '-d', 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Its pages, by their paths. Strict: a lost link or anchor, or a page in no menu, ends the build."""
+    """Its pages and scripts, by their paths. Strict: a lost link or anchor, or a page in no menu, ends the build."""
     pytest.importorskip("mkdocs")
     pytest.importorskip("mkdocstrings")
     folder = tmp_path_factory.mktemp("site")
@@ -29,7 +29,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         [sys.executable, "-c", BUILD.format(str(folder))], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.html")}
+    files = [*folder.rglob("*.html"), *folder.glob("assets/javascripts/*.js")]
+    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in files}
 
 
 def ids(html: str) -> set[str]:
@@ -66,6 +67,8 @@ def test_pages_fetch_nothing_from_elsewhere(site: dict[str, str]) -> None:
         fetched = re.findall(r"""<(?:script|img|iframe|video)[^>]*src=["']?(?:https?:)?//[^"' >]+""", html)
         fetched += re.findall(r"""<link[^>]*href=["']?(?:https?:)?//[^"' >]+""", html)
         assert fetched == [], name
+        assert "unpkg.com" not in html, name  # where the theme's scripts would fetch more
+    assert any(name.endswith(".js") for name in site)
 
 
 def test_pages_of_readmes_lead_to_pages_and_copies(site: dict[str, str]) -> None:
