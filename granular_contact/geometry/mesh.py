@@ -43,7 +43,7 @@ def faults(vertices: Vector, faces: NDArray[np.int64], thin: bool) -> Iterator[s
         return
     loose, turned = _edges(joined(vertices, faces))
     if loose:
-        yield f"it is open: {loose} edges belong to one triangle only; allowed is a closed surface, or thin=True"
+        yield f"it is open: {loose} edges belong to one triangle only; allowed is a closed surface or a thin sheet"
     if turned:
         yield f"at {turned} edges two triangles are turned opposite ways; allowed is one sense, seen from outside"
     if not (loose or turned) and np.sum(corners[:, 0] * cross) < 0.0:

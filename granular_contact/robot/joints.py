@@ -82,4 +82,6 @@ def _check_range(reader: Reader, limit: Element, found: dict[str, Any], key: str
             found[name] = 0.0
     if None not in (found["lower"], found["upper"]) and found["lower"] >= found["upper"]:
         words = f"got {found['lower']:g}; allowed is below upper, {found['upper']:g}"
+        if limit.get("lower") is None and limit.get("upper") is None:
+            words = "is missing, and so is upper, so that by URDF both are 0 and nothing moves; allowed are both"
         reader.fault(limit, f"{key}.lower", f"{words}, or a joint of the type fixed or continuous")

@@ -53,7 +53,8 @@ def _inertial(reader: Reader, link: Element, key: str) -> Inertial | None:
     tensor = tensor_of(reader, element, key, mass)
     if mass is None or tensor is None or mass == 0.0:
         return None
-    if (why := impossible(tensor)) is not None:
+    # A mass in a point may be part of a body.
+    if (why := impossible(tensor)) is not None and tensor.any():
         reader.fault(element.find("inertia"), f"{key}.inertia", why)
         return None
     return Inertial(mass, pose.xyz, turned(tensor, pose.rotation), element.sourceline)

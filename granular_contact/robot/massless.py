@@ -1,4 +1,4 @@
-"""Links without mass: what is fixed to a body becomes part of it; one that moves has no motion that could be computed.
+"""Links without mass, or with one in a point: what is fixed to a body becomes part of it; what moves can't be computed.
 
 Robot files have them as roots, sensors, tool points. Their shapes and joints go to the body that they become part of.
 """
@@ -29,25 +29,32 @@ def merged(robot: Robot, reader: Reader, fixed_base: bool = False) -> Robot:
     state = _State(robot)
     held = has_world(robot) or fixed_base
     for name in reversed(list(_from_root(robot))):
-        if state.links[name].inertial is not None or (name == robot.root and held):
+        if has_inertia(state.links[name]) or (name == robot.root and held):
             continue
         above = state.above(name)
-        heavy = [j for j in state.below(name) if j.kind == "fixed" and state.links[j.child].inertial is not None]
+        heavy = [j for j in state.below(name) if j.kind == "fixed" and has_inertia(state.links[j.child])]
         if heavy:
             for joint in heavy:
                 state.absorb(joint)
         elif above is not None and above.kind == "fixed":
             state.absorb(above)
         else:
-            reader.fault(state.links[name].line, f"link.{name}", _motion(above))
+            reader.fault(state.links[name].line, f"link.{name}", _motion(above, state.links[name]))
     return replace(robot, links=state.links, joints=state.joints)
 
 
-def _motion(above: Joint | None) -> str:
-    allowed = "allowed is <inertial> with a mass above 0"
+def has_inertia(link: Link) -> bool:
+    """Whether a link has a mass that is not all in one point."""
+    return link.inertial is not None and bool(link.inertial.tensor.any())
+
+
+def _motion(above: Joint | None, link: Link) -> str:
+    allowed, lacks = "allowed is <inertial> with a mass above 0", "mass"
+    if link.inertial is not None:
+        allowed, lacks = "allowed is <inertial> with moments above 0", "moment of inertia"
     if above is None:
-        return f"the root has no mass, nor has a link that is fixed to it; {allowed}, or base: fixed in the model"
-    return f"moves by the joint {above.name} ({above.kind}) and has no mass; {allowed}, or a fixed joint to a body"
+        return f"the root has no {lacks}, nor has a link that is fixed to it; {allowed}, or base: fixed in the model"
+    return f"moves by the joint {above.name} ({above.kind}) and has no {lacks}; {allowed}, or a fixed joint to a body"
 
 
 def _from_root(robot: Robot) -> Iterator[str]:

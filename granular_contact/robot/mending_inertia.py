@@ -13,12 +13,14 @@ from granular_contact.robot.links import MOMENTS, tensor_of
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Vector
 
+NOTHING = 1e-6  # of the largest moment of inertia
+
 
 def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
     """Replace impossible inertias; says what was done, a sentence for each link.
 
     The mass stays. The new inertia and centre are those of the convex hull of all shapes of the link, of one density;
-    without shapes the largest moment is lowered to what is possible.
+    without shapes the largest moment is lowered to what is possible, or gets others beside it.
     """
     for link in root.findall("link"):
         inertial, name = link.find("inertial"), link.get("name") or ""
@@ -37,17 +39,27 @@ def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
             _write_place(inertial, center)
             _write_tensor(inertial, found)
             yield f"link {name}: inertia and centre of mass are now those of the hull of its shapes; its mass stays"
-        elif np.linalg.eigvalsh(tensor)[0] > 0.0:
+        elif (low := np.linalg.eigvalsh(tensor))[2] > 0.0:
             _write_tensor(inertial, _nearest(tensor))
-            yield f"link {name}: it has no shape; its largest moment of inertia is now the sum of the two others"
+            what = "largest moment of inertia is now the sum of the two others"
+            if low[0] + low[1] <= NOTHING * low[2]:
+                what = "smaller moments of inertia are now half the largest, as of a thin plate"
+            yield f"link {name}: it has no shape; its {what}"
         else:
             yield f"link {name}: its inertia stays, as it has no {inspection.which} shape to take one from"
 
 
 def _nearest(tensor: Vector) -> Vector:
-    """The tensor (3, 3) with its largest principal moment lowered to the sum of the two others."""
+    """The tensor (3, 3) with its largest principal moment lowered to the sum of the two others.
+
+    Where these are nothing the largest is that of a thin plate, whose others are half of it.
+    """
     moments, axes = np.linalg.eigh(tensor)
-    moments[2] = min(moments[2], moments[0] + moments[1])
+    if moments[0] + moments[1] <= NOTHING * moments[2]:
+        moments[:2] = 0.5 * moments[2]
+    else:
+        moments[0] = max(moments[0], NOTHING * moments[2])
+        moments[2] = min(moments[2], moments[0] + moments[1])
     found: Vector = (axes * moments) @ axes.T
     return found
 

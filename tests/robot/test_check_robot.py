@@ -104,3 +104,15 @@ def test_units_of_collada_files_count(tmp_path: Path) -> None:
     )
     vertices, faces = mesh_file.read(tmp_path / "box.dae")
     assert quality(vertices, faces).volume == pytest.approx(0.1 * 0.2 * 0.3)
+
+
+def test_an_impossible_inertia_without_a_shape_becomes_the_nearest(tmp_path: Path) -> None:
+    """Of one whose two moments are nothing, as public files have them, a thin plate's."""
+    for given, mended in (((0.0, 0.0, 3e-3), (1.5e-3, 1.5e-3, 3e-3)), ((1e-3, 2e-3, 9e-3), (1e-3, 2e-3, 3e-3))):
+        moments = " ".join(f'i{axis}{axis}="{one}"' for axis, one in zip("xyz", given, strict=True))
+        inertial = f'<inertial><mass value="0.3"/><inertia {moments} ixy="0" ixz="0" iyz="0"/></inertial>'
+        path = robot_in(tmp_path, ('<link name="sensor">', f'<link name="sensor">{inertial}'))
+        assert main(["check", str(path), "--mend", str(tmp_path / f"out{given[0]}")]) == 2
+        found = inspect(tmp_path / f"out{given[0]}" / "arm.urdf").robot.links["sensor"].inertial
+        assert found is not None
+        np.testing.assert_allclose(np.linalg.eigvalsh(found.tensor), mended, rtol=1e-6)

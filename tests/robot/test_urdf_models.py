@@ -251,3 +251,23 @@ def test_names_that_no_mechanism_can_have_are_changed(tmp_path: Path) -> None:
     assert "left_foot_1" in loaded(path).bodies
     path = robot_in(tmp_path, ('name="slide"', 'name="hip."'), ('name="axle"', 'name="hip:"'))
     assert any("joints.hip:: is written as hip_ here, as another is" in line for line in faults(run_of(path)))
+
+
+def test_a_mass_in_a_point_is_part_of_the_body_that_it_is_fixed_to(tmp_path: Path) -> None:
+    point = '<inertial><mass value="0.5"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>'
+    with_mass = ('<link name="sensor">', f'<link name="sensor">{point}')
+    leg = config.load({"model": {"urdf": str(robot_in(tmp_path, with_mass))}}).scenario.model.bodies["leg"]
+    assert leg.mass_kg == pytest.approx(1.0)
+    # Half of the mass in the leg's origin, half 0.1 m below: Steiner adds 2 x 0.5 x 0.05^2 across.
+    assert leg.center_of_mass_m == pytest.approx((0.0, 0.0, -0.05))
+    assert leg.inertia_kg_m2.xx == pytest.approx(1e-3 + 2.5e-3)
+    assert leg.inertia_kg_m2.zz == pytest.approx(1e-3)
+    turning = ('"mount" type="fixed"', '"mount" type="continuous"')
+    with pytest.raises(ConfigError, match=r"moves by the joint mount \(continuous\) and has no moment of inertia"):
+        config.load({"model": {"urdf": str(robot_in(tmp_path, with_mass, turning))}})
+
+
+def test_a_joint_without_its_limits_is_told_as_such(tmp_path: Path) -> None:
+    path = robot_in(tmp_path, ('lower="-1" upper="0.5" effort', "effort"))
+    with pytest.raises(ConfigError, match=r"hip.limit.lower: is missing, and so is upper, so that by URDF both are 0"):
+        config.load({"model": {"urdf": str(path)}})

@@ -72,7 +72,7 @@ def test_a_mesh_that_can_not_be_is_told() -> None:
     flat = np.vstack([faces, [[0, 0, 1]]])
     assert "1 of its 13 triangles have no area, the first is number 13" in message(Mesh, points, flat)
     both = message(Mesh, 1000 * points, np.vstack([faces[1:], [[0, 0, 1]]]))
-    assert "it is 100 x 100 x 100 m: if it is in millimetres, give scale=0.001" in both
+    assert "it is 100 x 100 x 100 m: if it is in millimetres, give the scale 0.001" in both
     assert "it is open: 3 edges" in both
     assert len(both.splitlines()) == 3
     np.testing.assert_allclose(Mesh(1000 * points, faces, scale=0.001).vertices, points)

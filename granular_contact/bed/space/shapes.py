@@ -216,7 +216,7 @@ class Mesh(Shape):
         sides = np.ptp(self.vertices[self.faces].reshape(-1, 3), axis=0)
         if scale is None and sides.max() > METRES:
             got = " x ".join(f"{side:.4g}" for side in sides)
-            found.append(f"it is {got} m: if it is in millimetres, give scale=0.001; if it is in metres, scale=1")
+            found.append(f"it is {got} m: if it is in millimetres, give the scale 0.001; if it is in metres, 1")
         if found:
             raise _refused(name, found)
 
