@@ -1,0 +1,141 @@
+"""Does `solver.accuracy` keep its promise on mechanisms: errors over what is promised, of twenty scenes.
+
+    python validation/accuracy_promise.py [--quick]
+
+The promise: with steps chosen by their error, positions are off by no more than the accuracy times the way. An error is
+the greatest distance of any coordinate (that of an angle times how far its body reaches) from a run with an accuracy of
+1e-4, at any step; the way is the longest of any coordinate. That reference is checked by a run with fixed steps, a
+quarter of the config's: how far the two are apart, over what is promised at 1e-3, stands in the last column.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from granular_contact.config import load_scenario
+from granular_contact.run import begin
+from granular_contact.scene import build
+from validation.runner import HEAVY, SHORT
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+Vector = NDArray[np.float64]
+CONFIGS = Path(__file__).parents[1] / "configs"
+
+
+def _sets(changes: dict[str, object], *more: str) -> tuple[str, ...]:
+    return (*(f"{key}={value}" for key, value in changes.items()), *more)
+
+
+# In words: config and what differs from it.
+SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "impact of a stiff link, 22 deg": ("impact_22deg", ()),
+    "impact of a flexible link": ("pendulum", ()),
+    "rod that strikes and topples": ("free_link", ()),
+    "rod that strikes flat, seeds": (
+        "free_link",
+        ("medium=poppy_seeds_close", "initial.joints.fall.angle_deg=5"),
+    ),
+    "double pendulum": ("double_pendulum", ()),
+    "chain of 8": ("chain", ()),
+    "chain of 8 flexible links": ("chain_flexible", ()),
+    "C-leg": ("c_leg", ()),
+    "leg that bends": ("flexible_leg", ()),
+    "stepping leg": ("stepping_leg", ()),
+    "runner": ("runner", ()),
+    "runner, loose seeds, 4 Hz": ("runner", _sets(SHORT, "signals.stride.frequency_Hz=4")),
+    "runner on its belly, 8 Hz": ("runner", _sets(HEAVY, "signals.stride.frequency_Hz=8", "solver.end_time_s=0.5")),
+    "runner, 10 deg uphill": ("runner", ("bed.slope_deg=10",)),
+    "walker": ("walker", ()),
+    "walker on other sand, faster": ("walker", ("medium=rft3d_sand", "signals.hip.frequency_Hz=2.5")),
+    "wheel with grousers": ("grousered_wheel", ()),
+    "plate dragged": ("dragged_plate", ()),
+    "dropped in space": ("dropped", ()),
+    "steered wheel in space": ("steered_wheel", ("solver.end_time_s=1",)),
+}
+QUICK = ("impact of a flexible link", "rod that strikes flat, seeds", "C-leg", "runner on its belly, 8 Hz")
+QUICK_END = ("solver.end_time_s=0.2",)
+ACCURACIES, REFERENCE, FINER = (1e-2, 1e-3), 1e-4, 0.25
+
+
+@dataclass(frozen=True)
+class Run:
+    """Of a solve: time (n,) s, place (n, k) m of all coordinates, number of steps; how it ended."""
+
+    time: Vector
+    place: Vector
+    ending: str
+
+    @property
+    def way(self) -> float:
+        """Longest way of any coordinate (m)."""
+        return float(np.abs(np.diff(self.place, axis=0)).sum(axis=0).max())
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return len(self.time) - 1
+
+    def error(self, other: Run) -> float:
+        """Greatest distance (m) of a coordinate from that of a finer run."""
+        known = self.time <= other.time[-1]
+        there = [np.interp(self.time[known], other.time, place) for place in other.place.T]
+        return float(np.abs(self.place[known] - np.column_stack(there)).max())
+
+
+def run(config: str, sets: tuple[str, ...]) -> Run:
+    """Solve a scene in the engine."""
+    scene = build(load_scenario(CONFIGS / f"{config}.yaml", ["method=engine", "solver.rest_time_s=null", *sets]))
+    begun = begin(scene, None, None)
+    begun.solving.advance()
+    trajectory = begun.solving.trajectory()
+    lever = begun.solving.recorder.lever  # type: ignore[attr-defined]  # of the engine's
+    begun.solving.close()
+    return Run(trajectory.time, trajectory.q * lever, trajectory.status.code)
+
+
+def row(name: str, quick: bool) -> tuple[list[str], dict[float, float], bool]:
+    """Of the table; errors over what is promised by accuracy, and whether all runs came to their end."""
+    config, sets = SCENES[name]
+    sets += QUICK_END if quick else ()
+    reference = run(config, (*sets, f"solver.accuracy={REFERENCE}"))
+    runs = {a: run(config, (*sets, f"solver.accuracy={a}")) for a in ACCURACIES}
+    ratios = {a: one.error(reference) / (a * reference.way) for a, one in runs.items()}
+    check, every = "", [reference, *runs.values()]
+    if not quick:
+        step = load_scenario(CONFIGS / f"{config}.yaml", sets).solver.step_s
+        fixed = run(config, (*sets, "solver.accuracy=null", f"solver.step_s={FINER * step}"))
+        check = f"{fixed.error(reference) / (ACCURACIES[-1] * reference.way):.3f}"
+        every.append(fixed)
+    counts = [cell for a, one in runs.items() for cell in (f"{one.steps}", f"{ratios[a]:.3f}")]
+    return [name, *counts, check], ratios, all(one.ending == "end_time" for one in every)
+
+
+def study(quick: bool) -> Outcome:
+    """All scenes."""
+    names = QUICK if quick else tuple(SCENES)
+    found = {name: row(name, quick) for name in names}
+    worst = {a: max((ratios[a], name) for name, (_, ratios, _) in found.items()) for a in ACCURACIES}
+    ended = [name for name, (_, _, whole) in found.items() if not whole]
+    head = ["scene", *(word for a in ACCURACIES for word in (f"steps at {a:g}", "error / promise")), "check"]
+    words = "; ".join(
+        f"at {a:g} at most {ratio:.2f} of what is promised ({name})" for a, (ratio, name) in worst.items()
+    )
+    return Outcome(
+        markdown(head, [cells for cells, _, _ in found.values()]),
+        (
+            Claim("accuracy_promise.accuracy is kept", max(worst.values())[0] <= 1.0, words),
+            Claim("accuracy_promise.every run comes to its end", not ended, ", ".join(ended) or f"{len(found)} scenes"),
+        ),
+    )
+
+
+if __name__ == "__main__":
+    raise SystemExit(script(study))
