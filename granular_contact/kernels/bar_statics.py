@@ -89,7 +89,7 @@ def vertical_force(a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale,
     k (N/m) times eta is that of the equation; (eta, lam) are pairs for plunging and withdrawing; scale: length l (m).
     """
     s0, s1 = drive(e0y, v0y, m), drive(e1y, v1y, m)
-    k *= math.hypot(cx, cy)
+    k *= math.sqrt(cx * cx + cy * cy)
     c = sign_change(a, b, s0, s1)
     for start, end in ((a, c), (c, b)):
         way = 0 if s0 + 0.5 * (start + end) * (s1 - s0) < 0.0 else 1

@@ -110,7 +110,7 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
 @part
 def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
     """Add the terms of a law with a `traction` to f[STATIC] and f[SHEAR]; arguments as in `law.strip_force`."""
-    length = math.hypot(cx, cy)
+    length = math.sqrt(cx * cx + cy * cy)
     if length == 0.0:
         return
     tx, ty = cx / length, cy / length

@@ -58,7 +58,7 @@ class Drft(Law):
         z0, z1 = z0 - m.delta_h, z1 - m.delta_h
         low, high = kernels.immersion.immersed_interval(z0, z1)
         a, b = max(a, low), min(b, high)
-        length = math.hypot(cx, cy)
+        length = math.sqrt(cx * cx + cy * cy)
         if a >= b or length == 0.0:
             return
         kernels.plates.static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f)

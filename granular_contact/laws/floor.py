@@ -53,7 +53,7 @@ class OnStrips:
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
         """Add the end forces of a strip; z0, z1 are depths below the floor, else as in `kernels.law.strip_force`."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (v0y + v1y))
-        k = m.stiffness * share * math.hypot(cx, cy)
+        k = m.stiffness * share * math.sqrt(cx * cx + cy * cy)
         j0, j1 = kernels.immersion.part_integrals(a, b, z0, z1, 1.0)
         f[0, 0, 1] += k * j0
         f[0, 1, 1] += k * j1
