@@ -63,7 +63,7 @@ def settings(scene: Scene) -> Any:
     t.verboseMode = 0
     newton = t.newton
     newton.absoluteTolerance = solver.tolerance * scene.force_scale
-    newton.relativeTolerance = 1e-8
+    newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of a step
     newton.useModifiedNewton = True
     radius = SPECTRAL_RADIUS
     moving = sum(joint.kind != "weld" for joint in scene.joints)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -24,6 +24,9 @@ class HeightMap(Strict):
     """Height in m of one unit of the file, of a picture of one grey level (there are 256, or 65536 of 16 bits)."""
 
 
+IN_THE_PLANE = ("layers", "depth_m", "floor", "container_x_m", "profile_m")
+
+
 class SpatialBed(Strict):
     """Where the medium lies in space. Its free surface does not change: no craters, no heaps."""
 
@@ -34,6 +37,14 @@ class SpatialBed(Strict):
     slope_direction_deg: float = 0.0
     """Direction in which the surface rises: counter-clockwise from x, seen from above; 90 is to the left."""
     height_map: HeightMap | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fills_the_bed(cls, given: Any) -> Any:
+        words = "is for the plane; in space a medium fills the whole bed below its surface, without floor or walls"
+        if found := [key for key in IN_THE_PLANE if isinstance(given, dict) and given.get(key) is not None]:
+            raise refusal([((key,), words) for key in found])
+        return given
 
     @model_validator(mode="after")
     def _fits_together(self) -> SpatialBed:
