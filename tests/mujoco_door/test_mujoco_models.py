@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+import runpy
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -160,6 +163,27 @@ def test_sections_of_geoms_in_a_plane() -> None:
         ).add_geoms,
         "c",
     )
+
+
+EXAMPLES = {
+    "ball": r"at rest -?\d+\.\d mm deep, the sand took up -?\d\.\d{3} J",
+    "hexapod": r"-?\d\.\d{3} m in 0\.1 s, the sand took up \d\.\d\d J",
+    "wheel": r"slip 0\.3: drawbar pull -?\d+\.\d N, torque -?\d\.\d\d N m, sinkage -?\d+\.\d mm",
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_run(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With a film where MuJoCo can draw, and a line that says so where it can not."""
+    film = tmp_path / "film.gif"
+    monkeypatch.syspath_prepend(str(ROOT / "examples" / "mujoco"))
+    monkeypatch.setattr(sys, "argv", [name, "--seconds", "0.1", "--video", str(film)])
+    runpy.run_path(str(ROOT / "examples" / "mujoco" / f"{name}.py"), run_name="__main__")
+    told = capsys.readouterr().out
+    assert re.search(EXAMPLES[name], told), told
+    assert film.exists() != ("no film: " in told)
 
 
 def test_without_mujoco_one_line_says_how_to_get_it() -> None:
