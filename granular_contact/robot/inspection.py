@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.errors import Fault
 from granular_contact.geometry.mesh_quality import Quality, quality, share_inside
 from granular_contact.robot.elements import Reader
 from granular_contact.robot.files import find
@@ -86,12 +86,6 @@ def inspect(
         _check_bodies(reader, notes, robot, shapes)
     in_order = [tuple(sorted(one.faults, key=lambda fault: fault.line or 0)) for one in (reader, notes)]
     return Inspection(robot, which, tuple(shapes), *in_order)
-
-
-def refuse(inspection: Inspection) -> None:
-    """Raise a ConfigError of the faults, if there are any."""
-    if inspection.faults:
-        raise ConfigError(inspection.faults)
 
 
 def _inspected(

@@ -272,7 +272,10 @@ def test_work_put_in_counts_what_a_drive_gives_and_not_what_it_takes_back() -> N
     assert summary["cost_of_transport"] == pytest.approx(given / (MASS * 5.0 * way), rel=2e-4)
 
 
-@pytest.mark.parametrize("element", ["spring: {stiffness_N_per_m: 60}", "damping_N_s_per_m: 2"])
+FAR_STOPS = "stops: {lower_m: -5, upper_m: 5, stiffness_N_per_m: 500}"  # stiff where they are met alone
+
+
+@pytest.mark.parametrize("element", ["spring: {stiffness_N_per_m: 60}", "damping_N_s_per_m: 2", FAR_STOPS])
 def test_tangent_of_what_acts_in_a_joint_is_the_derivative_of_its_force(element: str) -> None:
     """Central differences at a place off the start; a slider on what turns has a curved coordinate."""
     scene = build(scenario_of(MERRY_GO_ROUND.replace("axis: [1, 2]", f"axis: [1, 2], {element}")))
@@ -299,3 +302,19 @@ def test_tangent_of_what_acts_in_a_joint_is_the_derivative_of_its_force(element:
         np.add.at(got, (rows.astype(int), columns.astype(int)), values)
         # Round-off of differences: 1e-16 / 1e-6 of the force, and the square of the step.
         np.testing.assert_allclose(got[np.ix_(over, over)], exact, atol=1e-7 * max(np.abs(by_q).max(), 1.0))
+
+
+@pytest.mark.parametrize(("kind", "friction", "moved"), [(HINGE, "{torque_Nm: 0.05}", 2), (SLIDER, "{force_N: 1}", 0)])
+def test_dry_friction_grows_to_its_bound_and_never_beyond(kind: dict[str, str], friction: str, moved: int) -> None:
+    """Within the slip by the stiffness of a bristle, beyond it by no more than was given; moved: x or the angle."""
+    scene = build(scenario_of(BODY.format(**kind, element=f", friction: {friction}", s=0, rate=0)))
+    system = build_system(scene)
+    system.mbs.Assemble()
+    assert system.joints is not None
+    assert system.joints.loads is not None
+    law, size = scene.joints[0].law, system.mbs.systemData.ODE2Size()
+    for strain in (-3.0, -1.5, -1.01, -0.5, 0.5, 1.01, 1.5, 3.0):
+        q, out = np.zeros(size), np.zeros(size)
+        q[moved] = strain * law.slip
+        system.joints.loads.force(q, np.zeros(size), out)
+        assert out[moved] == pytest.approx(-law.friction * np.clip(strain, -1.0, 1.0), rel=1e-9)
