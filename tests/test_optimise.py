@@ -251,6 +251,7 @@ def test_the_command_its_folder_and_its_page(tmp_path, capsys):
     assert "holds all runs of this search already" in capsys.readouterr().out
     page = pages.write(tmp_path / "out").read_text(encoding="utf-8")
     assert "to minimise stopping_time_s + 0.01 max_depth_m" in " ".join(page.split())
+    assert 'id="cases-chart"' in page  # any number of the runs against any other
     assert "granular-contact run best.yaml" in page
     assert main(["optimise", str(tmp_path / "out" / "optimise.yaml"), "--out", str(tmp_path / "again")]) == 0
     assert history(tmp_path / "again") == history(tmp_path / "out")
