@@ -93,8 +93,10 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
         above, holder = allowed.walk(error["loc"][:-1], model)
         places = allowed.places(str(path[-1]), above, holder, model)
         words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else ""
-        words = words or _places_of_content(find(tree, path)[0], above, holder, model)
-        return [_at_key(tree, path, words or f"unknown key; {unknown(str(path[-1]), allowed.keys(holder))}")]
+        keys = allowed.keys(holder)
+        if not words and not did_you_mean(str(path[-1]), keys):
+            words = _places_of_content(find(tree, path)[0], above, holder, model)
+        return [_at_key(tree, path, words or f"unknown key; {unknown(str(path[-1]), keys)}")]
     if error["type"] == "missing":
         _, holder = allowed.walk(error["loc"][:-1], model)
         return [_missing(tree, path, schema, holder)]

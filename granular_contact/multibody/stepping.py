@@ -66,7 +66,7 @@ class StepControl:
         arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.joints}
         motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
         self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
-        self.bends = bends(drive.signal for drive in scene.drives if drive.kind != "motion")
+        self.bends = bends(drive.signal for drive in scene.drives)
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
         self.chosen = self.next  # step to come, but for where it has to end

@@ -174,7 +174,7 @@ def test_tangents_are_added_to_what_is_there() -> None:
     rng = np.random.default_rng(18)
     sand = Sand(cable(rng), BAR_LAWS[0].record(STATIC[0], G), run_of(False), rng)
     one, out = sand.tangent(1.0, 0.5), np.full((16, 16), 3.0)
-    lines.tangent(sand.q, sand.v, *sand.around, 1.0, 0.5, out)
+    lines.tangent(sand.q, sand.v, *sand.around, np.zeros((4, 16)), 1.0, 0.5, out)
     # Round-off of a sum of up to 1e4.
     np.testing.assert_allclose(out, 3.0 + one, rtol=1e-12)
 

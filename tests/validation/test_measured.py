@@ -54,7 +54,7 @@ def test_intervals_of_force_tests_hold_the_true_value(monkeypatch: pytest.Monkey
     claims = [force_tests.coverage(name, 4)[1][0] for name in ("zeta", "k and n")]
     assert all(claim.held for claim in claims)
     # Noise that is the same in all tests is none: intervals are then far too short, and that is seen.
-    monkeypatch.setattr(force_tests, "noisy", lambda exact, noise, seed: shifted(exact, noise * (1 + seed)))
+    monkeypatch.setattr(force_tests, "noisy", lambda exact, case, seed: shifted(exact, case.noise * (1 + seed)))
     assert not force_tests.coverage("zeta", 4)[1][0].held
 
 

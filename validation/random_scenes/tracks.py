@@ -122,6 +122,8 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
         "_m_s": own.way / end,
         "_m": own.way,
         "_deg": math.degrees(own.way / size),
+        "_rad_s": own.way / size / end,
+        "_W": energy / end,
         "_s": end,
     }
     worst = 0.0, ""
