@@ -50,7 +50,7 @@ def test_claims_fall_where_errors_are_wrong() -> None:
 
 def test_linear_theory_gives_the_errors_of_the_fits(outcome: Outcome) -> None:
     # The mean stated errors of the draws (table 1) against those at the true values (first row of table 2): the noise
-    # of a draw, of which they are made, is known to 1 / sqrt(2 x 408) = 3.5 %, of two to 2.5 %; soft_l1 adds 1 %. Twice.
+    # of a draw, of which they are made, is known to 1 / sqrt(2 x 408) = 3.5 %, of two to 2.5 %; soft_l1 adds 1 %.
     first, second = (part.splitlines()[2:] for part in outcome.text.split("\n\n") if part.startswith("|"))
     stated = [float(row.split("|")[5]) / true for row, true in zip(first, study.TRUE.values(), strict=True)]
     theory = [float(cell) / 100 for cell in second[0].split("|")[2:6]]
