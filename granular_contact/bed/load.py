@@ -13,6 +13,7 @@ from granular_contact.bed.batch import Batch
 from granular_contact.bed.contact_lines import ContactLine
 from granular_contact.bed.given import floor_of, layers_of, profile_of, records_of
 from granular_contact.bed.history import HistoryTable, LoadHistory
+from granular_contact.bed.state import batch_states, restore_batches
 from granular_contact.errors import scene_error
 from granular_contact.laws.floor import TERM as FLOOR_TERM
 from granular_contact.laws.floor import Floor
@@ -192,15 +193,13 @@ class GranularLoad:
     def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:
         """A state that counts as accepted for as long as the block lasts, and is taken back after it."""
         length, time = self.table.length, self.time
-        kept = [[array.copy() for array in batch.state()] for batch in self.batches]
+        kept = batch_states(self.batches)
         self.accept(t, q, v)
         try:
             yield
         finally:
             self.table.length, self.time = length, time
-            for batch, state in zip(self.batches, kept, strict=True):
-                for array, old in zip(batch.state(), state, strict=True):
-                    array[:] = old
+            restore_batches(self.batches, kept)
 
     # ---- what is read ----
 

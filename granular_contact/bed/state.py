@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.bed.batch import Batch
-from granular_contact.bed.load import GranularLoad
+if TYPE_CHECKING:
+    from granular_contact.bed.batch import Batch
+    from granular_contact.bed.load import GranularLoad
 
 Vector = NDArray[np.float64]
 

@@ -47,17 +47,20 @@ class Pace:
         fade[~fast] = 0.0
         return cls(steps, fade, fast, twice, fastest[1:])
 
+    def displacement(self, kicks: Vector) -> float:
+        """Greatest displacement (m) by errors (n, k) m/s that the velocity gets in each step."""
+        return travelled(self.steps, kicks * self.fast[:, None], self.fade)
+
 
 def by_power(load: LoadHistory, pace: Pace) -> float:
     """Error of positions (m) by the power of the medium."""
-    kicks = _over(pace.steps * np.abs(load.coarser[1:, 0]) / 3.0, pace.twice) * pace.fastest * pace.fast
-    return travelled(pace.steps, kicks[:, None], pace.fade)
+    kicks = _over(pace.steps * np.abs(load.coarser[1:, 0]) / 3.0, pace.twice) * pace.fastest
+    return pace.displacement(kicks[:, None])
 
 
 def by_resultant(load: LoadHistory, pace: Pace, mass: float) -> float:
     """Error of positions (m) by the resultant of the medium on a floating mass (kg)."""
-    kicks = pace.steps[:, None] * load.coarser[1:, 1:3] / 3.0 / mass * pace.fast[:, None]
-    return travelled(pace.steps, kicks, pace.fade)
+    return pace.displacement(pace.steps[:, None] * load.coarser[1:, 1:3] / 3.0 / mass)
 
 
 def by_moment(load: LoadHistory, pace: Pace, center: Vector, inertia: float, reach: float) -> float:
@@ -67,8 +70,8 @@ def by_moment(load: LoadHistory, pace: Pace, center: Vector, inertia: float, rea
     """
     x, y = center.T
     moment = (load.coarser[:, 3] - x * load.coarser[:, 2] + y * load.coarser[:, 1])[1:] / 3.0
-    kicks = pace.steps * moment / inertia * reach * pace.fast
-    return travelled(pace.steps, kicks[:, None], pace.fade)
+    kicks = pace.steps * moment / inertia * reach
+    return pace.displacement(kicks[:, None])
 
 
 def _over(part: Vector, twice: Vector) -> Vector:

@@ -93,10 +93,11 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
         above, holder = allowed.walk(error["loc"][:-1], model)
         places = allowed.places(str(path[-1]), above, holder, model)
         words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else ""
-        keys = allowed.keys(holder)
-        if not words and not did_you_mean(str(path[-1]), keys):
-            words = _places_of_content(find(tree, path)[0], above, holder, model)
-        return [_at_key(tree, path, words or f"unknown key; {unknown(str(path[-1]), keys)}")]
+        if not words:
+            key, keys = str(path[-1]), allowed.keys(holder)
+            content = _places_of_content(find(tree, path)[0], above, holder, model)
+            words = f"unknown key; {did_you_mean(key, keys) or content or unknown(key, keys)}"
+        return [_at_key(tree, path, words)]
     if error["type"] == "missing":
         _, holder = allowed.walk(error["loc"][:-1], model)
         return [_missing(tree, path, schema, holder)]
@@ -112,7 +113,7 @@ def _places_of_content(node: Node, above: Path, holder: allowed.Schema, model: t
     keys = node.nodes if isinstance(node, MappingNode) else ()
     found = {str(key): allowed.places(str(key), above, holder, model) for key in keys}
     told = [f"{key} belongs at {' or '.join(places)}" for key, places in found.items() if places]
-    return f"unknown key; {', '.join(told)}" if told else ""
+    return ", ".join(told)
 
 
 def _missing(tree: Node, path: Path, schema: allowed.Schema, around: allowed.Schema) -> Fault | None:

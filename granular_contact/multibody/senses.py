@@ -32,18 +32,25 @@ class Senses:
     It follows links that bend from row to row, for their slopes do not tell whole turns; `follows`: whether it has to.
     """
 
+    _seen_type: type[Seen] = Seen
+
     def __init__(self, system: System, load: GranularLoad | None) -> None:
         self.system, self.load = system, load
-        scene = system.scene
-        joints = [joint for joint in scene.joints if joint.has_coordinate]
-        bodies = [body.name for body in scene.bodies]
-        of_load = () if load is None else load.table.bodies
-        self.seen = Seen(
+        joints = [joint for joint in system.scene.joints if joint.has_coordinate]
+        bodies = [body.name for body in system.scene.bodies]
+        met = () if load is None else load.table.bodies
+        self.seen = self._seen_type(
             tuple(joint.name for joint in joints),
             tuple(joint.kind == "hinge" for joint in joints),
             tuple(label(name) for name in bodies),
-            tuple(label(name) for name in of_load),
+            tuple(label(name) for name in met),
         )
+        self._met = np.array([bodies.index(name) for name in met], int)
+        self._find(joints)
+
+    def _find(self, joints: list[Joint]) -> None:
+        """Where the coordinates of joints and bodies are, and the lines of bodies."""
+        system = self.system
         self._nodes: dict[str, list[list[int]]] = {
             name: [list(system.mbs.systemData.GetNodeLTGODE2(node)) for node in nodes]
             for name, nodes in self._all_nodes().items()
@@ -53,9 +60,8 @@ class Senses:
         self._rigid = np.array([self._nodes[name][0] for name in system.rigid], int).reshape(-1, 3)
         self._links = [self._link(name) for name in system.links]
         self._hinges = self._rigid_hinges(joints)
-        self._met = np.array([bodies.index(name) for name in of_load], int)
-        self._lines = _lines_of(load)
-        self._above = np.full(len(of_load), -np.inf)
+        self._lines = _lines_of(self.load)
+        self._above = np.full(len(self._met), -np.inf)
 
     @property
     def follows(self) -> bool:

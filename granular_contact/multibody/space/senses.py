@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from granular_contact.bed.work import about
-from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.senses import Senses
 from granular_contact.multibody.space.coordinates import SpatialCoordinate
 from granular_contact.multibody.space.kinematics import SpatialKinematics
@@ -19,30 +18,17 @@ from granular_contact.results.observed import Observations
 from granular_contact.scene.space import rotations
 from granular_contact.scene.types import Vector
 
-if TYPE_CHECKING:
-    from granular_contact.bed.load import GranularLoad
-
 
 class SpatialSenses(Senses):
     """As `Senses`. It follows hinges from row to row, for the orientations of bodies do not tell whole turns."""
 
     system: SpatialSystem
+    _seen_type = SpatialSeen
 
-    def __init__(self, system: SpatialSystem, load: GranularLoad | None) -> None:
-        self.system, self.load = system, load
-        scene, data = system.scene, system.mbs.systemData
-        joints = [joint for joint in scene.joints if joint.has_coordinate]
-        names = [body.name for body in scene.bodies]
-        met = () if load is None else load.table.bodies
-        self.seen = SpatialSeen(
-            tuple(joint.name for joint in joints),
-            tuple(joint.kind == "hinge" for joint in joints),
-            tuple(label(name) for name in names),
-            tuple(label(name) for name in met),
-        )
+    def _find(self, joints: list[Any]) -> None:
+        system, data = self.system, self.system.mbs.systemData
         at = {name: np.array(data.GetNodeLTGODE2(handle.node)) for name, handle in system.rigid.items()}
-        self._at = np.array([at[name] for name in names], int).reshape(-1, 7)
-        self._in_sand = np.array([names.index(name) for name in met], int)
+        self._at = np.array([at[body.name] for body in system.scene.bodies], int).reshape(-1, 7)
         self._coordinates = []
         for joint in joints:
             nodes = [at[name] for name in (joint.parent, joint.child) if name is not None]
@@ -91,13 +77,13 @@ class SpatialSenses(Senses):
         """Forces of the medium (met, 6), moments about the centres of mass."""
         if self.load is None or row is None:
             return np.zeros((0, 6))
-        return about(self.load.table.wrenches(row), q[self._at[self._in_sand, :3]])
+        return about(self.load.table.wrenches(row), q[self._at[self._met, :3]])
 
     def depths(self, q: Vector) -> Vector:
         """Depths (met,) m of the deepest points of bodies."""
-        scene, deepest = self.system.scene, np.full(len(self._in_sand), -np.inf)
+        scene, deepest = self.system.scene, np.full(len(self._met), -np.inf)
         bed: Any = scene.bed  # there is one where something is in sand
-        for k, i in enumerate(self._in_sand):
+        for k, i in enumerate(self._met):
             at = q[self._at[i]]
             R = rotations.of_quaternion(at[None, 3:])[0]
             for part in scene.bodies[i].parts:
