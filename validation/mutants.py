@@ -5,7 +5,7 @@
     python validation/mutants.py --count 12 --area joints --seed 2
 
 Each mutant is one change of one place (an operator, a comparison, a number, a condition), drawn from all places of the
-files of an area; the tests of its area run on a copy of the project until one fails. A mutant that none notices is
+files of an area; the tests of its file run on a copy of the project until one fails. A mutant that none notices is
 printed with its line. Compiled code is kept from mutant to mutant but for the changed module and what inlines it.
 """
 
@@ -21,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,45 +29,43 @@ ROOT = Path(__file__).parents[1]
 PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
 COPIED = ("granular_contact", "tests", "models", "configs", "schemas", "validation", "pyproject.toml")
 LONGEST = 900.0  # s: a mutant that runs longer hangs, which is noticed
-# Files whose places are changed, and the tests that have to notice.
-AREAS = {
-    "joints": (
-        ("kernels/joint_loads.py", "kernels/joint_laws.py", "multibody/joint_actions.py", "multibody/joint_history.py"),
-        ("tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"),
-    ),
-    "observers": (
-        ("multibody/observe.py", "multibody/senses.py", "results/stopping.py", "results/strides.py"),
-        (
-            "tests/test_strides.py",
-            "tests/multibody/test_stopping.py",
-            "tests/multibody/test_drives.py",
-            "tests/test_edges.py",
+# Files whose places are changed, by area, each with the tests that have to notice.
+_JOINTS = "tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"
+AREAS: dict[str, dict[str, tuple[str, ...]]] = {
+    "joints": {
+        "kernels/joint_loads.py": _JOINTS,
+        "kernels/joint_laws.py": _JOINTS,
+        "multibody/joint_actions.py": _JOINTS,
+        "multibody/joint_history.py": (*_JOINTS, "tests/test_simulation.py"),
+    },
+    "observers": {
+        "multibody/observe.py": (
+            "tests/multibody/test_powers.py",
+            "tests/multibody/test_chains.py",
+            "tests/test_run.py",
         ),
-    ),
-    "decisions": (
-        (
-            "scene/workspace.py",
-            "scene/joints.py",
-            "scene/applicability.py",
-            "multibody/recorder.py",
-            "results/limits.py",
-        ),
-        (
-            "tests/scene/test_workspace.py",
-            "tests/scene/test_build.py",
+        "multibody/senses.py": ("tests/test_simulation.py",),
+        "results/stopping.py": ("tests/multibody/test_stopping.py", "tests/test_edges.py"),
+        "results/strides.py": ("tests/test_strides.py",),
+    },
+    "decisions": {
+        "scene/workspace.py": ("tests/scene/test_workspace.py", "tests/scene/test_build.py"),
+        "scene/joints.py": ("tests/scene/test_build.py", "tests/scene/test_mechanisms.py", _JOINTS[0]),
+        "scene/applicability.py": ("tests/test_bed_of_a_run.py", "tests/scene/test_workspace.py"),
+        "multibody/recorder.py": (
             "tests/multibody/test_free.py",
             "tests/test_edges.py",
+            "tests/test_simulation.py",
+            "tests/multibody/test_stepping.py",
         ),
-    ),
-    "kernels": (
-        ("kernels/immersion.py", "kernels/friction.py", "kernels/kinematics.py", "kernels/batches.py"),
-        (
-            "tests/kernels/test_immersion.py",
-            "tests/kernels/test_kinematics.py",
-            "tests/kernels/test_friction.py",
-            "tests/multibody/test_batches.py",
-        ),
-    ),
+        "results/limits.py": ("tests/test_bed_of_a_run.py", "tests/test_edges.py", "tests/test_start_in_sand.py"),
+    },
+    "kernels": {
+        "kernels/immersion.py": ("tests/kernels/test_immersion.py", "tests/properties/test_forces.py"),
+        "kernels/friction.py": ("tests/kernels/test_friction.py",),
+        "kernels/kinematics.py": ("tests/kernels/test_kinematics.py", "tests/multibody/test_batches.py"),
+        "kernels/batches.py": ("tests/multibody/test_batches.py", "tests/properties/test_tangents.py"),
+    },
 }
 # Of the operators those that change what is computed.
 OPERATORS = re.compile(
@@ -108,7 +106,7 @@ def places(area: str) -> Iterator[Mutant]:
     from cosmic_ray.plugins import get_operator, operator_names
 
     names = [name for name in operator_names() if OPERATORS.match(name)]
-    for file in AREAS[area][0]:
+    for file in AREAS[area]:
         tree = get_ast((ROOT / "granular_contact" / file).read_text(encoding="utf-8"))
         for name in names:
             operator = get_operator(name)()
@@ -155,11 +153,11 @@ def stale(file: str) -> set[str]:
         found = more
 
 
-def tests_notice(area: str, cache: Path) -> bool:
-    """Whether a test of the area fails on the copy."""
+def tests_notice(tests: Iterable[str], cache: Path) -> bool:
+    """Whether one of the tests fails on the copy."""
     # Code that was compiled elsewhere would be of the unchanged file, so that the copy has a place of its own.
     environment = os.environ | {"PYTHONPATH": str(PLACE), "NUMBA_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "-o", "addopts=", "-x", "-q", *AREAS[area][1]]
+    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "-o", "addopts=", "-x", "-q", *tests]
     try:
         done = subprocess.run(command, cwd=PLACE, env=environment, capture_output=True, timeout=LONGEST, check=False)
     except subprocess.TimeoutExpired:
@@ -181,7 +179,7 @@ def is_noticed(mutant: Mutant) -> bool:
     )
     try:
         file.write_text(mutant.code() or before, encoding="utf-8")
-        return tests_notice(mutant.area, cache)
+        return tests_notice(AREAS[mutant.area][mutant.file], cache)
     finally:
         file.write_text(before, encoding="utf-8")
         os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # or its compiled code would be too old
@@ -211,7 +209,7 @@ def main() -> int:
     copied()
     (PLACE / "cache").mkdir(exist_ok=True)
     for area in areas:
-        if tests_notice(area, PLACE / "cache"):
+        if tests_notice(dict.fromkeys(test for tests in AREAS[area].values() for test in tests), PLACE / "cache"):
             print(f"the tests of {area} fail on the code as it is, in {PLACE}")
             return 1
     killed: dict[str, list[bool]] = {area: [] for area in areas}

@@ -87,6 +87,25 @@ def test_coordinates_of_joints_at_the_start() -> None:
     np.testing.assert_allclose(rail.parent_point, [0.3, 0.0], atol=1e-15)
 
 
+def test_numbers_of_a_joint_arrive_in_si_units() -> None:
+    """Each key of a joint, with a value of its own; of a revolute joint degrees become radians."""
+    hinge = """{type: hinge, parent: cart, child: thigh, damping_Nm_s_per_rad: 2,
+      spring: {stiffness_Nm_per_rad: 3, rest_deg: 10}, friction: {torque_Nm: 4, slip_deg: 0.5, damping_time_s: 6},
+      stops: {lower_deg: -70, upper_deg: 80, stiffness_Nm_per_rad: 9, dissipation_s_per_rad: 0.1}}"""
+    slider = """{type: slider, parent: ground, child: cart, damping_N_s_per_m: 2,
+      spring: {stiffness_N_per_m: 3, rest_m: 0.4}, friction: {force_N: 4, slip_m: 0.005, damping_time_s: 6},
+      stops: {lower_m: -0.7, upper_m: 0.8, stiffness_N_per_m: 9, dissipation_s_per_m: 0.1}}"""
+    names = "damping stiffness rest friction slip damping_time lower upper stop_stiffness dissipation".split()
+    turning = (2, 3, math.radians(10), 4, math.radians(0.5), 6, math.radians(-70), math.radians(80), 9, 0.1)
+    sliding = (2, 3, 0.4, 4, 0.005, 6, -0.7, 0.8, 9, 0.1)
+    scene = scene_of(LEG, f"model.joints.hip={hinge}", f"model.joints.rail={slider}")
+    laws = {joint.name: joint.law for joint in scene.joints}
+    for joint, expected in {"hip": turning, "rail": sliding}.items():
+        np.testing.assert_allclose([getattr(laws[joint], name) for name in names], expected, rtol=1e-14)
+    assert not laws["knee"].stiffness
+    assert laws["knee"].is_linear
+
+
 def test_a_free_body_starts_as_said() -> None:
     scene = scene_of(
         f"""
