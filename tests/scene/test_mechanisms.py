@@ -95,7 +95,8 @@ def test_numbers_of_a_joint_arrive_in_si_units() -> None:
     slider = """{type: slider, parent: ground, child: cart, damping_N_s_per_m: 2,
       spring: {stiffness_N_per_m: 3, rest_m: 0.4}, friction: {force_N: 4, slip_m: 0.005, damping_time_s: 6},
       stops: {lower_m: -0.7, upper_m: 0.8, stiffness_N_per_m: 9, dissipation_s_per_m: 0.1}}"""
-    names = "damping stiffness rest friction slip damping_time lower upper stop_stiffness dissipation".split()
+    names = ("damping", "stiffness", "rest", "friction", "slip", "damping_time")
+    names += ("lower", "upper", "stop_stiffness", "dissipation")
     turning = (2, 3, math.radians(10), 4, math.radians(0.5), 6, math.radians(-70), math.radians(80), 9, 0.1)
     sliding = (2, 3, 0.4, 4, 0.005, 6, -0.7, 0.8, 9, 0.1)
     scene = scene_of(LEG, f"model.joints.hip={hinge}", f"model.joints.rail={slider}")
