@@ -23,8 +23,9 @@ from granular_contact.kernels import space_law as law
 from granular_contact.kernels.bar_statics import vertical_force as planar_vertical_force
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
-from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, immersed_interval
+from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS
 from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.layers import inside
 from granular_contact.kernels.memory import clear, room2, room3, rows
 from granular_contact.kernels.planar_friction import drive, mobilised
 
@@ -70,7 +71,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     P, V, Z = placed(elements, pose, ground)
     f = room3(TERMS, 2, 3)
     for i in range(n - 1):
-        a, b = immersed_interval(Z[i], Z[i + 1])
+        a, b = inside(Z[i], Z[i + 1], medium)
         if a == b:
             continue
         clear(f)
@@ -83,7 +84,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
         for term in range(TERMS):
             add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
-    if cluster.cap and Z[n - 1] > 0.0:
+    if cluster.cap and Z[n - 1] > 0.0 and (not medium.layered or medium.top < Z[n - 1] <= medium.bottom):
         clear(f)
         p, q = P[n - 2], P[n - 1]
         last = V[n - 1]

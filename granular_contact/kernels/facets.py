@@ -154,7 +154,7 @@ def immersion(z, za, zb, ax, ay, az, bx, by, bz):
     deeper. A share of 0: nothing is below.
     """
     cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
-    if z + min(za, zb, zc) >= 0.0:
+    if z + min(za, zb, zc) >= 0.0 and z > 0.0:
         k = 1.0 / (12.0 * z)
         hx, hy, hz = (
             k * (za * ax + zb * bx + zc * cx),
@@ -214,7 +214,10 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
         if side != 0.0 and nx * vx + ny * vy + nz * vz <= -spread and nx * ex + ny * ey + nz * ez <= 0.0:
             continue  # nothing that it is led by, neither motion nor bristle
         za, zb = dx * ax + dy * ay + dz * az, dx * bx + dy * by + dz * bz
-        share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, bx, by, bz)
+        if medium.layered:
+            share, mean, ox, oy, oz, hx, hy, hz = law.in_layer(z, za, zb, ax, ay, az, bx, by, bz, medium)
+        else:
+            share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, bx, by, bz)
         if share <= 0.0:
             continue
         j = np.inf

@@ -64,7 +64,10 @@ def held_facets(elements, anchors, pose, ground, medium, step, bristle, W, inert
         if side != 0.0 and nx * vx + ny * vy + nz * vz <= -spread and nx * ex + ny * ey + nz * ez <= 0.0:
             continue  # nothing that it is led by, neither motion nor bristle
         za, zb = dx * ax + dy * ay + dz * az, dx * gx + dy * gy + dz * gz
-        share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, gx, gy, gz)
+        if medium.layered:
+            share, mean, ox, oy, oz, hx, hy, hz = law.in_layer(z, za, zb, ax, ay, az, gx, gy, gz, medium)
+        else:
+            share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, gx, gy, gz)
         if share <= 0.0:
             continue
         j = np.inf

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels import bars, facets, law, slices, space_balls, space_law
+from granular_contact.kernels.facet_layers import between
 from granular_contact.kernels.joining import PARTS, compiled, let_call_others, record_type
 from granular_contact.kernels.space_bodies import body_forces
 from granular_contact.kernels.space_friction import parted_return, whole_return
@@ -44,14 +45,29 @@ def owner_of(law: type) -> type:
     return next(one for one in law.__mro__ if PARTS & vars(one).keys())
 
 
-def space_record(owner: Any, own: NDArray[np.void], kind: str, bodies: bool = False) -> NDArray[np.void]:
+def space_record(
+    owner: Any,
+    own: NDArray[np.void],
+    kind: str,
+    layer: tuple[float, float] | None = None,
+    *,
+    bodies: bool = False,
+) -> NDArray[np.void]:
     """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind.
 
-    own: the law's record (1,); bodies: whether they are on bodies that `space_bodies` moves by their coordinates.
+    own: the law's record (1,); layer: depths (m) that the medium lies between, None if it fills the bed; bodies:
+    whether elements are on bodies that `space_bodies` moves by their coordinates.
     """
     forces, follow = KINDS[kind]
-    moved = {"body": body_forces} if bodies else {}
-    return space_law.record_of(own, {"forces": forces, "follow": follow, **_functions(owner, kind), **moved})
+    found = {"forces": forces, "follow": follow, **_functions(owner, kind)}
+    if bodies:
+        found["body"] = body_forces
+    if layer is not None and kind == "surface":
+        found["layer"] = between
+    medium = space_law.record_of(own, found)
+    if layer is not None:
+        medium["layered"], medium["top"], medium["bottom"] = 1, *layer
+    return medium
 
 
 @cache

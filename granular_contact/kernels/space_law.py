@@ -58,8 +58,10 @@ BODY = np.dtype(
 # immersed.
 DEPTH, SPEED, LOWEST = 0, 1, 2
 
-FUNCTIONS = ("forces", "follow", "facet", "bar", "cap", "ball", "anchor", "body")
-SPACE_LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), ("own", "f8", (SIZE,))])
+FUNCTIONS = ("forces", "follow", "facet", "layer", "bar", "cap", "ball", "anchor", "body")
+# layered: the medium lies between the depths top and bottom (m) only.
+LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
+SPACE_LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), *LAYER, ("own", "f8", (SIZE,))])
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
@@ -69,13 +71,14 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
     "follow": ((*_OF_CLUSTER, _ROW), types.none),
     "facet": ((*[_NUMBER] * 13, OWN), types.UniTuple(_NUMBER, 6)),
+    "layer": ((_NUMBER,) * 11, types.UniTuple(_NUMBER, 8)),
     "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
     "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
     "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
     "anchor": ((*[_NUMBER] * 6, OWN), types.UniTuple(_NUMBER, 3)),
     "body": ((_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.none),
 }
-_forces, _follow, _facet, _bar, _cap, _ball, _anchor, _body = (
+_forces, _follow, _facet, _layer, _bar, _cap, _ball, _anchor, _body = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )
 
@@ -101,6 +104,12 @@ def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium):
     is loaded, n pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `ways`.
     """
     return _facet(medium, (z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j))
+
+
+@part
+def in_layer(z, za, zb, ax, ay, az, bx, by, bz, medium):
+    """`facets.immersion` of what of a facet lies in the layer of a medium; depths stay those below the surface."""
+    return _layer(medium, (z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
 
 
 @part

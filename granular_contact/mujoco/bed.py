@@ -37,7 +37,7 @@ class MujocoBed:
     model : mujoco.MjModel
         The model; it is not changed.
     medium, slope, static, form, end_cap, floor
-        As of `GranularBed`. Layers, a profile and a floor that carries need `plane`; `form` does too.
+        As of `GranularBed`. A profile and a floor that carries need `plane`; `form` does too.
     surface : float or (k, 2) array
         Height of the level surface (m) along `up`, above the origin of the world; in a plane also corners.
     up : (3,) array, optional

@@ -74,7 +74,7 @@ class GranularBed:
     Notes
     -----
     Without `up` bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an
-    error. With it, media fill the whole bed and there is no floor.
+    error. With it there is no floor.
 
     `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
 

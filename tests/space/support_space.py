@@ -5,17 +5,21 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from granular_contact import Albert, Bar, Box, Cone, Drft, Hill, LeeMarghitu, Mesh, Poncelet, Rft, Rft3d, Sphere
+from granular_contact import Albert, Bar, Box, Cone, Drft, Hill, Layer, LeeMarghitu, Mesh, Poncelet, Rft, Rft3d, Sphere
 from granular_contact import VerticalResistance as Vertical
 from granular_contact.bed.contact_lines import Body
+from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.bed.space.shapes import Shape
+from granular_contact.errors import SceneError
 
 Array = NDArray[np.float64]
 BODY = Body("body", [0, 1, 2, 3, 4, 5, 6])
+FLAT = Body("flat", [0, 1, 2])
 SAND = Rft3d(1600.0, 0.5, 0.3)
 PLAY = LeeMarghitu(2500.0, 6.5, 8.0, Vertical(22.0, 1.1), Vertical(11.0, 1.4))
 WAY = [[-0.06, 0.0, 0.01], [0.0, 0.01, 0.0], [0.05, -0.02, -0.02]]
@@ -28,6 +32,7 @@ PAIRS: dict[str, tuple[Any, Shape]] = {
     "albert": (Albert(1600.0, 8.0), Bar(WAY, 0.008)),
     "hill": (Hill(1600.0, Vertical(10.0, 1.4), Vertical(0.5, 1.7)), Bar(WAY, 0.008)),
     "ball": (Poncelet(3.0, 0.7), Sphere(0.08, 2.0)),
+    "layers": ((Layer(SAND, 0.0, 0.03), Layer(Rft(zeta=0.3), 0.03)), Box((0.1, 0.07, 0.05))),
 }
 
 
@@ -80,6 +85,37 @@ def driven(load: SpatialLoad, motion: Motion, steps: int = 40, around: Rotation 
         load.accept(i / steps, *motion.state(i / steps, around))
         load.update_active(1.0 / steps)
     return load
+
+
+def planar_state(t: float, spin: float) -> tuple[Array, Array]:
+    """x, y, angle of a body that dives and turns, and its rates."""
+    q = np.array([0.1 * t, -0.01 - 0.03 * t, 0.4 + spin * t])
+    return q, np.array([0.1, -0.03, spin])
+
+
+def extruded(q: Array, v: Array) -> tuple[Array, Array]:
+    """The same in space, with z up: a turn from x to z is one about -y."""
+    turn = Rotation.from_rotvec([0.0, -q[2], 0.0])
+    return state(np.array([q[0], 0.0, q[1]]), turn, np.array([v[0], 0.0, v[1]]), np.array([0.0, -v[2], 0.0]))
+
+
+def both(flat: GranularLoad, space: SpatialLoad, spin: float) -> tuple[Array, Array]:
+    """Resultant and moment of a planar load and of the same in space, over 30 steps."""
+    flat.start(planar_state(0.0, spin)[0])
+    space.start(extruded(*planar_state(0.0, spin))[0])
+    for i in range(31):
+        at = planar_state(i / 30, spin)
+        flat.accept(i / 30, *at)
+        space.accept(i / 30, *extruded(*at))
+        space.update_active(1 / 30)
+    # Right-handed about y in space is from z to x, clockwise where x is to the right and z up.
+    return flat.history.bodies[:, 0], space.history.bodies[:, 0][:, [0, 2, 4]] * [1.0, 1.0, -1.0]
+
+
+def message(call: Any, *arguments: Any, **named: Any) -> str:
+    with pytest.raises((SceneError, ValueError)) as caught:
+        call(*arguments, **named)
+    return str(caught.value)
 
 
 def prism(outline: Array, width: float) -> Mesh:

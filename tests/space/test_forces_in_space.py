@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support_space import PAIRS, SAND, Array, Motion, driven, load_on, prism, state
+from support_space import FLAT, PAIRS, SAND, Array, Motion, both, driven, load_on, prism, state
 
 import granular_contact.bed.space
 from granular_contact import Bar, Box, Drft, Mesh, Plate, Rft, Rft3d, Sphere
@@ -18,33 +18,7 @@ from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
-FLAT = Body("flat", [0, 1, 2])
 DISC = 0.05 * np.column_stack([np.cos(a := np.linspace(0, 2 * np.pi, 48, endpoint=False)), np.sin(a)])
-
-
-def planar_state(t: float, spin: float) -> tuple[Array, Array]:
-    """x, y, angle of a body that dives and turns, and its rates."""
-    q = np.array([0.1 * t, -0.01 - 0.03 * t, 0.4 + spin * t])
-    return q, np.array([0.1, -0.03, spin])
-
-
-def extruded(q: Array, v: Array) -> tuple[Array, Array]:
-    """The same in space, with z up: a turn from x to z is one about -y."""
-    turn = Rotation.from_rotvec([0.0, -q[2], 0.0])
-    return state(np.array([q[0], 0.0, q[1]]), turn, np.array([v[0], 0.0, v[1]]), np.array([0.0, -v[2], 0.0]))
-
-
-def both(flat: GranularLoad, space: SpatialLoad, spin: float) -> tuple[Array, Array]:
-    """Resultant and moment of a planar load and of the same in space, over 30 steps."""
-    flat.start(planar_state(0.0, spin)[0])
-    space.start(extruded(*planar_state(0.0, spin))[0])
-    for i in range(31):
-        at = planar_state(i / 30, spin)
-        flat.accept(i / 30, *at)
-        space.accept(i / 30, *extruded(*at))
-        space.update_active(1 / 30)
-    # Right-handed about y in space is from z to x, clockwise where x is to the right and z up.
-    return flat.history.bodies[:, 0], space.history.bodies[:, 0][:, [0, 2, 4]] * [1.0, 1.0, -1.0]
 
 
 MEDIA = {"rft": Rft(zeta=0.3), "drft": Drft(density=1600.0, lam=1.1, surface_drop=3e-3), "rft3d": SAND}

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support_space import BODY, PLAY, SAND, load_on
+from support_space import BODY, PLAY, SAND, load_on, message
 
-from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Layer, Mesh, Plate, Poncelet, Rft, Sphere
+from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Poncelet, Rft, Sphere
 from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.bed.space.triangles import facet_rows
-from granular_contact.errors import SceneError
 from granular_contact.geometry.mesh import areas
 
 D, H = 0.1, 0.15
@@ -54,12 +53,6 @@ CUBE = Box((0.1, 0.1, 0.1)).corners(10.0)
 def arrays(corners: Any) -> tuple[Any, Any]:
     flat = np.asarray(corners).reshape(-1, 3)
     return flat, np.arange(len(flat)).reshape(-1, 3)
-
-
-def message(call: Any, *arguments: Any, **named: Any) -> str:
-    with pytest.raises((SceneError, ValueError)) as caught:
-        call(*arguments, **named)
-    return str(caught.value)
 
 
 def test_a_mesh_that_can_not_be_is_told() -> None:
@@ -110,7 +103,6 @@ def test_what_can_not_be_is_told() -> None:
     assert "up: got [0, 0, 0], allowed is a direction" in message(SpatialLoad, SAND, 0.0, up=[0, 0, 0])
     assert "surface: got [0. 1.], allowed in space is a finite number" in message(SpatialLoad, SAND, [0.0, 1.0])
     assert "slope: got 0.3, allowed in space are three" in message(SpatialLoad, SAND, 0.0, slope=0.3)
-    assert "got a layer, allowed in space" in message(SpatialLoad, Layer(SAND, 0.0, 0.1), 0.0)
     load = SpatialLoad(SAND, 0.0)
     assert "rotation: got" in message(load.add_shape, BODY, Plate((0.1, 0.1)), rotation=np.diag([1, 1, -1]))
     assert "position: got [0, 0]" in message(load.add_shape, BODY, Plate((0.1, 0.1)), [0, 0])

@@ -25,8 +25,9 @@ class SpatialBatch:
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
     (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
-    (rows, 3) m: the friction state, with `ways` more columns, see `kernels.space_law`; active (clusters,): what may
-    touch the surface in this step; poses, proximity: see `kernels.space_bodies`.
+    (rows, 3) m: the friction state, with `ways` more columns, see `kernels.space_law`; layer: depths (m) that the
+    medium lies between, None if it fills the bed; active (clusters,): what may touch the surface in this step; poses,
+    proximity: see `kernels.space_bodies`.
     """
 
     def __init__(
@@ -38,8 +39,9 @@ class SpatialBatch:
         turn: Vector,
         columns: Sequence[NDArray[np.int64]],
         ways: int = 0,
+        layer: tuple[float, float] | None = None,
     ) -> None:
-        self.ground, self.turn = ground, turn
+        self.ground, self.turn, self._layer = ground, turn, layer
         self._law, self._own, self._meets = law, own, sets[0].meets
         grouped: dict[str, list[Elements]] = {}
         of_bodies = []
@@ -65,12 +67,12 @@ class SpatialBatch:
     @cached_property
     def medium(self) -> NDArray[np.void]:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
-        return space_record(self._law, self._own, self._meets)
+        return space_record(self._law, self._own, self._meets, self._layer)
 
     @cached_property
     def _for_bodies(self) -> NDArray[np.void]:
         """The medium for the kernels of `space_bodies`."""
-        return space_record(self._law, self._own, self._meets, bodies=True)
+        return space_record(self._law, self._own, self._meets, self._layer, bodies=True)
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""

@@ -38,7 +38,7 @@ class SpatialLoad(GranularLoad):
     Parameters
     ----------
     medium, gravity, static, end_cap
-        As of `GranularBed`, with its errors. Media fill the whole bed.
+        As of `GranularBed`, with its errors.
     surface : float
         Height of the surface along `up` (m), where it is level; else at the world origin.
     up : (3,) array
@@ -62,8 +62,6 @@ class SpatialLoad(GranularLoad):
         end_cap: bool = False,
     ) -> None:
         self.layers = layers_of(medium, "distributed")
-        if not all(layer.whole for layer in self.layers):
-            raise ValueError("medium: got a layer, allowed in space are media that fill the bed")
         self.media = tuple(layer.medium for layer in self.layers)
         for one in self.media:
             if one.scatters and kinds(one) != ["surface"]:
@@ -106,7 +104,10 @@ class SpatialLoad(GranularLoad):
         if facet_size is not None and not (np.isfinite(facet_size) and facet_size > 0.0):
             raise scene_error("bed", f"facet_size: got {facet_size}, allowed is a number above 0 (m)")
         made = []
+        layered = not all(layer.whole for layer in self.layers)
         for meets in self._met_as(shape):
+            if meets == "ball" and layered:
+                raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
             if meets == "surface":
                 made.append(elements.surface(body, shape, place, turn, facet_size))
             elif isinstance(shape, Bar):
@@ -132,15 +133,19 @@ class SpatialLoad(GranularLoad):
 
     def close(self) -> None:
         """Form the batches, of the elements that one medium meets as one kind; `start` does it too."""
-        for index, (medium, record) in enumerate(zip(self.media, self.records, strict=True)):
+        for index, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
+            medium = layer.medium
             for kind in kinds(medium):
                 sets = [one for one in self.lines if one.meets == kind]
                 if sets:
                     columns = [self.table.columns(index, one.body.name) for one in sets]
-                    ground = self.ground.copy()
-                    ground[0] -= float(getattr(medium, "surface_drop", 0.0))
+                    ground, drop = self.ground.copy(), float(getattr(medium, "surface_drop", 0.0))
+                    ground[0] -= drop
+                    between = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
                     ways = (WAYS - 3 if medium.scatters else int(medium.shear_grows)) if kind == "surface" else 0
-                    batch = SpatialBatch(sets, owner_of(type(medium)), record, ground, self.turn, columns, ways)
+                    batch = SpatialBatch(
+                        sets, owner_of(type(medium)), record, ground, self.turn, columns, ways, between
+                    )
                     if medium.scatter is not None and medium.scatters:
                         medium.scatter.fill(batch.clusters, medium.terms, medium.dynamic)
                     self.batches.append(batch)
