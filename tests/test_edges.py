@@ -189,3 +189,10 @@ def test_a_comparison_with_what_did_not_end_has_no_verdict(tmp_path: Path, capsy
     more = ["--modes", "0", "--elements", "2", "--set", "solver.max_wall_s=1e-6", "--no-plots"]
     assert main(["compare", config, *more, "--out", str(tmp_path / "out")]) == 4
     assert "FE, 2 elements did not reach its end, so there is no reference" in capsys.readouterr().out
+
+
+def test_a_motion_that_runs_away_ends_there_and_is_told() -> None:
+    run = simulate(BALL_ON_HINGE, "drives.pivot={type: torque, torque_Nm: 1e10}", "solver.step_s=1e-3")
+    assert run.status.code == "failed"
+    assert run.status.message.startswith("the motion diverged at 0 s; take a smaller solver.step_s")
+    assert len(run["time_s"]) == 1  # the step that left is not kept
