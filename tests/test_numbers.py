@@ -105,7 +105,7 @@ def thinned(trajectory: Trajectory, kept: Any) -> Trajectory:
         return replace(thing, **{key: values[kept] for key, values in arrays.items()})
 
     load = None if trajectory.load is None else of(trajectory.load)
-    return replace(of(trajectory), load=load, reactions={k: v[kept] for k, v in trajectory.reactions.items()})
+    return replace(of(trajectory), load=load, multipliers={k: v[kept] for k, v in trajectory.multipliers.items()})
 
 
 def summary_of(begun: Begun, trajectory: Trajectory) -> dict[str, Any]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granular_contact.results.strides import drive_numbers, stride_numbers
+from granular_contact.results.energy import accumulate
+from granular_contact.results.strides import Driving, drive_numbers, stride_numbers
 from granular_contact.scene.signals import Buehler, Constant, Sine, period
 
 
@@ -32,12 +33,15 @@ def test_strides_that_grow_have_their_mean_and_scatter() -> None:
 def test_numbers_of_a_drive() -> None:
     time = np.linspace(0.0, 1.0, 2001)
     torque, rate = 3.0 * np.sin(2 * np.pi * time), 2.0 * np.sin(2 * np.pi * time)
-    told = drive_numbers(time, torque, rate, turns=True)
+    told = drive_numbers(time, Driving(torque, torque * rate, accumulate(time, torque * rate)), rate, turns=True)
     assert told["largest_torque_Nm"] == pytest.approx(3.0, rel=1e-5)
     assert told["rms_torque_Nm"] == pytest.approx(3.0 / np.sqrt(2), rel=1e-6)
     assert told["work_J"] == pytest.approx(3.0, rel=1e-6)
     assert told["mean_power_W"] == told["work_J"] == pytest.approx(told["work_put_in_J"])
-    assert drive_numbers(time, torque, -rate, turns=False)["work_put_in_J"] == 0.0
+    jumps = np.array([[-7.0, 8.0], [6.0, -9.0]])  # sampled by no step
+    back = Driving(torque, -torque * rate, accumulate(time, -torque * rate), jumps)
+    told = drive_numbers(time, back, -rate, turns=False)
+    assert (told["work_put_in_J"], told["largest_force_N"], told["largest_power_W"]) == (0.0, 7.0, 8.0)
 
 
 def test_only_signals_that_repeat_have_a_period() -> None:

@@ -197,7 +197,6 @@ class Solve:
             v=states[:, count : 2 * count],
             load=None if tree.load is None else _history(tree.load, march.rows[: steps + 1], states[:, 2 * count]),
             mass=mass_matrix(tree.system),
-            reactions={},
         )
 
     def status(self) -> Status:

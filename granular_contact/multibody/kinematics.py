@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from granular_contact.multibody.constraints import Constraints
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
@@ -24,6 +25,28 @@ class Kinematics:
         data = system.mbs.systemData
         self._rigid = {name: data.GetNodeLTGODE2(h.node) for name, h in system.rigid.items()}
         self._links = {name: [data.GetNodeLTGODE2(n) for n in h.nodes] for name, h in system.links.items()}
+
+    @property
+    def whole(self) -> Trajectory:
+        """The trajectory in the engine's coordinates."""
+        return self.trajectory
+
+    @property
+    def accelerations(self) -> Vector:
+        """The engine's accelerations (n, m) in the coordinates of the rates; there are some with prescribed motions."""
+        assert self.trajectory.a is not None
+        return self.trajectory.a
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """What joints ask of accelerations."""
+        return Constraints(self)
+
+    def places(self, name: str, point: Vector) -> list[int]:
+        """Places of the coordinates of a rigid body (3), or of the node at the root or tip of a link (4)."""
+        if name in self._links:
+            return list(self._links[name][self.system.links[name].end(point)])
+        return list(self._rigid[name])
 
     def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""

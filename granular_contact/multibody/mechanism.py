@@ -10,15 +10,16 @@ import numpy as np
 from granular_contact.multibody import joint_history
 from granular_contact.multibody.joint_history import JointForces
 from granular_contact.multibody.kinematics import Kinematics
+from granular_contact.multibody.reactions import reactions
 from granular_contact.results import series
 from granular_contact.results.energy import work
 from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
-from granular_contact.results.strides import drive_numbers, stride_numbers
+from granular_contact.results.strides import Driving, drive_numbers, stride_numbers
 from granular_contact.scene.signals import period
 from granular_contact.scene.types import Joint, Scene, Vector
 
 LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
-Driven = dict[str, tuple[Vector, Vector]]  # torque or force (n,) of drives, and power (n,) W, by joint
+Driven = dict[str, Driving]  # by joint
 
 
 def label(body: str) -> str:
@@ -48,9 +49,9 @@ def joint_columns(motion: Kinematics) -> series.Series:
 def drive_columns(scene: Scene, driven: Driven) -> series.Series:
     """Torque or force, and power of every drive."""
     columns: series.Series = {}
-    for name, (force, power) in driven.items():
+    for name, drive in driven.items():
         hinge = _joint(scene, name).kind == "hinge"
-        columns |= series.drive(name, hinge, force, power, in_space=scene.in_space)
+        columns |= series.drive(name, hinge, drive.force, drive.power, in_space=scene.in_space)
     return columns
 
 
@@ -75,16 +76,15 @@ def body_columns(motion: Kinematics, forces: Mapping[str, Vector], depths: Mappi
 
 
 def drive_forces(motion: Kinematics) -> Driven:
-    """Torque or force (n,) of every drive, and its power (n,) W."""
-    found = {}
+    """What every drive did."""
+    found, reacting, time = {}, reactions(motion), motion.trajectory.time
     for drive in motion.scene.drives:
         s, rate = motion.coordinate(_joint(motion.scene, drive.joint))
         if drive.kind == "motion":
-            force = motion.trajectory.reactions[drive.joint]
-        else:
-            set_to = motion.trajectory.set_to.get(drive.joint)
-            force = joint_history.drive_history(drive, motion.trajectory.time, s, rate, set_to)
-        found[drive.joint] = force, force * rate
+            found[drive.joint] = reacting[drive.joint].driving(time, rate)
+            continue
+        force = joint_history.drive_history(drive, time, s, rate, motion.trajectory.set_to.get(drive.joint))
+        found[drive.joint] = Driving(force, force * rate, work(time, force, rate))
     return found
 
 
@@ -112,9 +112,7 @@ def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
     if any(law.friction > 0.0 for law in laws):
         energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
     if driven:
-        rates = {name: motion.coordinate(_joint(motion.scene, name))[1] for name in driven}
-        works = [work(time, force, rates[name]) for name, (force, _) in driven.items()]
-        energies["drive_work_J"] = np.sum(works, axis=0)
+        energies["drive_work_J"] = np.sum([drive.work for drive in driven.values()], axis=0)
     return energies
 
 
@@ -140,7 +138,7 @@ def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
     """
     time, scene = motion.trajectory.time, motion.scene
     x, speed = (along[:, 0] for along in motion.common_center)
-    put_in = sum(positive_part(time, power) for _, power in driven.values())
+    put_in = sum(positive_part(time, drive.power) for drive in driven.values())
     lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
     distance, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
     weight = scene.mass * abs(scene.gravity)
@@ -156,10 +154,10 @@ def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
 def drives(motion: Kinematics, driven: Driven) -> dict[str, dict[str, float]]:
     """Torque or force, rate, power and work of every drive, by its joint."""
     found = {}
-    for name, (force, _) in driven.items():
+    for name, drive in driven.items():
         joint = _joint(motion.scene, name)
         rate = motion.coordinate(joint)[1]
-        found[name] = drive_numbers(motion.trajectory.time, force, rate, turns=joint.kind == "hinge")
+        found[name] = drive_numbers(motion.trajectory.time, drive, rate, turns=joint.kind == "hinge")
     return found
 
 
@@ -169,13 +167,13 @@ def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
     periods = [one for drive in scene.drives if (one := period(drive.signal)) is not None]
     if not periods or max(periods) > (1.0 + 1e-9) * min(periods):
         return None
-    torques = [force for name, (force, _) in driven.items() if _joint(scene, name).kind == "hinge"]
-    powers = [power for _, power in driven.values()]
+    torques = [drive.force for name, drive in driven.items() if _joint(scene, name).kind == "hinge"]
+    powers = [drive.power for drive in driven.values()]
     weight = scene.mass * abs(scene.gravity)
     return stride_numbers(time, motion.common_center[0][:, 0], powers, torques, weight, periods[0])
 
 
 def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
     """Greatest torque (N m) that any drive of a hinge gives at any step; nothing where none is driven."""
-    torques = [force for name, (force, _) in driven.items() if _joint(scene, name).kind == "hinge"]
-    return {"largest_drive_torque_Nm": max(float(np.max(np.abs(one))) for one in torques)} if torques else {}
+    torques = [drive.largest for name, drive in driven.items() if _joint(scene, name).kind == "hinge"]
+    return {"largest_drive_torque_Nm": max(torques)} if torques else {}

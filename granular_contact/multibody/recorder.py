@@ -30,8 +30,9 @@ class Recorder:
         self.rows = 0
         self.states = np.empty((512, 1 + 2 * self.size))
         self.lever = levers(system)
-        self.multipliers = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
-        self.reactions: list[Vector] = []
+        self.motions = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
+        self.multipliers: list[Vector] = []  # of prescribed motions
+        self.accelerations: list[Vector] = []  # that belong to them
         self.external = {name: load for name, load in system.loads.items() if load.set_to is not None}
         self.set_to: list[list[float]] = []
         self.resting_since: float | None = None
@@ -63,8 +64,9 @@ class Recorder:
         row[1 + self.size :] = v
         self._count(t)
         self.rows += 1
-        if self.multipliers:
-            self.reactions.append(data.GetAECoordinates()[self.multipliers])
+        if self.motions:
+            self.multipliers.append(data.GetAECoordinates()[self.motions])
+            self.accelerations.append(data.GetODE2Coordinates_tt())
         if self.external:
             self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
         if self.system.joints is not None:
@@ -96,12 +98,17 @@ class Recorder:
 
     def clear(self) -> None:
         """Forget the state at the start, which is told once more."""
-        self.rows, self.reactions, self.set_to = 0, [], []
+        self.rows = 0
+        for kept in self._lists().values():
+            kept.clear()
+
+    def _lists(self) -> dict[str, list[Any]]:
+        return {name: getattr(self, name) for name in ("multipliers", "accelerations", "set_to")}
 
     def kept(self) -> dict[str, Any]:
         """All that was recorded so far."""
         held: dict[str, Any] = {name: getattr(self, name) for name in ("rows", "resting_since", "reason", "shortened")}
-        lists = {"reactions": list(self.reactions), "set_to": list(self.set_to)}
+        lists = {name: list(values) for name, values in self._lists().items()}
         return held | lists | {"states": self.states[: self.rows].copy()}
 
     def restore(self, kept: dict[str, Any]) -> None:
@@ -109,7 +116,7 @@ class Recorder:
         rows = kept["rows"]
         vars(self).update({name: value for name, value in kept.items() if name != "states"})
         self.time = float(kept["states"][-1, 0])
-        self.reactions, self.set_to = list(self.reactions), list(self.set_to)
+        vars(self).update({name: list(values) for name, values in self._lists().items()})
         if rows > len(self.states):
             self.states = np.empty((2 * rows, 1 + 2 * self.size))
         self.states[:rows] = kept["states"]

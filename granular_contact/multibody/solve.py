@@ -241,10 +241,8 @@ class Solve:
             v=states[:, 1 + count :],
             load=None if system.bed is None else system.bed.load.history.since(0.0),
             mass=mass_matrix(system),
-            # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-            reactions={
-                name: -values for name, values in zip(system.motions, np.transpose(recorder.reactions), strict=True)
-            },
+            multipliers=dict(zip(system.motions, np.transpose(recorder.multipliers), strict=True)),
+            a=np.array(recorder.accelerations) if system.motions else None,
             set_to=dict(zip(recorder.external, np.transpose(recorder.set_to), strict=True)),
         )
 

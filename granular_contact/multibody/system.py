@@ -84,8 +84,9 @@ class Trajectory:
     """Accepted steps of a solve, the start included.
 
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. reactions: torque (N m) or
-    force (N) of prescribed motions, (n,) each, by joint; set_to: what drives were set to from outside, likewise.
+    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. multipliers: of the
+    constraints of prescribed motions (N m, N), (n,) each, by joint; a (n, m): the accelerations that belong to them,
+    None without such motions; set_to: what drives were set to from outside, as multipliers.
     """
 
     status: Status
@@ -95,7 +96,8 @@ class Trajectory:
     v: Vector
     load: LoadHistory | None
     mass: Any
-    reactions: dict[str, Vector]
+    multipliers: dict[str, Vector] = field(default_factory=dict)
+    a: Vector | None = None
     set_to: dict[str, Vector] = field(default_factory=dict)
 
 
@@ -103,4 +105,4 @@ def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:
     """A trajectory of one instant, time (1,), q, v (1, m), that knows where everything is and no more."""
     nothing = Cost(solve_s=0.0, steps=0, newton_iterations=0, jacobians=0, load_calls=0)
     standing = paused(float(time[0]), system.scene.solver)
-    return Trajectory(standing, nothing, time, q, v, load=None, mass=None, reactions={})
+    return Trajectory(standing, nothing, time, q, v, load=None, mass=None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,20 +17,37 @@ Vector = NDArray[np.float64]
 FEWEST = 2  # strides, of which there is a scatter
 
 
-def drive_numbers(time: Vector, force: Vector, rate: Vector, *, turns: bool) -> dict[str, float]:
-    """Numbers of one drive over a run.
+class Driving(NamedTuple):
+    """What a drive did: torque (N m) or force (N), (n,), power (n,) W, and work (n,) J so far.
 
-    time: (n,) s; force: (n,) N m of a drive that turns, else N; rate: (n,) rad/s or m/s. Means are over time.
+    jumps (k, 2): force and power on either side of instants at which they jump, which may lie between two steps.
+    """
+
+    force: Vector
+    power: Vector
+    work: Vector
+    jumps: Vector = np.zeros((0, 2))
+
+    @property
+    def largest(self) -> float:
+        """Greatest size of the torque or force."""
+        return float(np.abs(np.concatenate([self.force, self.jumps[:, 0]])).max())
+
+
+def drive_numbers(time: Vector, drive: Driving, rate: Vector, *, turns: bool) -> dict[str, float]:
+    """Numbers of one drive over a run; time: (n,) s; rate: (n,) rad/s of a drive that turns, else m/s.
+
+    Means are over time.
     """
     word, unit, of_rate = ("torque", "Nm", "rad_s") if turns else ("force", "N", "m_s")
-    power, lasted = force * rate, float(time[-1] - time[0])
-    work = float(accumulate(time, power)[-1])
-    square = float(accumulate(time, force**2)[-1])
+    power, lasted = drive.power, float(time[-1] - time[0])
+    work = float(drive.work[-1])
+    square = float(accumulate(time, drive.force**2)[-1])
     return {
-        f"largest_{word}_{unit}": float(np.max(np.abs(force))),
+        f"largest_{word}_{unit}": drive.largest,
         f"rms_{word}_{unit}": float(np.sqrt(square / lasted)) if lasted > 0.0 else 0.0,
         f"largest_rate_{of_rate}": float(np.max(np.abs(rate))),
-        "largest_power_W": float(np.max(power)),
+        "largest_power_W": float(np.max(np.concatenate([power, drive.jumps[:, 1]]))),
         "mean_power_W": work / lasted if lasted > 0.0 else 0.0,
         "work_J": work,
         "work_put_in_J": positive_part(time, power),

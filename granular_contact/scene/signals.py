@@ -212,6 +212,12 @@ def jumps(signal: Signal) -> tuple[Jump, ...]:
     return tuple(Jump(*one) for one in found if abs(one[2] - one[1]) > least)
 
 
+def jerks(signal: Signal) -> tuple[float, ...]:
+    """Instants (s) at which a signal's second derivative may jump; only tables have any."""
+    inner = signal.signal if isinstance(signal, Smoothed) else signal
+    return inner.times if isinstance(inner, Piecewise) else ()
+
+
 def bends(signals: Iterable[Signal]) -> list[float]:
     """Instants (s) at which the mean rates of a table before and after differ by much of its greatest."""
     found: set[float] = set()

@@ -80,10 +80,8 @@ def test_motion_is_followed_and_its_torque_is_that_of_newton() -> None:
     np.testing.assert_allclose(np.radians(run["shoulder_angle_deg"]), angle, atol=1e-8)
     weight = MASS * 9.81 * 0.1
     torque = -INERTIA * omega**2 * angle - weight * np.cos(angle)
-    # Second order: (omega h)^2 = 6e-6 of the inertial part and, as the algorithm averages forces over a step, some
-    # steps of their change at the start.
-    late = t > 0.01
-    np.testing.assert_allclose(run["shoulder_torque_Nm"][late], torque[late], atol=2e-3 * np.abs(torque).max())
+    # By the state alone, from the start on: what Newton's method leaves of the angle.
+    np.testing.assert_allclose(run["shoulder_torque_Nm"], torque, atol=1e-6 * np.abs(torque).max())
 
 
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
@@ -112,8 +110,7 @@ def test_motion_of_a_slider_is_followed() -> None:
     s = 0.1 * np.sin(6 * np.pi * run["time_s"])
     np.testing.assert_allclose(run["rail_position_m"], s, atol=1e-8)
     force = MASS * (9.81 - (6 * np.pi) ** 2 * s)
-    late = run["time_s"] > 0.01
-    np.testing.assert_allclose(run["rail_force_N"][late], force[late], atol=2e-3 * np.abs(force).max())
+    np.testing.assert_allclose(run["rail_force_N"], force, atol=1e-6 * np.abs(force).max())
 
 
 def test_control_keeps_to_its_limit_and_holds_with_the_error_that_its_gain_leaves() -> None:
@@ -206,18 +203,14 @@ def test_a_table_may_start_with_a_rate() -> None:
     np.testing.assert_allclose(run["rail_force_N"], MASS * 9.81, rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("solver", "swing"),
-    [("step_s: 4e-4", 0.24), ("step_s: 2e-4", 0.12), ("step_s: 5e-5", 0.03), ("accuracy: 1e-3", 0.03)],
-)
-def test_a_smoothed_jump_takes_a_force_that_steps_do_not_change_and_balances(solver: str, swing: float) -> None:
+@pytest.mark.parametrize("solver", ["step_s: 4e-4", "step_s: 1.3e-4", "accuracy: 1e-3"])
+def test_a_smoothed_jump_takes_a_force_that_steps_do_not_change_and_balances(solver: str) -> None:
     run = simulate(LIFT, f"drives={{{CORNERED}, smooth_s: 0.02}}}}", f"solver={{end_time_s: 0.5, {solver}}}")
-    # From 0 to 0.5 m/s in 20 ms, at most 3/2 times as fast as the mean; the force of the scheme swings about the true
-    # one by some of what the acceleration changes in a step, which is 6 h / 0.02 of its mean: twice that is allowed.
+    # From 0 to 0.5 m/s in 20 ms, at most 3/2 times as fast as the mean: a parabola, which a step of 0.4 ms
+    # meets within 4 (h / 2 / 0.02)^2 of its top.
     greatest = MASS * (1.5 * 0.5 / 0.02 + 9.81)
-    assert np.abs(run["rail_force_N"]).max() == pytest.approx(greatest, rel=swing)
-    assert np.abs(run["energy_imbalance_J"]).max() < 1e-3 * np.ptp(run["kinetic_J"])
-    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.abs(run["rail_force_N"]).max() == pytest.approx(greatest, rel=1e-3)
+    assert np.abs(run["energy_imbalance_J"]).max() < 1e-4 * np.ptp(run["kinetic_J"])
     assert not run.warnings
 
 
@@ -228,9 +221,9 @@ def test_chosen_steps_do_not_shrink_before_a_prescribed_motion(accuracy: float) 
     drive = f"drives={{rail: {{type: motion, position_m: {ramp}}}}}"
     run = simulate(LIFT, drive, f"solver={{end_time_s: 0.5, accuracy: {accuracy}}}")
     greatest = MASS * (0.05 * 10.0 / np.sqrt(3.0) / 0.1**2 + 9.81)  # of the polynomial's second derivative
-    assert np.abs(run["rail_force_N"]).max() == pytest.approx(greatest, rel=0.05)
+    assert np.abs(run["rail_force_N"]).max() == pytest.approx(greatest, rel=0.01)
     assert np.diff(run["time_s"]).min() > 1e-5
-    assert run.summary["energy"]["imbalance_relative"] < 2e-3
+    assert run.summary["energy"]["imbalance_relative"] < 1e-4
 
 
 @pytest.mark.parametrize("config", ["flexible_leg_rigid", "c_leg"])
@@ -240,8 +233,8 @@ def test_torques_of_shipped_legs_do_not_depend_on_how_steps_are_chosen(config: s
         np.abs(simulate(config, f"solver.accuracy={solver}")["axle_torque_Nm"]).max()
         for solver in ("null", "1e-2", "1e-3")
     ]
-    # Peaks as of a touch are sampled, and swing with the steps.
-    assert max(peaks) < 1.05 * min(peaks)
+    # Peaks as of a touch are sampled.
+    assert max(peaks) < 1.003 * min(peaks)
 
 
 def test_a_smoothed_angle_balances_on_a_flexible_link_too() -> None:
@@ -279,9 +272,9 @@ solver: {end_time_s: 0.14, rest_time_s: null}
 def test_jumps_of_a_prescribed_acceleration_leave_no_oscillation() -> None:
     """A cubic through a table has jumps of the acceleration at its start; the torque must not swing about its value."""
     default, fine = simulate(TURNED), simulate(TURNED, "solver.step_s=1e-5")
-    # Steps of 0.2 ms between knots of 16 ms and more: (h / 16 ms)^2 = 2e-4, a step of the greatest power at the jump.
-    # A spectral radius of 0.9 was off by 1.7 % in work and by 16 % in the greatest torque.
+    # Steps of 0.2 ms between knots of 16 ms and more: a step of the greatest power at the jump. With the multipliers of
+    # the scheme the work was off by 1.7 % and the greatest torque by 16 %.
     put_in = [one.summary["drive_work_put_in_J"] for one in (default, fine)]
     assert put_in[0] == pytest.approx(put_in[1], rel=3e-3)
     peaks = [np.abs(one["axle_torque_Nm"]).max() for one in (default, fine)]
-    assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)

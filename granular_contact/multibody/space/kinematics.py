@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.multibody.kinematics import Kinematics
+from granular_contact.multibody.space.constraints import SpatialConstraints
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Outline
@@ -43,6 +44,27 @@ class SpatialKinematics(Kinematics):
             mass[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
         self.trajectory = replace(trajectory, v=np.concatenate(rates, axis=1), mass=mass)
 
+    @property
+    def whole(self) -> Trajectory:
+        """The trajectory in the engine's coordinates."""
+        return self.engine
+
+    @property
+    def accelerations(self) -> Vector:
+        """The engine's accelerations (n, m) in the coordinates of the rates; there are some with prescribed motions."""
+        a = self.engine.a
+        assert a is not None
+        found = []
+        for name, at in self._places.items():
+            turning = _angular(self.engine.q[:, at[3:]], a[:, at[3:]])  # e' adds nothing: G' e' = 0
+            found += [a[:, at[:3]], np.einsum("nji,nj->ni", self.rotation(name), turning)]
+        return np.concatenate(found, axis=1)
+
+    @cached_property
+    def constraints(self) -> SpatialConstraints:  # type: ignore[override]
+        """What joints ask of accelerations."""
+        return SpatialConstraints(self)
+
     @cached_property
     def _rotations(self) -> dict[str, Vector]:
         return {name: rotations.of_quaternion(self.engine.q[:, at[3:]]) for name, at in self._places.items()}
@@ -63,8 +85,7 @@ class SpatialKinematics(Kinematics):
         if name is None:
             return np.zeros((len(self.engine.time), 3))
         at = self._places[name][3:]
-        e, d = self.engine.q[:, at], self.engine.v[:, at]
-        return np.asarray(2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:])))
+        return _angular(self.engine.q[:, at], self.engine.v[:, at])
 
     def position(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 3) of a body-frame point; None is the ground."""
@@ -143,3 +164,9 @@ class SpatialKinematics(Kinematics):
                 across = part.shape.diameter if bar else 2.0 * part.drop
                 drawn.append(Outline(part.name, seen if bar or len(seen) == 1 else silhouette(seen), across))
         return tuple(drawn)
+
+
+def _angular(e: Vector, d: Vector) -> Vector:
+    """G(e) d (n, 3): the angular velocity of Euler parameters e (n, 4) with the rates d."""
+    found: Vector = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
+    return found

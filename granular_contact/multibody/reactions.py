@@ -1,0 +1,134 @@
+"""Torques and forces of prescribed motions, at the state that every step reached.
+
+The engine solves M a + J^T f = F for positions that obey the joints, at the end of every step: its multipliers f belong
+to its own accelerations a. These are what the scheme needs to bring positions to where they have to be. After a jump of
+the force, or a step much shorter than the one before, they swing about the true ones by as much as these changed, and
+fade by some 0.7 a step. The state itself asks for others: with J a + c, of what is held and of what is prescribed (see
+`constraints`), J a + c = g'', the second derivative of what is followed. The force that the state takes is that of
+these, -f - (J M^-1 J^T)^-1 (J a + c - g''), where all other forces are those that the engine had. What Newton's method
+leaves in the positions, which acts on a as 1 / h^2, is taken out as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from granular_contact.multibody.constraints import together
+from granular_contact.multibody.kinematics import Kinematics
+from granular_contact.results.strides import Driving
+from granular_contact.scene.signals import jerks
+from granular_contact.scene.types import Drive, Vector
+
+AT_ONCE = 2_000_000  # numbers of J
+AROUND = 1e-10  # s, before and after a jump of an acceleration
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Torque (N m) or force (N) of one prescribed motion: (n,) at the steps' ends and (n - 1,) in the mean of each.
+
+    jumps (k, 2): force on either side of jumps of the prescribed accelerations, and power (W).
+    """
+
+    force: Vector
+    mean: Vector
+    jumps: Vector
+
+    def driving(self, time: Vector, rate: Vector) -> Driving:
+        """What the drive did, with the rate (n,) of its joint."""
+        done = self.mean * 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)
+        return Driving(self.force, self.force * rate, np.concatenate([[0.0], np.cumsum(done)]), self.jumps)
+
+
+def reactions(motion: Kinematics) -> dict[str, Reaction]:
+    """Those of all prescribed motions, by joint."""
+    drives = [drive for drive in motion.scene.drives if drive.kind == "motion"]
+    if not drives:
+        return {}
+    inverse = _inverse(motion.trajectory.mass)
+    forces, inertias = (np.concatenate(part) for part in zip(*_parts(motion, drives, inverse), strict=True))
+    told = motion.trajectory.multipliers
+    # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+    forces = -np.column_stack([told[drive.joint] for drive in drives]) - forces
+    joints = {joint.name: joint for joint in motion.scene.joints}
+    rates = np.column_stack([motion.coordinate(joints[drive.joint])[1] for drive in drives])
+    prescribed = _Prescribed(motion.trajectory.time, drives, rates, forces, inertias)
+    return {drive.joint: prescribed.reaction(i) for i, drive in enumerate(drives)}
+
+
+def _parts(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> Iterator[tuple[Vector, Vector]]:
+    """What `_excess` finds, of so many instants at a time that their rows find room."""
+    t = motion.whole
+    each = max(1, AT_ONCE // (4 * len(motion.scene.joints) * t.q.shape[1]))
+    for first in range(0, len(t.time), each):
+        rows = slice(first, first + each)
+        a = None if t.a is None else t.a[rows]
+        piece = replace(t, time=t.time[rows], q=t.q[rows], v=t.v[rows], a=a)
+        yield _excess(type(motion)(motion.system, piece), drives, inverse)
+
+
+def _excess(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> tuple[Vector, Vector]:
+    """What multipliers (n, d) have too much, and inertia (n, d, d) that the prescribed accelerations meet."""
+    constraints, joints = motion.constraints, {joint.name: joint for joint in motion.scene.joints}
+    moved = [constraints.moved(joints[drive.joint]) for drive in drives]
+    rows = together([*moved, *(constraints.held(joint) for joint in joints.values())])
+    off = np.einsum("nkm,nm->nk", rows.J, motion.accelerations) + rows.c
+    off[:, : len(drives)] -= _asked(drives, motion.trajectory.time)
+    used = np.flatnonzero(rows.J.any(axis=(0, 1)))
+    J = rows.J[:, :, used]
+    A = J @ inverse[np.ix_(used, used)] @ J.transpose(0, 2, 1)
+    sides = np.zeros((*off.shape, 1 + len(drives)))
+    sides[:, :, 0], sides[:, : len(drives), 1:] = off, np.eye(len(drives))
+    found: Vector
+    try:
+        found = np.linalg.solve(A, sides)[:, : len(drives)]
+    except np.linalg.LinAlgError:  # of a run that failed
+        found = np.zeros((len(off), len(drives), 1 + len(drives)))
+    return found[:, :, 0], found[:, :, 1:]
+
+
+def _asked(drives: Sequence[Drive], time: Vector) -> Vector:
+    """Prescribed accelerations (n, d)."""
+    return np.array([[drive.signal.acceleration(t) for drive in drives] for t in time.tolist()])
+
+
+def _inverse(mass: Any) -> Vector:
+    inverse: Vector = np.linalg.inv(mass if isinstance(mass, np.ndarray) else mass.toarray())
+    return inverse
+
+
+@dataclass(frozen=True)
+class _Prescribed:
+    """Motions with rates (n, d) and forces (n, d) at instants (n,) s, and the inertia (n, d, d) that they meet."""
+
+    time: Vector
+    drives: Sequence[Drive]
+    rates: Vector
+    forces: Vector
+    inertias: Vector
+
+    def reaction(self, i: int) -> Reaction:
+        """Of one of them."""
+        force, inertia = self.forces[:, i], self.inertias[:, i]
+        # The mean acceleration of a step is the change of the rates, also where it jumps within.
+        asked = _asked(self.drives, self.time)
+        more = np.diff(self.rates, axis=0) / np.diff(self.time)[:, None] - 0.5 * (asked[1:] + asked[:-1])
+        mean = 0.5 * (force[1:] + force[:-1] + np.sum((inertia[1:] + inertia[:-1]) * more, axis=1))
+        return Reaction(force, mean, self._jumps(i, force - np.sum(inertia * asked, axis=1)))
+
+    def _jumps(self, i: int, rest: Vector) -> Vector:
+        """Force and power (k, 2) before and after each jump; rest (n,): of the force, without its inertia."""
+        t = self.time
+        at = [jerk for drive in self.drives for jerk in jerks(drive.signal) if t[0] < jerk <= t[-1]]
+        rate = np.array([self.drives[i].signal.rate(jerk) for jerk in at])
+        inertia = np.column_stack([np.interp(at, t, of) for of in self.inertias[:, i].T])
+        found = []
+        for side in (-AROUND, AROUND):
+            asked = _asked(self.drives, np.array(at) + side).reshape(inertia.shape)
+            force = np.interp(at, t, rest) + np.sum(inertia * asked, axis=1)
+            found.append(np.column_stack([force, force * rate]))
+        return np.concatenate(found)

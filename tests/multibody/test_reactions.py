@@ -1,0 +1,135 @@
+"""Forces of prescribed motions: their power is the rate of the energies, at every step and however steps are chosen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact import load, simulate
+
+BAR = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 7700}
+SINE = {"type": "sine", "amplitude": 40, "frequency_Hz": 3, "phase_deg": 20}
+TURN = {"type": "motion", "angle_deg": SINE}
+SHIFT = {"type": "motion", "position_m": {"type": "sine", "amplitude": 0.05, "frequency_Hz": 4, "offset": 0.03}}
+FLAT = {
+    "slider on what turns": {
+        "joints": {
+            "pin": {"type": "hinge", "parent": "ground", "child": "a"},
+            "rail": {"type": "slider", "parent": "a", "child": "b", "parent_point_m": [0.1, 0.02]}
+            | {"child_point_m": [0, 0.03], "axis": [1, 2]},
+        },
+        "drives": {"rail": SHIFT},
+        "start": {"pin": {"rate_rad_s": 6}},
+    },
+    "two that share their masses, in flight": {
+        "joints": {
+            "air": {"type": "free", "parent": "ground", "child": "a", "child_point_m": [0.02, 0.01]},
+            "knee": {"type": "hinge", "parent": "a", "child": "b", "parent_point_m": [0.1, 0]},
+            "rail": {"type": "slider", "parent": "b", "child": "c", "parent_point_m": [0.1, 0], "axis": [1, -1]},
+        },
+        "drives": {"knee": TURN, "rail": SHIFT},
+        "start": {"air": {"y_m": 1, "vx_m_s": 1, "rate_rad_s": 5}},
+    },
+    "crank of a loop": {
+        "joints": {
+            "one": {"type": "hinge", "parent": "ground", "child": "a", "home_deg": -90},
+            "two": {"type": "hinge", "parent": "a", "child": "b", "parent_point_m": [0.1, 0], "home_deg": 90},
+            "three": {"type": "hinge", "parent": "ground", "child": "c", "parent_point_m": [0.1, 0], "home_deg": -90},
+        },
+        "closures": {
+            "end": {"type": "hinge", "parent": "b", "child": "c", "parent_point_m": [0.1, 0], "child_point_m": [0.1, 0]}
+        },
+        "drives": {"one": TURN | {"angle_deg": SINE | {"amplitude": 20, "offset": -80}}},
+        "start": {},
+    },
+}
+DEEP = {
+    "two that share their masses, in flight": {
+        "joints": {
+            "air": {"type": "free", "parent": "ground", "child": "a"},
+            "knee": {"type": "hinge", "parent": "a", "child": "b", "parent_point_m": [0.1, 0, 0], "axis": [1, 2, 3]},
+            "rail": {"type": "slider", "parent": "b", "child": "c", "parent_point_m": [0.1, 0.02, 0]}
+            | {"child_point_m": [0, 0, 0.03], "axis": [1, -1, 2]},
+            "end": {"type": "ball", "parent": "c", "child": "d", "parent_point_m": [0.1, 0, 0]},
+        },
+        "drives": {"knee": TURN, "rail": SHIFT},
+        "start": {"air": {"z_m": 1, "vx_m_s": 1, "spin_rad_s": [3, -4, 5]}, "end": {"spin_rad_s": [1, 2, -3]}},
+    },
+    "crank of a leaning loop": {
+        "joints": {
+            "one": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "child": "a", "home_deg": 90}
+            | {"rpy_deg": [20, 0, 0]},
+            "two": {"type": "hinge", "axis": [0, 1, 0], "parent": "a", "child": "b", "parent_point_m": [0.1, 0, 0]}
+            | {"home_deg": -90},
+            "three": {"type": "hinge", "axis": [0, 1, 0], "parent": "b", "child": "c", "parent_point_m": [0.1, 0, 0]}
+            | {"home_deg": -90},
+            "four": {"type": "ball", "parent": "b", "child": "d", "parent_point_m": [0.05, 0, 0]},
+        },
+        "closures": {
+            "end": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "child": "c", "rpy_deg": [20, 0, 0]}
+            | {"parent_point_m": [0.1, 0, 0], "child_point_m": [0.1, 0, 0]}
+        },
+        "drives": {"one": TURN | {"angle_deg": SINE | {"amplitude": 20, "offset": 80}}},
+        "start": {"four": {"rpy_deg": [0, 60, 0], "spin_rad_s": [1, 0, 2]}},
+    },
+}
+CASES = [(False, name) for name in FLAT] + [(True, name) for name in DEEP]
+
+
+def run_of(case: dict[str, Any], in_space: bool, **solver: Any) -> Any:
+    joints, closures = case["joints"], case.get("closures", {})
+    bodies = sorted({joint["child"] for joint in [*joints.values(), *closures.values()]})
+    model = {"name": "it", "bodies": dict.fromkeys(bodies, BAR), "joints": joints, "closures": closures}
+    model |= {"in_space": True} if in_space else {}
+    solver = {"end_time_s": 0.06, "step_s": 2e-4, "rest_time_s": None, "tolerance": 1e-9} | solver
+    tree = {"model": model, "initial": {"joints": case["start"]}, "drives": case["drives"], "solver": solver}
+    return simulate(load(tree))
+
+
+@pytest.mark.parametrize(("in_space", "name"), CASES, ids=str)
+def test_power_is_the_rate_of_the_energy_however_steps_are_chosen(in_space: bool, name: str) -> None:
+    case = (DEEP if in_space else FLAT)[name]
+    run = run_of(case, in_space)
+    power = sum(run[f"{joint}_power_W"] for joint in case["drives"])
+    stored = run["kinetic_J"] + run["gravity_J"]
+    found = np.gradient(stored, run["time_s"], edge_order=2)
+    # Parabolas through three steps: (omega h)^2 / 6 = 4e-6 with the 25 rad/s of the motions, and some more in their
+    # products. Velocities, and so energies, swing for some steps at the start.
+    late = slice(len(power) // 10, -2)
+    assert np.abs(power - found)[late].max() < 1e-4 * np.abs(power).max()
+    work = run["drive_work_J"] - (stored - stored[0])
+    assert np.abs(work).max() < 1e-4 * np.abs(power).max() * run["time_s"][-1]
+    # And as many steps as the error asks for tell the same of it.
+    chosen = run_of(case, in_space, accuracy=1e-3)
+    assert len(chosen["time_s"]) < 0.6 * len(run["time_s"])
+    for joint, numbers in run.summary["drives"].items():
+        for key in ("torque_Nm", "force_N", "power_W"):
+            if f"largest_{key}" in numbers:
+                got = chosen.summary["drives"][joint][f"largest_{key}"]
+                assert got == pytest.approx(numbers[f"largest_{key}"], rel=4e-3), (joint, key)
+
+
+KNOTS = {"type": "table", "time_s": [0, 0.04, 0.05, 0.1], "values": [0, 0.01, 0.03, -0.01]}
+
+
+@pytest.mark.parametrize("solver", [{"step_s": 2.3e-4}, {"step_s": 1.7e-4}, {"accuracy": 1e-2}, {"accuracy": 1e-3}])
+def test_the_greatest_force_on_either_side_of_a_jump_is_told(solver: dict[str, float]) -> None:
+    """Cubics through a table: the acceleration is greatest just before and after its instants, where no step may be."""
+    mass = BAR["density_kg_m3"] * np.pi / 4 * BAR["diameter_m"] ** 2 * BAR["length_m"]  # type: ignore[operator]
+    rail = {"type": "slider", "parent": "ground", "child": "a", "axis_deg": 0}
+    case = {"joints": {"rail": rail}, "start": {}, "drives": {"rail": {"type": "motion", "position_m": KNOTS}}}
+    run = run_of(case, False, **{"end_time_s": 0.1} | solver)
+    # Fritsch and Butland's slope at 0.04 s, w = (2 x 0.01 + 0.04, 0.01 + 2 x 0.04); 0 at 0.05 s, where it turns round.
+    before, after = 0.25, 2.0
+    slope = 0.15 / (0.06 / before + 0.09 / after)
+    ends = {0.04: (0.0, slope, before), 0.01: (slope, 0.0, after), 0.05: (0.0, 0.0, -0.8)}
+    sides = [
+        abs(one)
+        for h, (a, b, mean) in ends.items()
+        for one in ((6 * mean - 4 * a - 2 * b) / h, (2 * a + 4 * b - 6 * mean) / h)
+    ]
+    # The instants lie 1e-10 s off their jumps; the inertia is interpolated between two steps, here it is constant.
+    assert run.summary["drives"]["rail"]["largest_force_N"] == pytest.approx(mass * max(sides), rel=1e-6)
+    assert run.summary["energy"]["imbalance_relative"] < 1e-9
