@@ -83,9 +83,8 @@ def _excess(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> tup
     A = J @ inverse[np.ix_(used, used)] @ J.transpose(0, 2, 1)
     sides = np.zeros((*off.shape, 1 + len(drives)))
     sides[:, :, 0], sides[:, : len(drives), 1:] = off, np.eye(len(drives))
-    found: Vector
     try:
-        found = np.linalg.solve(A, sides)[:, : len(drives)]
+        found = np.asarray(np.linalg.solve(A, sides)[:, : len(drives)], float)
     except np.linalg.LinAlgError:  # of a run that failed
         found = np.zeros((len(off), len(drives), 1 + len(drives)))
     return found[:, :, 0], found[:, :, 1:]
