@@ -105,6 +105,7 @@ def row(name: str, setting: str, one: Run, reference: Run) -> list[str]:
 def study(quick: bool) -> Outcome:
     """Cost and error of each."""
     rows, checks, claims, promises, slower = [], [], [], [], []
+    newton: dict[str, Cost] = {}
     for name, step in (FIXED if quick else FIXED | BENDING).items():
         runs, reference, check = measured(name, step, 2 if quick else 3)
         rows += [row(name, setting, one, reference) for setting, one in runs.items()]
@@ -113,6 +114,7 @@ def study(quick: bool) -> Outcome:
         promises += [(error / accuracy, name, accuracy) for accuracy, error in found.items()]
         shipped, fixed = runs[SHIPPED], runs[f"steps of {1e3 * step:g} ms"]
         slower.append((shipped.seconds / fixed.seconds, name))
+        newton[name] = shipped.cost
         if name in LIMITS:
             error = shipped.error(reference) / reference.way
             held = shipped.seconds <= LIMITS[name] and error <= NEAR
@@ -121,7 +123,16 @@ def study(quick: bool) -> Outcome:
     head = ["mechanism", "steps", "number", "iterations", "Jacobians", "CPU s", "CPU s per s", "error of path %"]
     return Outcome(
         f"{markdown(head, rows)}\n\nFixed steps of a quarter against the reference: {', '.join(checks)}.",
-        (*claims, *_on_all(promises, slower)),
+        (*claims, _few_jacobians(newton), *_on_all(promises, slower)),
+    )
+
+
+def _few_jacobians(newton: dict[str, Cost]) -> Claim:
+    worst, name = max((cost.jacobians / cost.steps, name) for name, cost in newton.items())
+    return Claim(
+        "mechanism_cost.fewer Jacobians than steps",
+        worst < 1.0,
+        f"at most {worst:.2f} a step as shipped ({name}; asked: less than one)",
     )
 
 

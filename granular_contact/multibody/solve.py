@@ -95,7 +95,12 @@ class Solve:
             predictor = (
                 None
                 if unresolved(scene)
-                else Predictor(self.solver, tolerances(scene, self.simulation), patience(scene, self.simulation))
+                else Predictor(
+                    self.solver,
+                    None if scene.links else self.recorder.lever,
+                    tolerances(scene, self.simulation),
+                    patience(scene, self.simulation),
+                )
             )
             mbs.SetPreNewtonResidualUserFunction(predictor or 0)
             if system.bed is not None:
