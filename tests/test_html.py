@@ -276,7 +276,7 @@ def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> Non
 
 def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Path) -> None:
     report.write(make(), tmp_path / "r")
-    for name, kind in (("compare-media.csv", "Compare media"), ("law.png", "Media")):
+    for name, kind in (("compare-media.csv", "Comparison of media"), ("law.png", "Media")):
         folder = tmp_path / kind
         folder.mkdir()
         if name.endswith(".csv"):
@@ -313,8 +313,9 @@ def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:
 
 def test_only_our_scripts_run_and_plotly_is_in_the_page(pages: dict[str, Path]) -> None:
     """The policy names the hashes of what is there; a page without curves does without plotly."""
-    for kind, count in (("run", 2), ("compare", 1)):
-        page = pages[kind].read_text(encoding="utf-8")
+    for kind, count in (("run", 2), ("compare", 2), ("gallery", 1)):
+        page = html(pages["run"].parent) if kind == "run" else pages["compare"].read_text(encoding="utf-8")
+        page = write_page([pages["run"].parent]).read_text(encoding="utf-8") if kind == "gallery" else page
         policy = re.search(r"default-src 'none'; [^\"]*script-src ([^\"]*)\"", page)
         assert policy is not None
         found = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
@@ -345,7 +346,7 @@ def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
     report.write(results, tmp_path / "r", figures=False)
     page = html(tmp_path / "r")
     outline = Outline(page)
-    assert [one.get("id") for one in outline.all("script")] == ["data", "plotly", None]
+    assert [one.get("id") for one in outline.all("script")] == ["page-data", "plotly", None]
     assert "".join(outline.text).count(evil) >= len(columns) + 4
 
 
@@ -643,6 +644,51 @@ def test_tables_sort_and_the_whole_series_is_saved(pages: dict[str, Path], brows
     )
     assert up == sorted(up)
     assert down == up[::-1]
+
+
+@IN_BROWSER
+def test_models_are_compared_on_one_clock(pages: dict[str, Path], browser: Browser) -> None:
+    """Curves, differences and drawings of all models at one instant are those of the saved histories."""
+    opened(browser, pages["compare"])
+    table = np.genfromtxt(pages["compare"].parent / "histories.csv", delimiter=",", names=True, deletechars="")
+    at = 0.6 * float(table["time_s"][np.isfinite(table["1_mode.pivot_angle_deg"])][-1])
+    read = """const slider = document.querySelector('input[type=range]');
+        slider.value = %r; slider.dispatchEvent(new Event('input'));
+        return Object.fromEntries([...document.querySelectorAll('.panel')].map(p => [p.querySelector('h3').textContent,
+            [...p.querySelectorAll('.key b')].map(b => Number(b.textContent.replaceAll('\u2212', '-')))]))"""
+    browser.run("document.querySelectorAll('.panel')[1].scrollIntoView({behavior: 'instant'})")
+    for _ in range(100):  # what is looked at is drawn
+        seen = browser.run(read % at)
+        if seen["angle of joints: pivot, less FE, 4 elements (deg)"][0]:
+            break
+        time.sleep(0.05)
+    names = ("1_mode", "FE_2_elements", "FE_4_elements")
+    angles = [np.interp(at, table["time_s"], table[f"{name}.pivot_angle_deg"]) for name in names]
+    assert seen["angle of joints: pivot (deg)"] == pytest.approx(angles, rel=1e-3)
+    away = np.array(angles[:2]) - angles[2]
+    assert seen["angle of joints: pivot, less FE, 4 elements (deg)"] == pytest.approx(away, rel=2e-3, abs=1e-9)
+    hide = """document.querySelector('#runs input').click();
+        return [...document.querySelectorAll('#stage .part')].map(p => [p.dataset.run, p.style.display])"""
+    parts = browser.run(hide)
+    assert {run for run, _ in parts} == {"0", "1", "2"}
+    assert {run for run, display in parts if display == "none"} == {"0"}
+    assert browser.faults() == []
+
+
+@IN_BROWSER
+@pytest.mark.parametrize("kind", ["sweep", "fit"])
+def test_rows_and_points_of_a_chart_belong_together(kind: str, pages: dict[str, Path], browser: Browser) -> None:
+    opened(browser, pages[kind])
+    drawn = browser.run("return document.querySelector('#cases-chart .plot').data[0].x.length")
+    assert drawn == {"sweep": 4, "fit": 2}[kind]
+    if kind == "sweep":
+        pointed = """const rows = [...document.querySelectorAll('tbody tr')];
+            const row = rows.find((one) => one.cells[0].textContent === 'case1');
+            row.dispatchEvent(new PointerEvent('pointerenter'));
+            const told = document.querySelector('#cases-chart output').textContent;
+            return [document.querySelectorAll('tr.pointed').length, told]"""
+        assert browser.run(pointed) == [1, "case1"]
+    assert browser.faults() == []
 
 
 def spun() -> Motion:

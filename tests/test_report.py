@@ -18,8 +18,9 @@ from support_results import make
 from support_runs import ROOT
 
 from granular_contact import report
-from granular_contact.report import figures
+from granular_contact.report import figures, overlay
 from granular_contact.results import Results
+from granular_contact.results.motion import Motion, Part
 
 NAMES = ["figures", "scenario.yaml", "summary.json", "timeseries.csv"]
 
@@ -251,3 +252,33 @@ with report.whole_folder(Path({str(tmp_path / "run")!r})) as making:
     assert left.name.startswith(".run.")
     report.write(make(), tmp_path / "run", figures=False)
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+def test_runs_are_put_on_one_clock() -> None:
+    """A run that ends early has no numbers after its end and stays where it was; keys of names are all different."""
+    long = make()
+    half = len(long.table) // 2
+    short = dataclasses.replace(long, table=long.table[:half].copy(), frames=long.frames[: len(long.frames) // 2])
+    assert overlay.keys(["a b", "a, b", "FE, 4 elements", "+"]) == ["a_b", "a_b_2", "FE_4_elements", "run"]
+    runs = [overlay.history("whole", long), overlay.history("a, b", short)]
+    table = overlay.table(runs)
+    time = table["time_s"]
+    assert np.isfinite(table["whole.tip_y_m"]).all()
+    assert (np.isfinite(table["a_b.tip_y_m"]) == (time <= short["time_s"][-1])).all()
+    np.testing.assert_allclose(table["whole.tip_y_m"], long["tip_y_m"], rtol=1e-12)
+    panels = [p for group in overlay.panels(["whole", "a, b"], table, "whole") for p in group.panels]
+    assert all([curve.label for curve in panel.curves] in (["whole", "a, b"], ["a, b"]) for panel in panels)
+    titles = [panel.title for panel in panels]
+    assert len(titles) == len(set(titles))
+    assert overlay.motion(runs) is None  # these have no pictures
+    at = np.linspace(0.0, 0.02, 11)
+    poses = np.stack([np.stack([at, 0 * at, 50 * at], axis=1)], axis=1)
+    bar = Motion(at, (Part("link", np.array([[0.0, 0.0], [0.1, 0.0]])),), poses)
+    early = dataclasses.replace(bar, time=0.5 * at)
+    both = [dataclasses.replace(run, motion=one) for run, one in zip(runs, (bar, early), strict=True)]
+    moved = overlay.motion(both)
+    assert moved is not None
+    assert [part.name for part in moved.parts] == ["whole: link", "a, b: link"]
+    np.testing.assert_allclose(moved.poses[:, 0], poses[:, 0], atol=1e-12)
+    np.testing.assert_allclose(moved.poses[2, 1], poses[4, 0], atol=1e-12)  # twice as fast
+    np.testing.assert_allclose(moved.poses[7:, 1], poses[[-1] * 4, 0], atol=1e-12)  # and then at rest

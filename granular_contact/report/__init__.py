@@ -36,7 +36,7 @@ SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario
 MOTION = "motion.json"
 FORMATS = ("png", "pdf", "svg")  # of figures
 ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `report.pages`
-COMPARISON = "compare.csv"
+COMPARISON, OF_MEDIA, OVERLAY = "compare.csv", "compare-media.csv", "histories.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
 STATISTICS, CONVERGENCE, BANDS = "statistics.csv", "convergence.csv", "bands.csv"  # of an ensemble, which is a sweep
@@ -47,8 +47,8 @@ ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, MOTION, FIGURES),
     "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES, STATISTICS, CONVERGENCE, BANDS),
     "optimise": (OPTIMISE, HISTORY, OPTIMUM, BEST_CONFIG, BEST, JOURNAL, FIGURES),
-    "compare": (COMPARISON, SUMMARY, SCENARIO, FIGURES),
-    "compare-media": ("compare-media.csv", FIGURES),
+    "compare": (COMPARISON, SUMMARY, SCENARIO, OVERLAY, MOTION, FIGURES),
+    "compare-media": (OF_MEDIA, SCENARIO, OVERLAY, MOTION, FIGURES),
     "media": (LAW,),
     "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
 }
@@ -113,7 +113,7 @@ def write(
         (making / SCENARIO).write_text(scenario_text(results), encoding="utf-8")
         _write_series(results, making / SERIES)
         if (motion := motion_of(results)) is not None:
-            (making / MOTION).write_text(_motion(motion, results), encoding="utf-8")
+            (making / MOTION).write_text(motion_text(motion, results), encoding="utf-8")
         if figures:
             from granular_contact.report.figures import draw
 
@@ -192,7 +192,7 @@ def _summary(results: Results) -> str:
     return json_text(content)
 
 
-def _motion(motion: Motion, results: Results) -> str:
+def motion_text(motion: Motion, results: Results) -> str:
     """Text of motion.json: how it moved, and what its bed looks like."""
     surface = results.surface
     bed = {

@@ -17,8 +17,8 @@ ROUND_OFF = 1e-9  # of the largest number of its unit in the table: what is smal
 SAME = 1e-6  # of the greatest: curves that differ by less are one
 # Numbers whose round-off has another measure than the largest of its unit: a turn, and some lengths of a mechanism.
 _LEAST = {"deg": 1.0, "m": 1e-3}
-_BASES = {"deg": "deg", "m": "m", "m_s": "m/s", "rad_s": "rad/s", "N": "N", "Nm": "N·m", "W": "W", "J": "J"}
-_FIXED = ("deg", "rad/s", "m/s")  # units without prefixes
+BASES = {"deg": "deg", "m": "m", "m_s": "m/s", "rad_s": "rad/s", "N": "N", "Nm": "N·m", "W": "W", "J": "J"}
+FIXED = ("deg", "rad/s", "m/s")  # units without prefixes
 
 _SI = Unit(1.0, "")
 
@@ -29,13 +29,15 @@ Values = Callable[[str], Array]
 class Curve:
     """A sum of columns, each with a factor.
 
-    start: counted from its first value; integral: over time, as the work of a power.
+    start: counted from its first value; integral: over time, as the work of a power. along: as of its panel, where
+    curves of one panel have columns of their own for it.
     """
 
     label: str
     terms: tuple[tuple[str, float], ...]
     start: bool = False
     integral: bool = False
+    along: str = ""
 
     def values(self, column: Values) -> Array:
         """Its values (rows,) in SI units or degrees, by the values of columns."""
@@ -59,7 +61,7 @@ class Panel:
     @property
     def heading(self) -> str:
         """Its title with the unit."""
-        return f"{self.title} ({self.unit.name})"
+        return f"{self.title} ({self.unit.name})" if self.unit.name else self.title
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ def _scales(names: Iterable[str], column: Values) -> dict[str, float]:
     """The largest number of each unit in the table."""
     scales: dict[str, float] = {}
     for name in names:
-        base = _BASES.get(split(name)[1])
+        base = BASES.get(split(name)[1])
         if base is not None:
             scales[base] = max(scales.get(base, 0.0), greatest(column(name)))
     return scales
@@ -108,9 +110,15 @@ def _seen(panels: Iterable[Panel], column: Values, scales: dict[str, float]) -> 
                 kept[twin] = joined, kept[twin][1]
         if not kept:
             continue
-        largest = np.array([max(greatest(values) for _, values in kept)])
-        unit = Unit(1.0, panel.base) if panel.base in _FIXED else unit_for(largest, panel.base)
-        yield replace(panel, curves=tuple(curve for curve, _ in kept), unit=unit)
+        yield in_unit(replace(panel, curves=tuple(curve for curve, _ in kept)), column)
+
+
+def in_unit(panel: Panel, column: Values) -> Panel:
+    """A panel with the unit that suits its curves."""
+    if not panel.base or panel.base in FIXED:
+        return replace(panel, unit=Unit(1.0, panel.base))
+    largest = np.array([max(greatest(curve.values(column)) for curve in panel.curves)])
+    return replace(panel, unit=unit_for(largest, panel.base))
 
 
 def _alike(one: Array, other: Array) -> bool:
@@ -156,7 +164,7 @@ def _travel(found: _Names) -> Group:
     body = found.bodies[0]
     tilts = [("roll", f"{body}_roll_deg"), ("pitch", f"{body}_pitch_deg"), ("yaw", f"{body}_yaw_deg")]
     if not found.in_space:
-        tilts = [("pitch, clockwise", f"{body}_orientation_deg")]
+        tilts = [("pitch (clockwise)", f"{body}_orientation_deg")]
     ahead, upward = f"{body}_vx_m_s", f"{body}_v{found.up}_m_s"
     sideways = [("sideways", f"{body}_vy_m_s")] if found.in_space else []
     panels = [
@@ -268,4 +276,4 @@ def _energy(found: _Names) -> Group:
 
 def others(names: Sequence[str]) -> list[tuple[str, str]]:
     """Every column with a unit, by name and words, to be chosen."""
-    return [(name, label(name)) for name in names if name != "time_s" and split(name)[1] in _BASES]
+    return [(name, label(name)) for name in names if name != "time_s" and split(name)[1] in BASES]

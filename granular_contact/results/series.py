@@ -6,10 +6,12 @@ models/README.md).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results import CENTRAL_MOMENT, MOMENT, Column
+from granular_contact.results import CENTRAL_MOMENT, MOMENT, Column, Results
 
 Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
@@ -127,3 +129,10 @@ def forces(names: tuple[str, ...], terms: Vector, about: Vector, *, at_pivot: bo
         words = f"moment of the {what} about {of}, clockwise positive"
         series[f"{term}_{column}"] = (words, clockwise_moment(terms[:, i], about))
     return series
+
+
+def resultant(results: Results, terms: Sequence[str]) -> Vector:
+    """Sum of the forces of some terms of the medium, (2, rows) N, in space (3, rows) N."""
+    axes = "xyz" if any(name.endswith("_force_z_N") for name in results.names) else "xy"
+    found = [sum((results[f"{term}_force_{axis}_N"] for term in terms), np.zeros(len(results.table))) for axis in axes]
+    return np.array(found)

@@ -28,7 +28,9 @@ from granular_contact.report import (
     whole_folder,
     write_rows,
 )
+from granular_contact.report.overlay import write as write_overlay
 from granular_contact.results import FINISHED, Compiling, Results
+from granular_contact.results.frames import MOST
 from granular_contact.results.interpolation import at_times, rates
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import build
@@ -174,7 +176,8 @@ def compare(
             progress(model.name)
         scenario = load(path, [*overrides, *model.overrides, EVERY_STEP]).scenario
         scene = build(scenario)
-        tries = [uninterrupted(run(scene, scenario, compiling=compiling)) for _ in range(repeats + 1)]
+        pictures = [0] * repeats + [MOST]
+        tries = [uninterrupted(run(scene, scenario, most_frames=most, compiling=compiling)) for most in pictures]
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
         runs.append((model, tries[-1], seconds))
     reference = runs[-1][1]
@@ -233,16 +236,18 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write the table, the verdict, the scenario and a figure of all histories, completely or not at all."""
+    """Write table, verdict, scenario, histories and motions of all, and a figure, completely or not at all."""
     with whole_folder(directory, "compare") as folder:
         write_rows(folder / COMPARISON, map(cells, comparison.rows))
         (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")
         (folder / SCENARIO).write_text(scenario_text(comparison.rows[-1].results), encoding="utf-8")
+        runs = [(row.model.name, row.results) for row in comparison.rows]
+        write_overlay(runs, folder)
         if figures:
             from granular_contact.report.figures.histories import draw_histories
 
             (folder / FIGURES).mkdir()
-            draw_histories([(r.model.name, r.results) for r in comparison.rows], folder / FIGURES / HISTORIES)
+            draw_histories(runs, folder / FIGURES / HISTORIES)
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:

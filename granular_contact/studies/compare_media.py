@@ -7,14 +7,19 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
-from granular_contact.report import whole_folder, write_rows
+from granular_contact.report import FIGURES, OF_MEDIA, SCENARIO, scenario_text, whole_folder, write_rows
+from granular_contact.report.overlay import write as write_overlay
 from granular_contact.results import Compiling, Results
+from granular_contact.results.frames import MOST
+from granular_contact.results.series import resultant
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import Scene, build
 
-TABLE, FIGURES, HISTORIES = "compare-media.csv", "figures", "histories.png"
+HISTORIES = "histories.png"
 
 
 @dataclass(frozen=True)
@@ -27,12 +32,8 @@ class Row:
     @property
     def peak_force(self) -> float:
         """Greatest resultant of the medium on the mechanism (N)."""
-        from numpy import hypot
-
-        x, y = (
-            sum(self.results[f"{term}_force_{xy}_N"] for term in self.results.terms if term != "floor") for xy in "xy"
-        )
-        return float(hypot(x, y).max())
+        terms = [term for term in self.results.terms if term != "floor"]
+        return float(np.linalg.norm(resultant(self.results, terms), axis=0).max())
 
 
 def compare_media(
@@ -69,7 +70,8 @@ def compare_media(
     for (name, scene), (_, loaded) in zip(built, scenes, strict=True):
         if progress is not None:
             progress(name)
-        rows.append(Row(name, uninterrupted(run(scene, loaded.scenario, compiling=compiling))))
+        one = run(scene, loaded.scenario, most_frames=MOST, compiling=compiling)
+        rows.append(Row(name, uninterrupted(one)))
     return tuple(rows)
 
 
@@ -103,11 +105,14 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
-    """Write the table and a figure of all histories, completely or not at all."""
+    """Write the table, the scenario of the first run, histories and motions, and a figure, completely or not at all."""
     with whole_folder(directory, "compare-media") as folder:
-        write_rows(folder / TABLE, map(cells, rows))
+        write_rows(folder / OF_MEDIA, map(cells, rows))
+        (folder / SCENARIO).write_text(scenario_text(rows[0].results), encoding="utf-8")
+        runs = [(row.name, row.results) for row in rows]
+        write_overlay(runs, folder)
         if figures:
             from granular_contact.report.figures.media import draw_media
 
             (folder / FIGURES).mkdir()
-            draw_media([(row.name, row.results) for row in rows], folder / FIGURES / HISTORIES)
+            draw_media(runs, folder / FIGURES / HISTORIES)

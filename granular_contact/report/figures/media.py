@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.style import DOUBLE, DPI, PALETTE, style
 from granular_contact.report.units import Array, unit_for
 from granular_contact.results import Results
+from granular_contact.results.series import resultant
 
 LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]
@@ -32,9 +33,8 @@ def figure(runs: Runs) -> Figure:
     for i, (name, one) in enumerate(runs):
         look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
         t = one["time_s"] * time.factor
-        x, y = (sum(one[f"{term}_force_{xy}_N"] for term in one.terms) for xy in "xy")
         panels[0].plot(t, paths[i] * length.factor, **look)
-        panels[1].plot(t, np.hypot(x, y), **look)
+        panels[1].plot(t, np.linalg.norm(resultant(one, one.terms), axis=0), **look)
         panels[2].plot(t, -one["granular_work_J"], **look)
     for axes, label in zip(
         panels,

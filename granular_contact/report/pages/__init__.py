@@ -18,9 +18,10 @@ from typing import Any
 
 from jinja2 import TemplateError
 
-from granular_contact.report import ENTRIES, PAGE, version
+from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, version
 from granular_contact.report.pages import comparison, fit, gallery, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
+from granular_contact.report.pages.live import NOTHING
 from granular_contact.report.pages.rendering import GENERATOR, rendered
 
 __all__ = ["FolderError", "html", "write"]
@@ -34,6 +35,25 @@ _ODD = (
 )
 
 
+def _still(_folder: Folder) -> dict[str, Any]:
+    return NOTHING | {"data": {}}
+
+
+# What is told of each kind of results; what is drawn over time and played; what is drawn of many rows.
+_CONTENTS: dict[str, Callable[[Folder], dict[str, Any]]] = {
+    **dict.fromkeys(("compare", "compare-media"), comparison.content),
+    "fit": fit.content,
+    "optimise": optimise.content,
+}
+_LIVE: dict[str, Callable[[Folder], dict[str, Any]]] = {
+    **dict.fromkeys(("compare", "compare-media"), comparison.live),
+    "sweep": sweep.live,
+    "fit": fit.live,
+    "optimise": optimise.live,
+}
+_CHARTS = {"sweep": sweep.data, "optimise": optimise.data, "fit": fit.data}
+
+
 def html(directory: Path) -> str:
     """The page of a results folder.
 
@@ -43,21 +63,16 @@ def html(directory: Path) -> str:
         The folder holds no results, or broken ones.
     """
     folder = open_folder(directory)
-    contents: dict[str, Callable[[Folder], dict[str, Any]]] = {
-        "compare": comparison.content,
-        "fit": fit.content,
-        "optimise": optimise.content,
-    }
     try:
         if folder.kind == "run":
             return run.page(folder)
-        charts = {"sweep": sweep.data, "optimise": optimise.data, "fit": fit.data}
-        cases = charts[folder.kind](folder) if folder.kind in charts else {}
-        told: dict[str, Any] = {"files": _files(folder)} | ({"cases": cases} if cases else {})
+        shown = _LIVE.get(folder.kind, _still)(folder)
+        cases = _CHARTS[folder.kind](folder) if folder.kind in _CHARTS else {}
+        told = {"files": _files(folder)} | shown.pop("data") | ({"cases": cases} if cases else {})
         with tempfile.TemporaryDirectory() as place:
-            content = contents.get(folder.kind, _tables)
+            content = _CONTENTS.get(folder.kind, _tables)
             found = sweep.content(folder, Path(place)) if folder.kind == "sweep" else content(folder)
-            return rendered(folder.kind, found, told, draws=bool(cases))
+            return rendered(folder.kind, found | shown, told, draws=bool(cases or shown["groups"]))
     except _ODD as error:  # what is written here has other types somewhere
         held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
         named = " or ".join(name for name in held if Path(name).is_file())
@@ -66,7 +81,8 @@ def html(directory: Path) -> str:
 
 def _files(folder: Folder) -> dict[str, str]:
     """Texts that can be saved from the page, by their names; none of a size that would make the page unwieldy."""
-    names = [name for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv", ".yaml"))]
+    given = (OVERLAY, MOTION)  # which the page holds for its scripts
+    names = [one for one in ENTRIES[folder.kind] if one.endswith((".json", ".csv", ".yaml")) and one not in given]
     small = [name for name in names if folder.has(name) and (folder.path / name).stat().st_size <= MOST_BYTES]
     return {name: text for name in small if (text := folder.text(name)) is not None}
 

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report import PROGRAM
+from granular_contact.report.histories import BASES, Curve, Group, Panel, in_unit
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
+from granular_contact.report.pages.live import NOTHING, live_curves
 from granular_contact.report.pages.rendering import flat
 from granular_contact.report.units import column, is_number, label, plain, split
 
@@ -44,15 +46,40 @@ def content(folder: Folder) -> dict[str, Any]:
 
 
 def data(folder: Folder) -> dict[str, Any]:
-    """Data for the scripts: residuals over time, in units of the noise."""
-    if not folder.has(RESIDUALS):
+    """Data for the scripts: residuals in units of the noise, over time, or over what a force test prescribed."""
+    head, rows = folder.table(RESIDUALS) if folder.has(RESIDUALS) else ([], [])
+    if not {"run", "column", "residual_over_noise"} <= set(head):
         return {}
-    head, rows = folder.table(RESIDUALS)
-    if not {"run", "column", "time_s", "residual_over_noise"} <= set(head):
-        return {}
-    columns = {name: [row[head.index(name)] for row in rows] for name in ("time_s", "residual_over_noise")}
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(head) if name not in ("run", "column")}
     names = [f"{row[head.index('run')]}, {row[head.index('column')]}" for row in rows]
-    return chart(names, columns, "time_s", "residual_over_noise")
+    along = ("time_s", *(name for name in columns if name not in _RESIDUAL_COLUMNS))
+    drawn = (chart(names, columns, name, "residual_over_noise") for name in along if name in columns)
+    return next((one for one in drawn if one), {})
+
+
+def live(folder: Folder) -> dict[str, Any]:
+    """Data and model over time, a panel for each measured column of each run."""
+    head, rows = folder.table(RESIDUALS) if folder.has(RESIDUALS) else ([], [])
+    if not {*_RESIDUAL_COLUMNS, "time_s"} <= set(head):
+        return NOTHING | {"data": {}}
+    measured: dict[tuple[str, str], list[list[float]]] = {}
+    for row in rows:
+        run, name, time, data, model = (row[head.index(one)] for one in ("run", "column", "time_s", "data", "model"))
+        if all(is_number(one) for one in (time, data, model)):
+            measured.setdefault((str(run), str(name)), []).append([time, data, model])
+    tables = {one: np.array(values).T for one, values in measured.items() if len(values) > 1}
+    if not tables:
+        return NOTHING | {"data": {}}
+    clock = np.unique(np.concatenate([table[0] for table in tables.values()]))
+    columns, panels = {"time_s": clock}, []
+    for i, ((run, name), (time, *both)) in enumerate(tables.items()):
+        curves = []
+        for words, values in zip(("data", "model"), both, strict=True):
+            columns[f"{i}.{words}.{name}"] = np.interp(clock, time, values, left=np.nan, right=np.nan)
+            curves.append(Curve(words, ((f"{i}.{words}.{name}", 1.0),)))
+        base = BASES.get(split(name)[1], "")
+        panels.append(in_unit(Panel(f"{run}: {label(name)}", base, tuple(curves)), columns.__getitem__))
+    return live_curves(columns, [Group("data", "Data and model", "As measured, and as fitted.", tuple(panels))], "")
 
 
 def _estimate(key: str, found: dict[str, Any]) -> str:

@@ -1,14 +1,16 @@
-"""What the scripts of a run's page get: the table, the panels to draw, the motion to play, files to save."""
+"""What scripts get of a run, or of several on one clock: the table, panels to draw, the motion to play, files."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
-from granular_contact.report import MOTION, SCENARIO, SERIES, SUMMARY
-from granular_contact.report.histories import Group, groups, others
+from granular_contact.report import MOTION, OVERLAY, SCENARIO, SERIES, SUMMARY
+from granular_contact.report.histories import Curve, Group, groups, others
+from granular_contact.report.overlay import keys, panels
 from granular_contact.report.pages.folder import Bed, Folder
 from granular_contact.report.pages.script import packed
 from granular_contact.report.pages.stage import stage
@@ -23,29 +25,89 @@ _TERM = "_force_x_N"
 def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     """Data for scripts, and what templates need of it: stage and groups of panels; empty without a table."""
     if not folder.has(SERIES):
-        return {"data": {}, "in_space": False, "stage": None, "groups": [], "thinned": 0}
+        return NOTHING | {"data": {}}
     names, table = folder.numbers(SERIES)
-    every = max(1, -(-table.size // MOST_NUMBERS))
     columns = dict(zip(names, table.T, strict=True))
     found = _groups(names, columns) if len(table) > 1 else []
     played = folder.played() if len(table) > 1 else None
     moments = _moments(summary, columns) if len(table) else {}
-    data: dict[str, Any] = {
-        "name": summary.get("name") or folder.path.name,
-        "table": _packed(names, table[::every]),
-        "columns": others(names),
-        "groups": [_told(group) for group in found],
-        "moments": moments,
-        "files": {name: folder.text(name) for name in (SUMMARY, SCENARIO, MOTION) if folder.has(name)},
-    }
-    shown: dict[str, Any] | None = None
+    shown = _stage(*played, columns, moments) if played is not None and not played[0].in_space else None
+    told = _page(columns, found, played, shown)
+    more = {"name": summary.get("name") or folder.path.name, "columns": others(names), "moments": moments}
+    files = {name: folder.text(name) for name in (SUMMARY, SCENARIO, MOTION) if folder.has(name)}
+    return told | {"data": told["data"] | more | {"files": files}}
+
+
+def live_overlay(
+    names: Sequence[str], columns: Mapping[str, Array], played: tuple[Motion, Bed] | None, reference: str = ""
+) -> dict[str, Any]:
+    """The same for several runs, of `report.overlay`; reference: the run from which the others are told apart."""
+    if len(columns.get("time_s", ())) < 2:
+        return NOTHING | {"data": {}}
+    prefixes = keys(names)
+    shown = None
     if played is not None and not played[0].in_space:
-        shown = _stage(*played, columns, moments)
+        at = max(0, int(np.searchsorted(played[0].time, _first_end(prefixes, columns))) - 1)
+        shown = stage(*played, at, np.zeros((0, 2))) | {"shown": at, "of": ""}
+    told = _page(*_subtracted(columns, panels(names, columns, reference)), played, shown)
+    runs = [{"key": key, "name": name} for key, name in zip(prefixes, names, strict=True)]
+    every = dict.fromkeys(name.partition(".")[2] for name in columns if name != "time_s")
+    more = {"runs": runs, "columns": others(list(every)), "table_name": OVERLAY}
+    return told | {"overlaid": runs, "data": told["data"] | more}
+
+
+def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mapping[str, Array], list[Group]]:
+    """The table and the groups with differences of runs as columns of their own: a page has seven digits of each."""
+    more: dict[str, Array] = {}
+
+    def single(curve: Curve) -> Curve:
+        if not any(factor < 0.0 and len(curve.terms) > 1 for _, factor in curve.terms):
+            return curve
+        key, _, name = curve.terms[0][0].partition(".")
+        more[f"{key}.difference_of_{name}"] = curve.values(columns.__getitem__)
+        return Curve(curve.label, ((f"{key}.difference_of_{name}", 1.0),))
+
+    drawn = [
+        replace(group, panels=tuple(replace(p, curves=tuple(map(single, p.curves))) for p in group.panels))
+        for group in found
+    ]
+    return {**columns, **more}, drawn
+
+
+def _first_end(prefixes: Sequence[str], columns: Mapping[str, Array]) -> float:
+    """When (s) the first of several runs ends."""
+    one_of_each = [next((v for n, v in columns.items() if n.startswith(f"{key}.")), None) for key in prefixes]
+    time = columns["time_s"]
+    return min((float(time[np.isfinite(values)][-1]) for values in one_of_each if values is not None), default=time[-1])
+
+
+NOTHING: dict[str, Any] = {"in_space": False, "stage": None, "groups": [], "thinned": 0, "overlaid": []}
+
+
+def live_curves(columns: Mapping[str, Array], found: list[Group], table_name: str) -> dict[str, Any]:
+    """The same for a table of curves over time without a motion."""
+    told = _page(columns, found, None, None)
+    return told | {"data": told["data"] | {"columns": [], "table_name": table_name}}
+
+
+def _page(
+    columns: Mapping[str, Array], found: list[Group], played: tuple[Motion, Bed] | None, shown: dict[str, Any] | None
+) -> dict[str, Any]:
+    """What all pages with histories have: data for scripts, and what templates need; shown: the stage in the plane."""
+    table = np.column_stack(list(columns.values()))
+    every = max(1, -(-table.size // MOST_NUMBERS))
+    data: dict[str, Any] = {
+        "table": _packed(list(columns), table[::every]),
+        "groups": [_told(group) for group in found],
+        "moments": {},
+    }
+    if shown is not None:
         data["stage"] = {key: shown[key] for key in _OF_STAGE}
     if played is not None:
         data["motion"] = plain(played[0])
-    told = {"stage": shown, "groups": found, "thinned": every if every > 1 else 0}
-    return {"data": data, "in_space": played is not None and played[0].in_space, **told}
+    space = played is not None and played[0].in_space
+    kept = {"stage": shown, "in_space": space, "groups": found, "thinned": every if every > 1 else 0}
+    return NOTHING | kept | {"data": data}
 
 
 def _groups(names: list[str], columns: dict[str, Array]) -> list[Group]:

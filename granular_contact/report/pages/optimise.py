@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from granular_contact.report import BEST, BEST_CONFIG, FIGURES, HISTORY, OPTIMISE, OPTIMUM, PROGRAM
+from granular_contact.report import BEST, BEST_CONFIG, FIGURES, HISTORY, OPTIMISE, OPTIMUM, PROGRAM, SERIES, SUMMARY
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
+from granular_contact.report.pages.live import NOTHING
+from granular_contact.report.pages.live import live as of_run
 from granular_contact.report.units import label, plain, quantity
 
 MOST_ROWS = 100  # shown; the rest is in the table
@@ -57,6 +59,16 @@ def data(folder: Folder) -> dict[str, Any]:
     head, rows = folder.table(HISTORY)
     columns = {name: [row[head.index(name)] for row in rows] for name in ("run", *told["parameters"], "objective")}
     return chart([f"run {plain(run)}" for run in columns["run"]], columns, "run", "objective")
+
+
+def live(folder: Folder) -> dict[str, Any]:
+    """The best run, as on a page of its own."""
+    best = Folder(folder.path / BEST, "run")
+    if not best.has(SUMMARY):
+        return NOTHING | {"data": {}}
+    shown = of_run(best, best.read(SUMMARY))
+    shown["data"].pop("files", None)
+    return shown | {"data": shown["data"] | {"table_name": f"{BEST}_{SERIES}"}}
 
 
 def _worth(told: dict[str, Any], key: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from functools import cache
 from pathlib import Path
@@ -24,10 +24,8 @@ WIDE = 2.4  # width to height of pictures that get a row of their own
 _HEADING = re.compile(r'<h2 id="([^"]*)">(.*?)</h2>')
 _QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
 _TYPES = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4", ".svg": "image/svg+xml"}
-_SCRIPTS = {
-    "run": ("tables", "data", "player", "histories", "space", "run"),
-    **dict.fromkeys(("sweep", "optimise", "fit"), ("tables", "data", "histories", "cases")),
-}
+_DRAWING = ("tables", "data", "player", "histories", "space", "cases", "run")
+_SCRIPTS = dict.fromkeys(("run", "compare", "compare-media", "sweep", "optimise", "fit"), _DRAWING)
 Rows = Iterable[Sequence[Any]]
 
 
@@ -49,7 +47,7 @@ def rendered(kind: str, content: dict[str, Any], data: dict[str, Any], *, draws:
 def _templates() -> Environment:
     found = Environment(loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined)
     found.trim_blocks = found.lstrip_blocks = True
-    own = (label, quantity, plain, flat, cell, keyed, records, headings, squeezed, uri, is_wide, turned)
+    own = (label, quantity, plain, flat, cell, keyed, records, headings, squeezed, uri, is_wide, turned, run_of)
     found.filters |= {one.__name__: one for one in own}
     found.tests["deep"] = is_deep
     return found
@@ -58,6 +56,12 @@ def _templates() -> Environment:
 def headings(content: Markup) -> list[tuple[str, Markup]]:
     """Names and words of the sections of a page."""
     return [(Markup(name), Markup(words)) for name, words in _HEADING.findall(content)]
+
+
+def run_of(part: str, runs: Sequence[Mapping[str, str]]) -> Markup:
+    """The attribute of a part `RUN: part` that names the place of its run."""
+    place = next((i for i, run in enumerate(runs) if part.startswith(f"{run['name']}: ")), None)
+    return Markup("") if place is None else Markup(f' data-run="{place}"')
 
 
 def squeezed(text: Markup) -> Markup:

@@ -12,12 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.report import SENSITIVITY, SWEEP, TABLE
+from granular_contact.report import BANDS, CASES, SENSITIVITY, SERIES, SWEEP, TABLE
+from granular_contact.report.histories import BASES, Curve, Group, Panel, in_unit
+from granular_contact.report.overlay import History, motion
+from granular_contact.report.overlay import table as overlaid
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder, Rows
-from granular_contact.report.units import column, is_number, label, quantity
+from granular_contact.report.pages.live import NOTHING, live_curves, live_overlay
+from granular_contact.report.units import column, is_number, label, quantity, split
 from granular_contact.results import FINISHED
 
+MOST_RUNS = 6  # of cases that were kept, side by side
 MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
 _NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.", "strips.", "strides.count", "strides.period")
@@ -101,6 +106,43 @@ def data(folder: Folder) -> dict[str, Any]:
         return {}
     columns = {name: table.numbers(name).tolist() for name in (*table.varied, *table.found)}
     return chart([str(name) for name in table.column(table.head[0])], columns, along[0], drawn[0])
+
+
+def live(folder: Folder) -> dict[str, Any]:
+    """Bands of histories of an ensemble; or the runs of some cases, where they were kept: the first, the last, and some
+    between.
+    """
+    if folder.has(BANDS):
+        head, table = folder.numbers(BANDS)
+        columns = dict(zip(head, table.T, strict=True))
+        return live_curves(columns, _bands(columns), BANDS)
+    places = sorted(one for one in (folder.path / CASES).glob("*") if (one / SERIES).is_file())
+    chosen = [places[i] for i in np.unique(np.linspace(0, len(places) - 1, MOST_RUNS).astype(int))] if places else []
+    kept = [Folder(one, "run") for one in chosen]
+    runs = []
+    for one in kept:
+        head, table = one.numbers(SERIES)
+        runs.append(History(one.path.name, dict(zip(head, table.T, strict=True)), one.motion()))
+    if len(runs) < 2:
+        return NOTHING | {"data": {}}
+    moved, played = motion(runs), kept[0].played()
+    bed = None if moved is None or played is None else (moved, played[1])
+    return live_overlay([one.name for one in runs], overlaid(runs), bed)
+
+
+def _bands(columns: dict[str, Values]) -> list[Group]:
+    """A panel of quantiles for each column that has some."""
+    found: dict[str, list[Curve]] = {}
+    for name in columns:
+        stem, _, level = name.rpartition("_q")
+        if stem:
+            words = "median" if level == "50" else f"{int(level)} %"
+            found.setdefault(stem, []).append(Curve(words, ((name, 1.0),)))
+    panels = []
+    for stem, curves in found.items():
+        base = BASES.get(split(stem)[1], "")
+        panels.append(in_unit(Panel(label(stem), base, tuple(curves)), columns.__getitem__))
+    return [Group("bands", "Bands", "So many of all runs lie below each curve.", tuple(panels))] if panels else []
 
 
 def _read(folder: Folder) -> _Table:

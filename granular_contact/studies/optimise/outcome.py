@@ -9,7 +9,7 @@ from typing import Any
 from granular_contact.config import Scenario, Study
 from granular_contact.results import Results
 from granular_contact.studies.optimise.judging import WORST, Judged
-from granular_contact.studies.sweep.worker import simulate
+from granular_contact.studies.sweep.worker import simulate_with_pictures
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Outcome:
 
     def simulate(self) -> Results:
         """The best run once more, with its series."""
-        return simulate(self.scenario)
+        return simulate_with_pictures(self.scenario)
 
     @property
     def rows(self) -> list[dict[str, Any]]:

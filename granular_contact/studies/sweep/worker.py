@@ -63,6 +63,15 @@ def simulate(scenario: Scenario) -> Results:
     return run(scene.build(scenario), scenario)
 
 
+def simulate_with_pictures(scenario: Scenario) -> Results:
+    """The same, with what the player of its page needs."""
+    from granular_contact import scene
+    from granular_contact.results.frames import MOST
+    from granular_contact.run import run
+
+    return run(scene.build(scenario), scenario, most_frames=MOST)
+
+
 def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
     """Lines of the tasks' rows, and the seconds that they took; an exception of a case becomes its row.
 
@@ -89,7 +98,8 @@ def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]
 def _line(task: Task, job: Job) -> bytes:
     try:
         scenario = task.scenario or job.sweep.scenario(task.case)
-        results = job.function(scenario)
+        kept = job.folder is not None and job.function is simulate
+        results = (simulate_with_pictures if kept else job.function)(scenario)
         values = job.sweep.values(task.case, scenario)
         line = Row(task.index, task.case.name, values, dict(_flat(results.summary))).line()
     except Exception as error:

@@ -20,19 +20,24 @@ function caseChart() {
     const text = data.cases.names.map((name, i) => `${name}: ${number(a.values[i])}, ${number(b.values[i])}`);
     Plotly.react(place, [{ x: a.values, y: b.values, text, hoverinfo: "text", mode: "markers", type: "scatter", marker }], layout, CONFIG);
   };
+  // What is pointed at, in the chart or in the table of cases, is marked in both.
+  const rows = new Map($$("tbody tr").map((row) => [row.cells[0].textContent, row]));
+  const point = (i) => {
+    for (const row of $$("tr.pointed")) row.classList.remove("pointed");
+    const row = i === null ? null : rows.get(data.cases.names[i].replace(/^run /, ""));
+    if (row) row.classList.add("pointed");
+    told.textContent = i === null ? "" : data.cases.names[i];
+    const sizes = data.cases.names.map((_, k) => (k === i ? 16 : 8));
+    Plotly.restyle(place, { "marker.size": [i === null ? 8 : sizes] }, [0]);
+  };
+  data.cases.names.forEach((name, i) => {
+    const row = rows.get(name.replace(/^run /, ""));
+    if (!row) return;
+    row.addEventListener("pointerenter", () => point(i));
+    row.addEventListener("pointerleave", () => point(null));
+  });
   for (const select of [x, y, tone]) select.addEventListener("change", draw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   draw();
-  place.on("plotly_hover", (event) => {
-    const i = event.points[0].pointIndex;
-    told.textContent = data.cases.names[i];
-  });
+  place.on("plotly_hover", (event) => point(event.points[0].pointIndex));
 }
-
-async function start() {
-  offer(Object.entries(data.files || {}));
-  if (!data.cases || !(await plotly())) return;
-  document.documentElement.classList.add("draws");
-  caseChart();
-}
-start();

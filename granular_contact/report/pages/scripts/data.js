@@ -1,6 +1,6 @@
 // What pages with histories share: numbers in words, packed data, the instant that is shown.
 const number = (value) => {
-  if (!isFinite(value)) return "–";
+  if (value === null || !isFinite(value)) return "–";
   const size = Math.abs(value);
   return (size && (size < 1e-3 || size >= 1e5) ? value.toExponential(2) : value.toPrecision(4)).replace(/-/g, "−");
 };
@@ -48,3 +48,26 @@ function between(times, time) {
 }
 const mix = (a, b, share) => a + (b - a) * share;
 
+
+// Several runs on one page: which are shown, and in which colours.
+const shown = { hidden: new Set(), told: [] };
+const runOf = (name, between) => (data.runs || []).findIndex((run) => name.startsWith(run[between === ": " ? "name" : "key"] + between));
+function chooseRuns() {
+  const paint = () => {
+    for (const one of $$("[data-run]")) {
+      one.style.setProperty("--tone", colourOf(Number(one.dataset.run)));
+      if (one.classList.contains("part")) one.style.display = shown.hidden.has(Number(one.dataset.run)) ? "none" : "";
+    }
+  };
+  for (const label of $$("#runs label")) {
+    const run = Number(label.dataset.run);
+    $("input", label).addEventListener("change", (event) => {
+      shown.hidden[event.target.checked ? "delete" : "add"](run);
+      paint();
+      for (const tell of shown.told) tell();
+      setTime(clock.time);
+    });
+  }
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+  paint();
+}

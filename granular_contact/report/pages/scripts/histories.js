@@ -81,6 +81,7 @@ class Panel {
     this.all = all;
     this.time = columns.time_s;
     this.curves = told.curves.map((curve) => valuesOf(curve, columns, told.factor));
+    this.runs = told.curves.map((curve, c) => (data.runs ? runOf(curve.terms[0][0], ".") : c)); // of several runs each has its colour
     this.range = [this.time[0], this.time[this.time.length - 1]];
     this.plot = make("div", { class: "plot" });
     this.cursor = make("div", { class: "cursor" });
@@ -88,10 +89,10 @@ class Panel {
     this.readings = told.curves.map((curve, i) => {
       const value = make("b", {}, "");
       const key = make("span", { class: "key" }, make("i", {}), curve.label + " ", value);
-      key.style.setProperty("--tone", colourOf(i));
+      key.style.setProperty("--tone", colourOf(this.runs[i]));
       return { key, value };
     });
-    const head = make("div", { class: "head" }, make("h3", {}, `${told.title} (${told.unit})`));
+    const head = make("div", { class: "head" }, make("h3", {}, told.unit ? `${told.title} (${told.unit})` : told.title));
     head.append(...this.readings.map((one) => one.key));
     this.element = make("div", { class: "panel" }, head, make("div", { class: "frame" }, this.plot, this.cursor));
     this.plot.addEventListener("pointermove", (event) => this.point(event));
@@ -101,13 +102,21 @@ class Panel {
   traces() {
     return this.curves.map((values, c) => {
       const rows = rowsToDraw(this.time, values, ...this.range);
-      const x = this.told.along ? this.columns[this.told.along] : this.time;
+      const x = this.told.along ? this.along(c) : this.time;
       const factor = this.told.along ? 1e3 : 1; // depths in mm
       return {
         x: rows.map((i) => x[i] * factor), y: rows.map((i) => values[i]), mode: "lines", type: "scatter",
-        line: { color: colourOf(c), width: 1.6 },
+        line: { color: colourOf(this.runs[c]), width: 1.6 }, visible: this.visible(c),
       };
     });
+  }
+
+  along(c) { // what a curve is drawn over
+    return this.columns[this.told.curves[c].along || this.told.along];
+  }
+
+  visible(c) {
+    return !(data.runs && shown.hidden.has(this.runs[c]));
   }
 
   draw() {
@@ -141,7 +150,7 @@ class Panel {
   }
 
   repaint() {
-    this.readings.forEach((one, i) => one.key.style.setProperty("--tone", colourOf(i)));
+    this.readings.forEach((one, i) => one.key.style.setProperty("--tone", colourOf(this.runs[i])));
     if (!this.drawn) return;
     if (this.told.along) {
       Plotly.purge(this.plot);
@@ -162,9 +171,10 @@ class Panel {
     this.curves.forEach((values, c) => (this.readings[c].value.textContent = number(mix(values[i], values[next], share))));
     if (!this.drawn) return;
     if (this.told.along) {
-      const x = this.columns[this.told.along];
-      const [at] = this.curves;
-      Plotly.restyle(this.plot, { x: [[1e3 * mix(x[i], x[next], share)]], y: [[mix(at[i], at[next], share)]] }, [this.curves.length]);
+      const seen = this.curves.map((_, c) => c).filter((c) => this.visible(c));
+      const x = seen.map((c) => 1e3 * mix(this.along(c)[i], this.along(c)[next], share));
+      const y = seen.map((c) => mix(this.curves[c][i], this.curves[c][next], share));
+      Plotly.restyle(this.plot, { x: [x], y: [y] }, [this.curves.length]);
       return;
     }
     const where = (time - this.range[0]) / (this.range[1] - this.range[0]);
@@ -206,12 +216,14 @@ function histories(columns) {
   chosen(columns, add, all, watch);
   clock.told.push((time) => all.visible.forEach((panel) => panel.show(time)));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all.panels.forEach((one) => one.repaint()));
+  shown.told.push(() => all.panels.forEach((one) => one.repaint()));
   $("[data-do=unzoom]").addEventListener("click", () => all.zoom(null));
 }
 
 // Any column, as its own panel.
 function chosen(columns, add, all, watch) {
   const select = $("#column");
+  if (!select) return;
   for (const [name] of data.columns) select.append(make("option", { value: name }, name));
   let panel = null;
   select.addEventListener("change", () => {
@@ -224,7 +236,9 @@ function chosen(columns, add, all, watch) {
     }
     if (!select.value) return;
     const [, words] = data.columns.find(([name]) => name === select.value);
-    const curves = [{ label: words, terms: [[select.value, 1]], start: false, integral: false }];
+    const curves = (data.runs || [{ name: words }])
+      .map((run) => ({ label: run.name, terms: [[run.key ? `${run.key}.${select.value}` : select.value, 1]] }))
+      .filter((curve) => curve.terms[0][0] in columns);
     panel = add({ title: select.value, unit: "SI or deg", factor: 1, along: "", curves }, $("#chosen"));
     panel.range = all.panels.length > 1 ? [...all.panels[0].range] : panel.range;
   });

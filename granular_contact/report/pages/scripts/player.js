@@ -72,8 +72,8 @@ function arrow([x, y], [fx, fy], factor, px, longest) {
 function drawing(motion, stage) {
   const svg = $("#stage"), world = $(".world", svg);
   const parts = $$(".part", world), arrows = $(".forces", world);
-  const forces = Object.values(motion.forces).map((one) => [one, arrows.appendChild(
-    document.createElementNS("http://www.w3.org/2000/svg", "path"))]);
+  const forces = Object.entries(motion.forces).map(([name, one]) => [one, arrows.appendChild(
+    document.createElementNS("http://www.w3.org/2000/svg", "path")), runOf(name, ": ")]);
   const view = { scale: stage.scale, left: stage.left, top: stage.top };
   const follow = $("#follow"), withForces = $("#with-forces");
   const middle = (i, share) => { // of the mechanism, along x
@@ -102,14 +102,14 @@ function drawing(motion, stage) {
       const turn = (mix(a[2], b[2], share) * 180) / Math.PI;
       part.setAttribute("transform", `translate(${mix(a[0], b[0], share)} ${mix(a[1], b[1], share)}) rotate(${turn})`);
     });
-    for (const [one, path] of forces) {
+    for (const [one, path, run] of forces) {
       const at = one.point_m, force = one.force_N;
       const [a, b] = [force[i], force[next]], on = [a, b].map(([x, y]) => x !== 0 || y !== 0);
       const from = on[0] ? at[i] : at[next], to = on[1] ? at[next] : at[i];
       const point = [mix(from[0], to[0], share), mix(from[1], to[1], share)];
       const vector = [mix(a[0], b[0], share), mix(a[1], b[1], share)];
-      const shown = withForces.checked && (on[0] || on[1]);
-      path.setAttribute("d", shown ? arrow(point, vector, stage.arrow, 1 / view.scale, stage.longest) : "");
+      const visible = withForces.checked && !shown.hidden.has(run) && (on[0] || on[1]);
+      path.setAttribute("d", visible ? arrow(point, vector, stage.arrow, 1 / view.scale, stage.longest) : "");
     }
     place();
   }

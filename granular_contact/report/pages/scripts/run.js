@@ -1,4 +1,4 @@
-// The page of a run.
+// A page with histories, a motion or a chart: of a run, of several, of many.
 async function start() {
   const files = Object.entries(data.files || {});
   const motion = data.motion;
@@ -8,14 +8,17 @@ async function start() {
     if (data.stage) drawing(motion, data.stage);
     setTime(data.stage ? motion.time_s[$("#stage").dataset.shown] : data.moments.deepest || clock.start);
   }
-  if (!data.table || !window.DecompressionStream) return offer(files);
-  const columns = await tableOf(data.table);
-  offer([["timeseries.csv", () => csvOf(columns)], ...files]);
-  if (!motion) [clock.start, clock.end] = [columns.time_s[0], columns.time_s[columns.time_s.length - 1]];
+  if (!window.DecompressionStream) return offer(files);
+  const columns = data.table ? await tableOf(data.table) : null;
+  const name = data.table_name === undefined ? "timeseries.csv" : data.table_name;
+  offer(columns && name && !(name in (data.files || {})) ? [[name, () => csvOf(columns)], ...files] : files);
+  if (columns && !motion) [clock.start, clock.end] = [columns.time_s[0], columns.time_s[columns.time_s.length - 1]];
   if (!(await plotly())) return;
   document.documentElement.classList.add("draws");
-  histories(columns);
+  if (data.runs) chooseRuns();
+  if (columns) histories(columns);
   if (motion && !data.stage) new SpacePlayer(motion, columns);
-  if (!motion) setTime(clock.end);
+  if (columns && !motion) setTime(clock.end);
+  if (data.cases) caseChart();
 }
 start();

@@ -45,10 +45,14 @@ class SpacePlayer {
       const [x, y, z] = placed(part.points_m, motion.poses[0][i]);
       const [a, b, c] = [0, 1, 2].map((k) => part.faces.map((face) => face[k]));
       return {
-        type: "mesh3d", x, y, z, i: a, j: b, k: c, color: TONES[i % TONES.length], flatshading: true, name: part.name,
+        type: "mesh3d", x, y, z, i: a, j: b, k: c, color: this.tone(part, i), flatshading: true, name: part.name,
         hoverinfo: "name", lighting: { ambient: 0.6, diffuse: 0.6, specular: 0.1, facenormalsepsilon: 0, vertexnormalsepsilon: 0 },
         lightposition: { x: 3e4, y: -5e4, z: 8e4 }, // far away; facets of a millimetre are no degenerate ones
       };
+    });
+    shown.told.push(() => {
+      const seen = motion.parts.map((part) => !shown.hidden.has(runOf(part.name, ": ")));
+      Plotly.restyle(this.plot, { visible: seen }, this.bodies);
     });
     this.lines = mesh.length;
     const force = css("--force");
@@ -78,6 +82,10 @@ class SpacePlayer {
     $("#with-forces").addEventListener("change", () => this.show(clock.time));
     clock.told.push((time) => this.show(time));
     this.show(clock.time);
+  }
+
+  tone(part, i) { // of several runs each has its colour
+    return data.runs ? colourOf(runOf(part.name, ": ")) : TONES[i % TONES.length];
   }
 
   extent() {
@@ -130,6 +138,7 @@ class SpacePlayer {
   }
 
   path(columns) {
+    if (data.runs) return null;
     const first = Object.keys(columns).find((name) => name.endsWith("_vx_m_s")), of = first ? first.slice(0, -7) : "tip";
     if (!columns[`${of}_z_m`]) return null;
     const rows = columns.time_s.length, step = Math.max(1, Math.floor(rows / 400)), path = { x: [], y: [], z: [] };
@@ -141,7 +150,8 @@ class SpacePlayer {
   arrows(i, next, share) {
     const line = [[], [], []], end = [[], [], []];
     if (!$("#with-forces").checked) return [line, end];
-    for (const one of Object.values(this.motion.forces)) {
+    for (const [name, one] of Object.entries(this.motion.forces)) {
+      if (shown.hidden.has(runOf(name, ": "))) continue;
       const point = one.point_m[i].map((value, k) => mix(value, one.point_m[next][k], share));
       const force = one.force_N[i].map((value, k) => mix(value, one.force_N[next][k], share));
       const size = Math.hypot(...force), length = Math.min(size * this.scale(), 0.4 * this.box.size);

@@ -72,4 +72,4 @@ function offer(files) {
   }
 }
 
-const data = $("#data") ? JSON.parse($("#data").textContent) : {};
+const data = $("#page-data") ? JSON.parse($("#page-data").textContent) : {};
