@@ -45,7 +45,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/test_run.py",
         ),
         "multibody/senses.py": ("tests/test_simulation.py",),
-        "results/stopping.py": ("tests/multibody/test_stopping.py", "tests/test_edges.py"),
+        "results/stopping.py": ("tests/test_stops.py", "tests/multibody/test_stopping.py", "tests/test_edges.py"),
         "results/strides.py": ("tests/test_strides.py",),
     },
     "decisions": {
