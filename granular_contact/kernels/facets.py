@@ -11,7 +11,8 @@ Only what leads is loaded. With the direction of motion u at the centroid and s,
 a corner, a facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1): the share of it that leads where a body turns,
 and the fading in of `plates` where it does not. Of a body that rests, with bristles below their yield, the faces beside
 it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches PRESSED of
-the yield displacement before the face is loaded as a whole [ours].
+the yield displacement before the face is loaded as a whole [ours]. A ball that slides along slowly has up to 1 % less
+resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has all.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import numpy as np
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
-from granular_contact.kernels.plates import EDGE
+from granular_contact.kernels.plates import EDGE, PRESSED
 from granular_contact.kernels.scatter import facet_factor
 from granular_contact.kernels.space_friction import drive, mobilised
 
@@ -31,7 +32,6 @@ COLUMNS = 15
 SIDE = 14
 SHEARED, PATH, LAST = 3, 4, 5  # columns of anchors, see `ways`; the last three are a place
 WAYS = 8  # of columns, where a medium scatters
-PRESSED = 0.3
 
 
 def stress(nx, ny, nz, ux, uy, uz, m):

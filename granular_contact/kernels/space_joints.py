@@ -1,13 +1,17 @@
-"""What acts in hinges and sliders between rigid bodies in space, in one call; called as `joint_loads`.
+"""What acts in hinges, sliders and ball joints between rigid bodies in space, in one call; called as `joint_loads`.
 
 A joint's frame lies at a point of the parent P and of the child C; its z is the axis a, which turns with the parent.
 
     hinge   s = angle about a from the parent's x to the child's, in the turn that was found last
     slider  s = a . (x_C + arm_C - x_P - arm_P)
+    ball    s = angle of the rotation from the parent's frame to the child's, 0 to pi; a is its axis
 
 x: position of a body's node, arm: from it to the joint's point. A torque or force tau along s is tau ds/dq on the
-coordinates: with w = G e' (see `space_bodies`) of a hinge ds/dt = a . (w_C - w_P). Forces along s are those of
-`joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT and places (k, 14, 2).
+coordinates: with w = G e' (see `space_bodies`) of a hinge and a ball ds/dt = a . (w_C - w_P). So the spring of a ball
+has the moment -k s a, k times the rotation vector, which is smooth at s = 0; at pi, where the way back may go either
+way round, it jumps. Its damper acts on all of w_C - w_P: what is not along a adds -c (w_C - w_P - a ds/dt). Forces
+along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT and places
+(k, 14, 2).
 """
 
 from __future__ import annotations
@@ -25,6 +29,7 @@ from granular_contact.kernels.memory import clear, room1, room2, room3, rows
 from granular_contact.kernels.space_bodies import turning
 
 MOST = 14  # coordinates of two nodes
+BALL = 2  # a kind of joint, beside HINGE and SLIDER
 # parent, child: how many coordinates their nodes have, none of the ground; points (m) and axes of the joint's frame in
 # the frames of parent and child; reference: values of the coordinates.
 JOINT = np.dtype(
@@ -58,6 +63,27 @@ def _frames(joint, q, frames, places, turns):
 
 
 @part
+def _from_home(joint, R, a):
+    """Angle (rad) of the rotation from the parent's frame to the child's; a (3,) is filled with its axis, or zeros."""
+    P, C, A, B = joint.parent_turn, joint.child_turn, room2(3, 3), room2(3, 3)
+    for i in range(3):
+        for j in range(3):
+            A[i, j] = R[0, i, 0] * P[0, j] + R[0, i, 1] * P[1, j] + R[0, i, 2] * P[2, j]
+            B[i, j] = R[1, i, 0] * C[0, j] + R[1, i, 1] * C[1, j] + R[1, i, 2] * C[2, j]
+    # The sum of the cross products of each axis of the parent's frame with that of the child's is 2 sin s a.
+    cosine = -1.0
+    for i in range(3):
+        j, k, a[i] = (i + 1) % 3, (i + 2) % 3, 0.0
+        for column in range(3):
+            a[i] += 0.5 * (A[j, column] * B[k, column] - A[k, column] * B[j, column])
+            cosine += A[i, column] * B[i, column]
+    sine = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    for i in range(3):
+        a[i] = a[i] / sine if sine > 0.0 else 0.0
+    return math.atan2(sine, 0.5 * cosine)
+
+
+@part
 def coordinate(joint, last, q, v, slope):
     """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
@@ -76,6 +102,10 @@ def coordinate(joint, last, q, v, slope):
             by_turn[0, i], by_turn[1, i] = -a[i], a[i]
         s = math.atan2(sine, cosine)
         s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
+    elif joint.kind == BALL:
+        s = _from_home(joint, R, a)
+        for i in range(3):
+            by_turn[0, i], by_turn[1, i] = -a[i], a[i]
     else:
         d, arm, s = room1(3), room1(3), 0.0  # from the parent's node to the joint's point on the child
         for i in range(3):
@@ -112,45 +142,70 @@ def _gather(system_q, system_v, places, count, q, v):
 
 
 @part
-def _along(joint, now, q, v, slope):
-    """Torque or force of a joint; slope (14,) is filled."""
-    s, rate = coordinate(joint, now[TURNS:], q, v, slope)
+def _act(joint, now, q, v, out):
+    """Fill out (14,) with the generalised forces of a joint."""
+    s, rate = coordinate(joint, now[TURNS:], q, v, out)
     force, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
-    return force
+    for i in range(MOST):
+        out[i] *= force
+    if joint.kind == BALL and joint.damping > 0.0:
+        _damp_across(joint, q, v, out)
+
+
+@part
+def _damp_across(joint, q, v, out):
+    """Add the moment of a ball joint's damper that is not along the axis of its rotation."""
+    R, x, G, a, w = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4), room1(3), room1(3)
+    _frames(joint, q, R, x, G)
+    _from_home(joint, R, a)
+    n, rate = joint.parent, 0.0
+    for i in range(3):
+        w[i] = 0.0
+        for k in range(4):
+            w[i] += G[1, i, k] * v[n + 3 + k]
+            if n > 0:
+                w[i] -= G[0, i, k] * v[3 + k]
+        rate += a[i] * w[i]
+    for i in range(3):
+        moment = -joint.damping * (w[i] - rate * a[i])
+        for k in range(4):
+            out[n + 3 + k] += moment * G[1, i, k]
+            if n > 0:
+                out[3 + k] -= moment * G[0, i, k]
 
 
 @kernel
 def force(system_q, system_v, joints, state, places, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
-    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
+    q, v, f = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
         _gather(system_q, system_v, places[k], count, q, v)
-        tau = _along(joint, state[k], q, v, slope)
+        _act(joint, state[k], q, v, f)
         for i in range(count):
-            out[places[k, i, 1]] += tau * slope[i]
+            out[places[k, i, 1]] += f[i]
 
 
 @kernel
 def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     """As `joint_loads.tangent`, by differences."""
-    q, v, slope, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
+    q, v, here, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
     number = 0
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
         _gather(system_q, system_v, places[k], count, q, v)
-        tau = _along(joint, state[k], q, v, slope)
+        _act(joint, state[k], q, v, here)
         d = difference(rows(q, 0, count), fq, fv)
         for j in range(count):
             at_q, at_v = q[j], v[j]
             q[j] += d * fq
             v[j] += d * fv
-            other = _along(joint, state[k], q, v, moved)
+            _act(joint, state[k], q, v, moved)
             q[j], v[j] = at_q, at_v
             for i in range(count):
-                change = other * moved[i] - tau * slope[i]
+                change = moved[i] - here[i]
                 if change != 0.0:
                     triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
                     triplets[number, 2] = change / d

@@ -79,6 +79,10 @@ class Kinematics:
         """Rate (n,) rad/s of a rigid body, counter-clockwise."""
         return self.angle(name, np.zeros(2))[1]
 
+    def damped_balls(self) -> list[Vector]:
+        """Work (n,) J of the dampers of ball joints, which act along no coordinate; in the plane there are none."""
+        return []
+
     def coordinate(self, joint: Joint) -> tuple[Vector, Vector]:
         """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,13 +37,15 @@ def _joint(scene: Scene, name: str) -> Joint:
 
 
 def joint_columns(motion: Kinematics) -> series.Series:
-    """Coordinate and rate of every hinge and slider."""
+    """Coordinate and rate of every hinge and slider, and of every ball joint in which something acts."""
     columns: series.Series = {}
     for joint in motion.scene.joints:
         if joint.has_coordinate:
             of_joint = joint.name, joint.child, joint.parent, *motion.coordinate(joint)
             hinge = joint.kind == "hinge"
             columns |= series.joint(*of_joint, in_space=motion.scene.in_space) if hinge else series.slider(*of_joint)
+        elif not joint.law.is_idle:
+            columns |= series.ball(joint.name, joint.child, joint.parent, *motion.coordinate(joint))
     return columns
 
 
@@ -89,10 +92,17 @@ def drive_forces(motion: Kinematics) -> Driven:
 
 
 def joint_forces(motion: Kinematics) -> dict[str, JointForces]:
-    """What acts in every joint, by its name, but for drives; only of joints in which something does."""
+    """What acts in every joint, by its name, but for drives; only of joints in which something does.
+
+    Without the dampers of ball joints: the rate of the angle jumps at 0, the angular velocity that they damp does not.
+    """
     held = {name: load.first_anchor for name, load in motion.system.loads.items()}
     return {
-        joint.name: joint_history.joint_forces(joint.law, held.get(joint.name, 0.0), *motion.coordinate(joint))
+        joint.name: joint_history.joint_forces(
+            joint.law if joint.has_coordinate else replace(joint.law, damping=0.0),
+            held.get(joint.name, 0.0),
+            *motion.coordinate(joint),
+        )
         for joint in motion.scene.joints
         if not joint.law.is_idle
     }
@@ -108,7 +118,7 @@ def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
     if any(law.stiffness > 0.0 or law.has_stops for law in laws):
         energies["spring_J"] = np.sum([one.stored for one in done], axis=0)
     if any(law.damping > 0.0 or law.dissipation > 0.0 for law in laws):
-        energies["joint_damping_work_J"] = np.sum([one.damping for one in done], axis=0)
+        energies["joint_damping_work_J"] = np.sum([one.damping for one in done] + motion.damped_balls(), axis=0)
     if any(law.friction > 0.0 for law in laws):
         energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
     if driven:

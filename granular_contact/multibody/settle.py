@@ -5,6 +5,12 @@ stands; then the weight rises to its full value, in small steps. The supporting 
 static resistance is fully mobilised at the end, as under a body that is lowered at vanishing speed. Torques and forces
 of drives rise with the weight; springs, stops and controls act in full, and time stands still.
 
+In space the weight rises by OVERLOAD above its value before it comes back to it. A body that stands with all its
+bristles exactly at their yield meets no stiffness downward and that of all bristles upward, and which of the two is
+decided by round-off: Newton's method goes to and fro between them in every step of the run that follows, and what it
+leaves adds up. After the overload the bristles are inside their yield by that share, where the body rests on springs.
+It stands deeper by about that share of its depth.
+
 Inertia plays no part. In a step from q to q + d every body is held back by its mass,
 
     M d / s = F(q + d) + G^T mu,    g(q + d) = 0,
@@ -35,6 +41,7 @@ from granular_contact.scene.types import Vector
 MOST_STEPS = 4000  # a mechanism that needs more is taken to find no rest
 FIRST_WEIGHT = 0.01  # share of the weight with which the mechanism is lowered
 GROWTH, RISE = 1.25, 0.05  # of the weight in a step: largest factor, largest increase of its share
+OVERLOAD = 1e-3  # of the weight, put on and taken off again: a tenth as much is within what differences step over
 LONGEST_STEP = 0.05  # of the mechanism's length; a body may turn by twice that, in radians
 STANDING_ACCELERATION = 0.02  # of gravity: with less the mechanism stands and can take more weight
 RESTING_ACCELERATION = 1e-6  # of gravity: with less it rests
@@ -71,6 +78,7 @@ class _Descent:
             angles = np.array(system.mbs.systemData.GetNodeLTGODE2(rigid.node))[list(rigid.body.turning_places)]
             self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
         self.share, self.steps, self.rests = FIRST_WEIGHT, 0, False
+        self.goals = [1.0 + OVERLOAD, 1.0] if scene.in_space and system.bed is not None else [1.0]
         self.pace = self.pace_taken = 0.25 * LONGEST_STEP * self.size / (FIRST_WEIGHT * self.gravity)
         self.q: Vector = system.mbs.systemData.GetODE2Coordinates()
         self.last = np.zeros_like(self.q)  # displacement of the last step
@@ -82,19 +90,23 @@ class _Descent:
     def run(self) -> None:
         """Go on to rest, or as far as one gets."""
         left, shortest = math.inf, SLOWEST_PACE * self.pace
+        goals = iter(self.goals)
+        goal = next(goals)
         while not self.rests and self.steps < MOST_STEPS and self.pace > shortest:
             if self.recorder.reason or time.perf_counter() > self.deadline:
                 return
             share = self.share
             if left <= STANDING_ACCELERATION * share * self.gravity:
-                share = min(1.0, GROWTH * share, share + RISE)
+                share = min(goal, GROWTH * share, share + RISE)
             moved = self._step(share)
             self.steps += 1
             if moved is None:
                 self.pace *= 0.25
                 continue
             left = moved / self.pace_taken
-            self.rests = self.share == 1.0 and left <= RESTING_ACCELERATION * self.gravity
+            if self.share == goal and left <= RESTING_ACCELERATION * self.gravity:
+                goal = next(goals, goal)
+                self.rests = self.share == goal
 
     def _step(self, share: float) -> float | None:
         """One step with a share of the weight; greatest displacement (m) of any point; None: too long."""

@@ -44,6 +44,15 @@ def slider(name: str, child: str, parent: str | None, position: Vector, speed: V
     }
 
 
+def ball(name: str, child: str, parent: str | None, angle: Vector, rate: Vector) -> Series:
+    """Angle (n,) rad of the rotation of a ball joint from home, and its rate (n,) rad/s."""
+    told = f"angle of the rotation of {child} at {name} relative to {parent or 'the ground'}, from home"
+    return {
+        f"{name}_angle_deg": (told, np.degrees(angle)),
+        f"{name}_rate_rad_s": (f"rate of {name}_angle", rate),
+    }
+
+
 def drive(joint: str, hinge: bool, force: Vector, power: Vector, *, in_space: bool = False) -> Series:
     """Torque (n,) N m or force (n,) N of a drive, and its power (n,) W."""
     column, what = ("torque_Nm", "torque, clockwise") if hinge else ("force_N", "force, along the axis")

@@ -110,4 +110,18 @@ def law(joint: Any) -> JointLaw:
             slip=1.0 if rub is None else rub.slip_m,
             damping_time=0.0 if rub is None else rub.damping_time_s,
         )
+    if joint.type == "ball":
+        return _ball_law(joint)
     return JointLaw()
+
+
+def _ball_law(joint: Any) -> JointLaw:
+    """Of a joint of space, by the angle of its rotation from home."""
+    spring, stops = joint.spring, joint.stops
+    return JointLaw(
+        stiffness=0.0 if spring is None else spring.stiffness_Nm_per_rad,
+        damping=joint.damping_Nm_s_per_rad,
+        upper=math.inf if stops is None else math.radians(stops.upper_deg),
+        stop_stiffness=0.0 if stops is None else stops.stiffness_Nm_per_rad,
+        dissipation=0.0 if stops is None else stops.dissipation_s_per_rad,
+    )

@@ -5,15 +5,19 @@ they stand, with joints, loops and drives, and their energy accounted for.
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from granular_contact import Results, load, simulate
+from granular_contact.kernels import space_joints
+from granular_contact.multibody.joint_loads import fill
 from granular_contact.multibody.space.coordinates import SpatialCoordinate
 from granular_contact.scene import build
 from granular_contact.scene.space import rotations
+from granular_contact.scene.types import JointLaw
 
 FREE = {"f": {"type": "free", "parent": "ground", "child": "b"}}
 SOLVER = {"end_time_s": 0.12, "accuracy": 1e-3, "rest_time_s": None}
@@ -152,7 +156,10 @@ def test_turning_and_mirroring_the_scene_turns_and_mirrors_the_result() -> None:
 
 
 def test_a_robot_stands_on_a_slope() -> None:
-    """Settled on a slope of 10 degrees it carries its weight, and creeps by less than a micrometre a second."""
+    """Settled on a slope of 10 degrees it carries its weight and stays, and Newton's method has nothing to do.
+
+    20 s of it and other robots: validation/standing.py.
+    """
     leg = {"type": "rigid", "density_kg_m3": 1200}
     leg["shapes"] = [{"type": "capsule", "diameter_m": 0.02, "start_m": [0, 0, 0], "end_m": [0, 0, -0.08]}]
     hips = {"fl": [0.08, 0.05, 0], "fr": [0.08, -0.05, 0], "rl": [-0.08, 0.05, 0], "rr": [-0.08, -0.05, 0]}
@@ -172,7 +179,11 @@ def test_a_robot_stands_on_a_slope() -> None:
     }
     results = simulate(load(run))
     path = np.column_stack([results[f"seat_{axis}_m"] for axis in "xyz"])
-    assert np.linalg.norm(path[-1] - path[0]) < 1e-6
+    assert np.linalg.norm(path[-1] - path[0]) < 1e-11  # 1 um/s is asked; round-off of positions is 1e-17
+    # With bristles exactly at their yield it were 750 iterations and 280 Jacobians in this second, and ever more later.
+    cost = results.summary["cost"]
+    assert cost["newton_iterations"] < 2 * cost["steps"]
+    assert cost["jacobians"] < 20
     weight = build(load(run)).mass * 9.81
     force = [results[f"static_force_{axis}_N"][-1] for axis in "xyz"]
     np.testing.assert_allclose(force, [0.0, 0.0, weight], atol=1e-5 * weight)
@@ -264,6 +275,78 @@ def test_a_loop_and_a_ball_joint_keep_their_energy() -> None:
     assert results.summary["energy"]["imbalance_relative"] < 1e-3
     np.testing.assert_allclose(results["one_angle_deg"] + results["two_angle_deg"], 0.0, atol=0.01)  # a parallelogram
     assert np.ptp(results["one_angle_deg"]) > 20.0
+
+
+def jointed(joint: dict[str, Any], start: dict[str, Any], rpy: list[float], foot: list[float]) -> dict[str, Any]:
+    """Two rods and a foot across the second one; the first swings on a hinge, the second on a joint. In vacuum."""
+    bodies = copy.deepcopy(ARM["bodies"]) | {"foot": {"type": "link", "length_m": 0.04, "diameter_m": 0.02}}
+    bodies["foot"]["density_kg_m3"] = 2000
+    joints = {
+        "hip": {"type": "hinge", "parent": "ground", "child": "upper", "axis": [0, 1, 0], "home_deg": 20},
+        "knee": {"parent": "upper", "child": "lower", "parent_point_m": [0.1, 0, 0], "rpy_deg": rpy} | joint,
+        "tail": {"type": "weld", "parent": "lower", "child": "foot", "parent_point_m": [0.1, 0, 0]} | {"rpy_deg": foot},
+    }
+    model = {"in_space": True, "name": "arm", "bodies": bodies, "joints": joints}
+    solver = {"end_time_s": 0.4, "accuracy": 1e-3}
+    return {"model": model, "initial": {"joints": {"knee": start}}, "solver": solver}
+
+
+STIFF = {"spring": {"stiffness_Nm_per_rad": 0.3}, "damping_Nm_s_per_rad": 5e-4}
+END = {"upper_deg": 15, "stiffness_Nm_per_rad": 20, "dissipation_s_per_rad": 0.1}
+BALL = {"type": "ball", **STIFF, "stops": END}
+
+
+def test_a_ball_joint_has_a_spring_a_damper_and_an_end_of_its_range() -> None:
+    """About one axis it is a hinge with stops at both sides; about all of them its energy is accounted for."""
+    hinge = {"type": "hinge", "axis": [0, 1, 0], **STIFF, "stops": END | {"lower_deg": -15}}
+    one = simulate(load(jointed(hinge, {"rate_rad_s": 30}, [0, 0, 0], [0, 90, 0])))
+    other = simulate(load(jointed(BALL, {"spin_rad_s": [0, 30, 0]}, [0, 0, 0], [0, 90, 0])))
+    at = np.linspace(0.0, 0.4, 60)
+    for name in ("hip_angle_deg", "spring_J", "joint_damping_work_J"):
+        values = columns(one, name, at=at)
+        np.testing.assert_allclose(columns(other, name, at=at), values, atol=0.01 * np.ptp(values), err_msg=name)
+    np.testing.assert_allclose(
+        columns(other, "knee_angle_deg", at=at), np.abs(columns(one, "knee_angle_deg", at=at)), atol=0.3
+    )
+    assert np.abs(one["knee_angle_deg"]).max() > 16.0
+    spun = simulate(load(jointed(BALL, {"spin_rad_s": [30, 15, 20]}, [10, 40, -70], [0, 0, 90])))
+    assert spun.summary["energy"]["imbalance_relative"] < 1e-3
+    assert spun["knee_angle_deg"].max() > 16.0
+    assert spun["joint_damping_work_J"][-1] < -1e-3
+
+
+def test_forces_in_a_ball_joint_are_those_of_its_potential_and_its_damper() -> None:
+    """In random states: -dV/dq of the angle's energy and no more at rest, and the power of the damper is -c w^2."""
+    random, law = np.random.default_rng(8), JointLaw(stiffness=0.3, upper=0.4, stop_stiffness=2.0)
+    run = jointed(BALL, {"spin_rad_s": [0, 0, 0]}, [10, 40, -70], [0, 0, 90])
+    joint: Any = next(j for j in build(load(run)).joints if j.kind == "ball")
+    for damping in (0.0, 0.02):
+        s = SpatialCoordinate(joint, [0.0] * 14)
+        fill(s.record, replace(law, damping=damping), None)
+        places = np.repeat(np.arange(14)[:, None], 2, axis=1)[None]
+
+        def energy(q: np.ndarray, s: SpatialCoordinate = s) -> float:
+            angle = s.at(q.tolist(), [0.0] * 14)[0]
+            return 0.5 * law.stiffness * angle**2 + 0.5 * law.stop_stiffness * max(0.0, angle - law.upper) ** 2
+
+        for _ in range(4):
+            e = [rotations.quaternion_of(rotations.of_quaternion(random.normal(size=4))) for _ in range(2)]
+            spins = random.normal(size=(2, 3)) * (damping > 0.0)
+            q = np.concatenate([random.normal(size=3), e[0], random.normal(size=3), e[1]])
+            rates = [
+                0.5 * np.array([-w @ p[1:], *(p[0] * w + np.cross(w, p[1:]))]) for w, p in zip(spins, e, strict=True)
+            ]
+            v, f = np.concatenate([np.zeros(3), rates[0], np.zeros(3), rates[1]]), np.zeros(14)
+            space_joints.force(q, v, s.record, np.zeros((1, 5)), places, f)
+            moved = [q + 1e-6 * one for one in np.eye(14)], [q - 1e-6 * one for one in np.eye(14)]
+            slope = np.array([energy(a) - energy(b) for a, b in zip(*moved, strict=True)]) / 2e-6
+            for one, at in zip(e, (slice(3, 7), slice(10, 14)), strict=True):
+                slope[at] -= one @ slope[at] * one  # along it a quaternion is no rotation
+            w = spins[1] - spins[0]
+            assert (f + slope) @ v == pytest.approx(-damping * w @ w, abs=1e-6)
+            if damping == 0.0:
+                np.testing.assert_allclose(f, -slope, atol=1e-6)
+                assert np.abs(f).max() > 0.1
 
 
 @pytest.mark.parametrize("kind", ["hinge", "slider"])

@@ -38,7 +38,7 @@ def build(scene: SpatialScene) -> SpatialSystem:
     system = SpatialSystem(scene=scene, container=container, mbs=mbs, rigid=rigid, links={}, bed=None)
     for joint in scene.joints:
         _constrain(system, ground, joint)
-        if joint.has_coordinate:
+        if joint.has_coordinate or joint.is_sprung:
             _let_act(system, joint)
     return assembled(replace(system, bed=_granular_load(system)))
 

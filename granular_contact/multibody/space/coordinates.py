@@ -1,4 +1,4 @@
-"""Coordinates of hinges and sliders in space, by the compiled functions of `kernels.space_joints`."""
+"""Coordinates of hinges, sliders and ball joints in space, by the compiled functions of `kernels.space_joints`."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from granular_contact.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.multibody.coordinates import Coordinate
 from granular_contact.scene.space.types import SpatialJoint
 
+KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
+
 
 class SpatialCoordinate(Coordinate):
     """As `Coordinate`; turns (2,): the coordinate found last, by which turns are counted, and nothing."""
@@ -23,7 +25,7 @@ class SpatialCoordinate(Coordinate):
         self.joint, self.size = joint, len(references)  # type: ignore[assignment]
         self.record, self.turns = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
         record = self.record[0]
-        record["kind"] = HINGE if joint.kind == "hinge" else SLIDER
+        record["kind"] = KINDS[joint.kind]
         record["parent"], record["child"] = len(references) - 7, 7
         for name in ("parent_point", "parent_turn", "child_point", "child_turn"):
             record[name] = getattr(joint, name)

@@ -13,6 +13,7 @@ from granular_contact.multibody.space.constraints import SpatialConstraints
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results import Outline
+from granular_contact.results.energy import work
 from granular_contact.results.in_space import silhouette
 from granular_contact.results.interpolation import Track
 from granular_contact.scene.space import rotations
@@ -102,7 +103,10 @@ class SpatialKinematics(Kinematics):
         return self.engine.q[:, at], self.engine.v[:, at]
 
     def coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
-        """Coordinate (n,) rad, right-handed, or m, of a hinge or slider, and its rate."""
+        """Coordinate (n,) rad, right-handed, or m, of a hinge or slider, angle from home of a ball joint; its rate."""
+        if joint.kind == "ball":
+            angle, axis = self._from_home(joint)
+            return angle, np.sum(axis * (self.spin(joint.child) - self.spin(joint.parent)), axis=1)
         frame = self.rotation(joint.parent) @ joint.parent_turn
         axis = frame[:, :, 2]
         if joint.kind == "hinge":
@@ -117,6 +121,24 @@ class SpatialKinematics(Kinematics):
         apart, speed = on_child[0] - on_parent[0], on_child[1] - on_parent[1]
         # What is apart is parallel to the axis, so that turning with the parent does not change the speed along it.
         return np.sum(axis * apart, axis=1), np.sum(axis * speed, axis=1)
+
+    def _from_home(self, joint: SpatialJoint) -> tuple[Vector, Vector]:
+        """Angle (n,) rad and axis (n, 3) of the rotation from the parent's frame of a joint to the child's."""
+        parent = self.rotation(joint.parent) @ joint.parent_turn
+        child = self.rotation(joint.child) @ joint.child_turn
+        axis = 0.5 * np.cross(parent, child, axis=1).sum(axis=2)
+        sine = np.linalg.norm(axis, axis=1, keepdims=True)
+        angle = np.arctan2(sine[:, 0], 0.5 * (np.sum(parent * child, axis=(1, 2)) - 1.0))
+        return angle, np.divide(axis, sine, out=np.zeros_like(axis), where=sine > 0.0)
+
+    def damped_balls(self) -> list[Vector]:
+        """As of `Kinematics`."""
+        works = []
+        for joint in self.system.scene.joints:
+            if joint.is_sprung and joint.law.damping > 0.0:
+                spin = self.spin(joint.child) - self.spin(joint.parent)
+                works.append(work(self.engine.time, -joint.law.damping * spin, spin))
+        return works
 
     @cached_property
     def lever(self) -> Vector:

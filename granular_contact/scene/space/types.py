@@ -94,6 +94,9 @@ class SpatialRigidBody:
 class SpatialJoint:
     """Joint of two bodies; parent None is the ground. Its frame is at a point (3,) m of each, turned by (3, 3) in it.
 
+    law: what acts along the coordinate; in a ball joint along the angle of the rotation from home (rad), its damper on
+    the whole relative angular velocity.
+
     z of the joint's frame is the axis of a hinge or slider; at coordinate 0 both frames coincide. constrained: which of
     the displacements along x, y, z of the joint's frame and rotations about them are held. start, rate: coordinate of a
     hinge or slider (rad, right-handed, or m) and its rate at the start. closes: whether it closes a loop.
@@ -117,6 +120,11 @@ class SpatialJoint:
     def has_coordinate(self) -> bool:
         """Whether it is a hinge or a slider."""
         return self.kind in ("hinge", "slider")
+
+    @property
+    def is_sprung(self) -> bool:
+        """Whether it is a ball joint in which something acts."""
+        return self.kind == "ball" and not self.law.is_idle
 
     @property
     def axis(self) -> Vector | None:

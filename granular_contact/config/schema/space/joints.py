@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from granular_contact.config.schema.joints import (
     HingeFriction,
@@ -22,7 +22,7 @@ from granular_contact.config.schema.joints import (
     by_name,
 )
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Oriented, Point3
-from granular_contact.values.strict import NotNegative, Strict, Tagged, refusal
+from granular_contact.values.strict import NotNegative, Positive, Strict, Tagged, refusal
 
 
 class _Ends(Oriented):
@@ -61,10 +61,29 @@ class SpatialWeld(_Ends):
     type: Annotated[Literal["weld"], OrSynonym()]
 
 
+class BallSpring(Strict):
+    """Torsional spring towards the orientation at home, in proportion to the angle of the rotation from there."""
+
+    stiffness_Nm_per_rad: Positive
+
+
+class BallStops(Strict):
+    """End of the range: a spring beyond it, stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+
+    upper_deg: Annotated[float, Field(gt=0.0, lt=180.0)]
+    """Greatest angle of the rotation from home, whatever its axis."""
+    stiffness_Nm_per_rad: Positive
+    dissipation_s_per_rad: NotNegative = 0.0
+
+
 class Ball(_Ends):
     """The child turns as it likes about a point."""
 
     type: Annotated[Literal["ball"], OrSynonym()]
+    spring: BallSpring | None = None
+    damping_Nm_s_per_rad: NotNegative = 0.0
+    """Of the angular velocity relative to the parent, about any axis."""
+    stops: BallStops | None = None
 
 
 class SpatialSliderClosure(_Ends):
