@@ -184,9 +184,10 @@ class Simulation:
         ControlError
             Controls of other names or another number, or not finite; no time; the run is over. Nothing was changed.
         """
-        if not (isinstance(dt, float | int) and self._shortest <= dt < math.inf):
+        time = _finite(dt)
+        if time is None or not self._shortest <= time:
             raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {self._shortest:g} s")
-        return self._go_on(controls, self.time + dt)
+        return self._go_on(controls, self.time + time)
 
     def _go_on(self, controls: Controls, until: float) -> Observations:
         """`step` to a time (s)."""

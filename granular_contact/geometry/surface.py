@@ -57,6 +57,8 @@ def greatest_depth(corners: Vector, center: Vector, radius: float) -> float:
     """
     if not np.isfinite(radius):
         return float("inf")
+    if len(corners) == 1:  # level
+        return float(corners[0, 1] + radius - center[1])
     rise = slopes(corners)
     beside = np.concatenate([corners[:, 0] - center[0], radius * rise / np.hypot(1.0, rise), [-radius, 0.0, radius]])
     beside = beside[np.abs(beside) <= radius]

@@ -158,7 +158,7 @@ def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
     places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
     assert scene.bed is not None
     ends = [(np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
-    near = [can_get_below(scene.bed, handle.link, *pair) for pair in ends]
+    near = [can_get_below(scene.bed, handle.link, np.array(pair)) for pair in ends]
     if not any(near):
         return ()
     return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]

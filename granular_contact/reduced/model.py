@@ -10,7 +10,7 @@ import numpy as np
 
 from granular_contact.reduced.modes import Modes, roots
 from granular_contact.scene.reduced_support import check_reduced
-from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector
+from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector, rotation
 
 # Wavelengths need strips: so many for each mode, where the scene has fewer.
 STRIPS_PER_MODE = 4
@@ -24,11 +24,10 @@ class View:
     pivot: Vector
 
     def of(self, body: RigidBody | FlexibleLink, point: Vector) -> Vector:
-        """Place (along, across) m of a point (2,) m of a body."""
-        c, s = math.cos(body.motion.angle), math.sin(body.motion.angle)
-        arm = body.motion.position + np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]]) - self.pivot
-        c, s = math.cos(self.angle), math.sin(self.angle)
-        return np.array([c * arm[0] + s * arm[1], s * arm[0] - c * arm[1]])
+        """Place (along, across) m of a point (2,) m of a body, or of several (n, 2)."""
+        arm = body.motion.position + point @ rotation(body.motion.angle).T - self.pivot
+        seen: Vector = arm @ rotation(-self.angle).T * (1.0, -1.0)
+        return seen
 
 
 @dataclass(frozen=True)
@@ -101,12 +100,12 @@ def model(scene: Scene, method: Reduced) -> Model:
     modes = Modes(roots(method.modes), 1.0 if link is None else link.length)
     bars = tuple(_bars(scene, method, view))
     others = tuple(
-        replace(shape, points=np.array([view.of(root, p) for p in shape.points]))
+        replace(shape, points=view.of(root, shape.points))
         for shape in root.shapes
         if not _is_bar(shape)
     )
-    points = [p for bar in bars for p in (bar.start, bar.end)] + [p for shape in others for p in shape.points]
-    reach = max(float(np.linalg.norm(p)) for p in points)
+    points = np.vstack([*(np.array([bar.start, bar.end]) for bar in bars), *(shape.points for shape in others)])
+    reach = float(np.linalg.norm(points, axis=1).max())
     speed = reach * abs(root.motion.rate) + math.sqrt(abs(scene.gravity) * reach)
     start = np.zeros(2 * (method.modes + 1) + 2)
     start[0], start[method.modes + 1] = -axis, -root.motion.rate

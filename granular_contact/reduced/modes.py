@@ -12,6 +12,7 @@ sum is written with decaying exponentials only, so every mode is good to round-o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,20 +39,20 @@ class Modes:
     beta: Vector
     length: float
 
-    @property
+    @cached_property
     def _decay(self) -> Vector:
         """Coefficient of exp(-beta (1 - xi)) in phi."""
         b, small = self.beta, np.exp(-self.beta)
         decay: Vector = (np.sin(b) - np.cos(b) - small) / (1.0 - small**2 + 2.0 * small * np.sin(b))
         return decay
 
-    @property
+    @cached_property
     def _s(self) -> Vector:
         """The ratio s: 1 less what the growing exponential needs."""
         s: Vector = 1.0 - 2.0 * self._decay * np.exp(-self.beta)
         return s
 
-    @property
+    @cached_property
     def _tip(self) -> Vector:
         tip: Vector = np.where(np.arange(len(self.beta)) % 2 == 0, 2.0, -2.0)
         return tip

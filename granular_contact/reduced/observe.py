@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from granular_contact.laws.law import term_names
@@ -121,14 +123,21 @@ class Motion:
         """Deflection (m) of the flexible link's tip, clockwise positive; None without modes."""
         return Track(self.bends.sum(axis=1), self.bend_rates.sum(axis=1)) if self.model.bends else None
 
+    @cached_property
+    def _lines(self) -> list[tuple[Vector, Vector]]:
+        """Positions (m) and velocities (m/s) of the ends of all strips of every bar, (instants, points, 2) each."""
+        places = [(bar, bar.places(bar.strips + 1)) for bar in self.model.bars]
+        return [(self.positions(*one), self.velocities(*one)) for one in places]
+
     def all_depths(self) -> list[Track]:
         """Depths (m) of all ends and corners that may get into the medium, negative above the surface."""
         if self.scene.surface is None:
             return []
         found = []
-        for bar in self.model.bars:
-            places = bar.places(bar.strips + 1 if bar.bends else 2)
-            found += self._depths(self.positions(bar, places), self.velocities(bar, places), 0.0)
+        for i, bar in enumerate(self.model.bars):
+            ends = slice(None) if bar.bends else slice(None, None, bar.strips)
+            positions, velocities = self._lines[i]
+            found += self._depths(positions[:, ends], velocities[:, ends], 0.0)
         for shape in (shape for shape in self.model.others if shape.in_sand):
             moved = self.positions(None, shape.points), self.velocities(None, shape.points)
             found += self._depths(*moved, shape.drop)
@@ -154,21 +163,21 @@ class Motion:
         """Extremes of what was immersed; None where nothing could meet the medium."""
         if not self.scene.media or self.scene.surface is None or not self.model.bars:
             return None
-        places = [(bar, bar.places(bar.strips + 1)) for bar in self.model.bars]
-        lines = [self.positions(bar, at) for bar, at in places]
-        points = np.concatenate(lines, axis=1)
-        met = [bar for (bar, _), line in zip(places, lines, strict=True) if line[..., 1].min() < self.scene.surface]
-        speeds = np.linalg.norm(np.concatenate([self.velocities(bar, at) for bar, at in places], axis=1), axis=-1)
-        depth = self.scene.surface - points[..., 1]
+        lines, velocities = zip(*self._lines, strict=True)
+        points, depth = np.concatenate(lines, axis=1), self.scene.surface
+        pairs = list(zip(self.model.bars, lines, strict=True))
+        met = [bar for bar, line in pairs if line[..., 1].min() < depth]
+        depth = depth - points[..., 1]
         under = depth > 0.0
-        x = points[..., 0]
-        beside = np.concatenate([_beside(bar, line) for (bar, _), line in zip(places, lines, strict=True)], axis=1)
+        speeds = np.linalg.norm(np.concatenate(velocities, axis=1)[under], axis=-1)
+        x = points[..., 0][under]
+        beside = np.concatenate([_beside(bar, line) for bar, line in pairs], axis=1)[under]
         return Reach(
-            speed=float(speeds[under].max(initial=0.0)),
+            speed=float(speeds.max(initial=0.0)),
             depth=float(depth.max()),
             lowest=float(points[..., 1].min()),
-            left=float((x - beside)[under].min(initial=np.inf)),
-            right=float((x + beside)[under].max(initial=-np.inf)),
+            left=float((x - beside).min(initial=np.inf)),
+            right=float((x + beside).max(initial=-np.inf)),
             sizes=tuple(sorted({("round", bar.diameter) for bar in met})),
         )
 

@@ -7,7 +7,7 @@ that is not known is that of the parabola through three neighbours.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,19 +50,46 @@ def at_times(time: Vector, values: Vector, slopes: Vector, at: Vector) -> Vector
 
 def greatest(time: Vector, tracks: Iterable[Track]) -> tuple[float, float]:
     """Greatest value that any of these quantities gets, and when (s)."""
-    best, when = -np.inf, float(time[0])
-    for track in tracks:
-        places, extremes = _extremes(time, track)
-        for at, values in ((time, track.values), (places, extremes)):
-            if len(values) and values.max() > best:
-                k = int(values.argmax())
-                best, when = float(values[k]), float(at[k])
+    several = list(tracks)
+    values = np.array([track.values for track in several])
+    row, k = np.unravel_index(int(values.argmax()), values.shape)
+    best, when = float(values[row, k]), float(time[k])
+    if np.isnan(best):  # of a run that failed by running away
+        return _greatest_number(time, values)
+    _, most = _between(time, several)
+    for row in np.flatnonzero((most > best).any(axis=1)):
+        places, extremes = _extremes(time, several[row], np.flatnonzero(most[row] > best))
+        if len(extremes) and extremes.max() > best:
+            k = int(extremes.argmax())
+            best, when = float(extremes[k]), float(places[k])
     return best, when
 
 
-def _extremes(time: Vector, track: Track) -> tuple[Vector, Vector]:
-    """Instants between the steps at which the cubics of a quantity turn round, and its values there."""
-    step, (c1, c2, c3) = np.diff(time), _powers(time, track)
+def _greatest_number(time: Vector, values: Vector) -> tuple[float, float]:
+    """The same of values at the steps alone, some of which are no numbers."""
+    known = np.where(np.isnan(values), -np.inf, values)
+    row, k = np.unravel_index(int(known.argmax()), known.shape)
+    return float(known[row, k]), float(time[k])
+
+
+def _between(time: Vector, tracks: Sequence[Track]) -> tuple[Vector, Vector]:
+    """Bounds (tracks, n - 1), least and greatest, of the cubics of every step.
+
+    Values at the ends are averaged; the rate at either end adds 4 / 27 of the step at most.
+    """
+    values, slopes = (np.array(both) for both in zip(*tracks, strict=True))
+    a, b, most = values[:, :-1], values[:, 1:], 4.0 / 27.0 * np.diff(time)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+        into, out = most * slopes[:, :-1], -most * slopes[:, 1:]
+        near = 1e-12 * (np.abs(a) + np.abs(b))  # round-off
+        low = np.minimum(a, b) + np.minimum(into, 0.0) + np.minimum(out, 0.0) - near
+        high = np.maximum(a, b) + np.maximum(into, 0.0) + np.maximum(out, 0.0) + near
+    return low, high
+
+
+def _extremes(time: Vector, track: Track, steps: NDArray[np.int64]) -> tuple[Vector, Vector]:
+    """Instants within some steps at which the cubics of a quantity turn round, and its values there."""
+    step, (c1, c2, c3) = time[steps + 1] - time[steps], _powers(time, track, steps)
     # c1 + 2 c2 x + 3 c3 x^2 = 0; of the two forms of its roots each the one that does not cancel.
     root = c2 * c2 - 3.0 * c1 * c3
     k = np.flatnonzero(root >= 0.0)
@@ -73,25 +100,52 @@ def _extremes(time: Vector, track: Track) -> tuple[Vector, Vector]:
     k, x = np.broadcast_to(k, inside.shape)[inside], x[inside]
     order = np.lexsort((x, k))
     k, x = k[order], x[order]
-    return time[k] + x * step[k], track.values[k] + x * (c1[k] + x * (c2[k] + x * c3[k]))
+    values = track.values[steps[k]] + x * (c1[k] + x * (c2[k] + x * c3[k]))
+    return time[steps[k]] + x * step[k], values
 
 
-def _powers(time: Vector, track: Track) -> tuple[Vector, Vector, Vector]:
-    """Coefficients (n - 1,) of x, x^2 and x^3 of the cubic of every step, x from 0 to 1 in it."""
-    step, rise = np.diff(time), np.diff(track.values)
-    a, b = step * track.rates[:-1], step * track.rates[1:]
+def _powers(time: Vector, track: Track, steps: NDArray[np.int64]) -> tuple[Vector, Vector, Vector]:
+    """Coefficients (steps,) of x, x^2 and x^3 of the cubics of some steps, x from 0 to 1 in each."""
+    step, rise = time[steps + 1] - time[steps], track.values[steps + 1] - track.values[steps]
+    a, b = step * track.rates[steps], step * track.rates[steps + 1]
     return a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
 
 
 def above_zero(time: Vector, tracks: Iterable[Track]) -> Spans:
     """Spans [from, to] (s) in which any of these quantities is above zero, one after another."""
-    return _united([span for track in tracks for span in _above(time, track)])
-
-
-def _above(time: Vector, track: Track) -> Spans:
-    if not len(time):
+    several = list(tracks)
+    if not several or not len(time):
         return []
-    between, extremes = _extremes(time, track)
+    crossed = _crossed(time, several)
+    pairs = zip(several, crossed, strict=True)
+    return _united([span for track, steps in pairs for span in _above(time, track, np.flatnonzero(steps))])
+
+
+def first_above_zero(time: Vector, tracks: Iterable[Track]) -> float | None:
+    """When (s) any of these quantities is first above zero; None where none ever is."""
+    several = list(tracks)
+    if not several or not len(time):
+        return None
+    if any(track.values[0] > 0.0 for track in several):
+        return float(time[0])
+    crossed = _crossed(time, several)
+    for k in np.flatnonzero(crossed.any(axis=0)):  # of which mostly the first is one
+        part = slice(k, k + 2)
+        here = [Track(several[row].values[part], several[row].rates[part]) for row in np.flatnonzero(crossed[:, k])]
+        if spans := above_zero(time[part], here):
+            return spans[0][0]
+    return None
+
+
+def _crossed(time: Vector, tracks: Sequence[Track]) -> NDArray[np.bool_]:
+    """Steps (tracks, n - 1) in which the sign of a quantity may change."""
+    least, most = _between(time, tracks)
+    return ~((least > 0.0) | (most <= 0.0))
+
+
+def _above(time: Vector, track: Track, steps: NDArray[np.int64]) -> Spans:
+    """Spans of one quantity, whose sign may change in some steps only."""
+    between, extremes = _extremes(time, track, steps)
     places = np.concatenate([time, between])
     order = np.argsort(places, kind="stable")
     places, values = places[order], np.concatenate([track.values, extremes])[order]
@@ -105,9 +159,8 @@ def _above(time: Vector, track: Track) -> Spans:
 def _zero(time: Vector, track: Track, low: float, high: float) -> float:
     """Where a quantity passes zero between two times at which its sign differs, and between which it turns nowhere."""
     i = int(np.clip(np.searchsorted(time, low, side="right") - 1, 0, len(time) - 2))
-    two = Track(track.values[i : i + 2], track.rates[i : i + 2])
     start, step = float(time[i]), float(time[i + 1] - time[i])
-    c0, (c1, c2, c3) = float(two.values[0]), (float(c[0]) for c in _powers(time[i : i + 2], two))
+    c0, (c1, c2, c3) = float(track.values[i]), (float(c[0]) for c in _powers(time, track, np.array([i])))
     a, b = (low - start) / step, (high - start) / step
     rises = c0 + b * (c1 + b * (c2 + b * c3)) > 0.0
     for _ in range(60):  # bisection, to round-off

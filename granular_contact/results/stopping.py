@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results.interpolation import Track, above_zero
+from granular_contact.results.interpolation import Track, first_above_zero
 
 Vector = NDArray[np.float64]
 STAYS = 0.02  # s at rest, where the run does not say how long
@@ -33,10 +33,9 @@ class Touch:
 
 def find_touch(time: Vector, depths: Sequence[Track]) -> Touch | None:
     """First crossing of the surface from depths (m) of points, positive below; None when nothing gets below it."""
-    below = above_zero(time, depths)
-    if not below:
+    first = first_above_zero(time, depths)
+    if first is None:
         return None
-    first = below[0][0]
     return Touch(first, int(np.searchsorted(time, first, side="right")) - 1)
 
 

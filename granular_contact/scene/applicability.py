@@ -56,6 +56,6 @@ def _fitting(kind: Kind) -> str:
 def _getting_to(scene: Scene, bed: Bed, depth: float) -> list[tuple[str, Kind]]:
     """Parts that can get below a depth (m), each once, with the kind of shape that a medium meets."""
     ends = [(link, np.array([[0.0, 0.0], [link.length, 0.0]])) for link in scene.links]
-    parts = [(link.name, link.kind) for link, both in ends if can_get_below(bed, link, *both, depth=depth)]
+    parts = [(link.name, link.kind) for link, both in ends if can_get_below(bed, link, both, depth=depth)]
     parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if can_be_immersed(bed, body, s, depth)]
     return list(dict.fromkeys(parts))

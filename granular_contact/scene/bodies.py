@@ -67,7 +67,7 @@ def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
     for name in group:
         density = bodies[name].density_kg_m3
         for shape, lump in parts[name]:
-            points = np.array([own.local(frames[name].world(p)) for p in shape.points])
+            points = own.local(frames[name].world(shape.points))
             mass = masses[name].mass if density is None else density * lump.volume
             wheel = shape.wheel
             if wheel is not None:

@@ -63,19 +63,29 @@ def build(scenario: schema.Scenario | Loaded) -> Scene:
             return build(scenario.scenario)
         except SceneError as error:
             raise SceneError(scenario.sources.place(error.faults)) from None
-    valid = checked(scenario)
-    scene = _in_space(valid) if type(valid) is not schema.Scenario else _built(valid)
-    object.__setattr__(scene, "scenario", valid)  # no argument of a scene, so that none but this can say it
+    return built(checked(scenario))
+
+
+def built(scenario: schema.Scenario) -> Scene:
+    """`build` of a scenario that comes straight from a config, which nothing can have changed since it was checked.
+
+    Raises
+    ------
+    SceneError
+        As of `build`.
+    """
+    scene = _in_space(scenario) if type(scenario) is not schema.Scenario else _built(scenario)
+    object.__setattr__(scene, "scenario", scenario)  # no argument of a scene, so that none but this can say it
     return scene
 
 
 def _in_space(scenario: schema.Scenario) -> Scene:
     """Scene of a mechanism in space, which is loaded for that alone."""
     from granular_contact.config.schema.space import SpatialScenario
-    from granular_contact.scene.space.build import built
+    from granular_contact.scene.space.build import built as built_in_space
 
     assert isinstance(scenario, SpatialScenario)
-    return built(scenario)
+    return built_in_space(scenario)
 
 
 def _built(scenario: schema.Scenario) -> Scene:

@@ -26,13 +26,13 @@ class Frame:
     angle: float
 
     def world(self, point: Vector) -> Vector:
-        """World position of a point (2,) m of the body."""
-        moved: Vector = self.origin + rotation(self.angle) @ point
+        """World position of a point (2,) m of the body, or of several (n, 2)."""
+        moved: Vector = self.origin + point @ rotation(self.angle).T
         return moved
 
     def local(self, point: Vector) -> Vector:
-        """Body-frame position of a world point (2,) m."""
-        moved: Vector = rotation(-self.angle) @ (point - self.origin)
+        """Body-frame position of a world point (2,) m, or of several (n, 2)."""
+        moved: Vector = (point - self.origin) @ rotation(-self.angle).T
         return moved
 
 
@@ -200,7 +200,7 @@ class Layout:
 
     def is_free(self, name: str, end: Vector) -> bool:
         """Whether nothing is joined to a body at this end (2,) m of it."""
-        return not any(np.allclose(at, end, rtol=0.0, atol=1e-9) for at in self._joined.get(name, ()))
+        return not any(np.abs(at - end).max() <= 1e-9 for at in self._joined.get(name, ()))
 
 
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:

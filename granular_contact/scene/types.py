@@ -89,8 +89,8 @@ class WorkspaceBound:
     length: float
 
     def radius(self, point: Vector) -> float:
-        """Greatest distance (m) between the root and a point (2,) of the body."""
-        return self.length + float(np.linalg.norm(point - self.point))
+        """Greatest distance (m) between the root and a point (2,) of the body, or the farthest of several (n, 2)."""
+        return self.length + float(np.linalg.norm(np.atleast_2d(point) - self.point, axis=1).max())
 
 
 @dataclass(frozen=True)
@@ -302,7 +302,7 @@ class Scene:
         """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints."""
         joints = [c.child_point for c in self.joints if c.child == body.name]
         joints += [c.parent_point for c in self.joints if c.parent == body.name]
-        shapes = [float(np.linalg.norm(point)) + shape.drop for shape in body.shapes for point in shape.points]
+        shapes = [float(np.linalg.norm(shape.points, axis=1).max()) + shape.drop for shape in body.shapes]
         return max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
 
     @cached_property

@@ -10,18 +10,17 @@ MARGIN = 1.02
 
 
 def can_get_below(
-    bed: Bed, body: RigidBody | FlexibleLink, *points: Vector, drop: float = 0.0, depth: float = 0.0
+    bed: Bed, body: RigidBody | FlexibleLink, points: Vector, drop: float = 0.0, depth: float = 0.0
 ) -> bool:
-    """Whether a point (2,) m of a body's frame, or what extends `drop` (m) below it, can get deeper than `depth`.
+    """Whether points (n, 2) m of a body's frame, or what extends `drop` (m) below them, can get deeper than `depth`.
 
     Depth (m) is below the free surface. Only the greatest distance from the root that the links between them allow
     counts, not the angles of the joints.
     """
-    root = body.workspace.root
-    deepest = (bed.greatest_depth(root, MARGIN * body.workspace.radius(point)) + MARGIN * drop for point in points)
-    return any(one > depth for one in deepest)
+    farthest = MARGIN * body.workspace.radius(points)
+    return bed.greatest_depth(body.workspace.root, farthest) + MARGIN * drop > depth
 
 
 def can_be_immersed(bed: Bed, body: RigidBody, shape: Shape, depth: float = 0.0) -> bool:
     """Whether the medium deeper than `depth` (m) may act on a shape of a body."""
-    return shape.in_sand and can_get_below(bed, body, *shape.points, drop=shape.drop, depth=depth)
+    return shape.in_sand and can_get_below(bed, body, shape.points, drop=shape.drop, depth=depth)

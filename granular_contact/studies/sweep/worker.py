@@ -56,11 +56,11 @@ def _unpacked(job: bytes) -> tuple[Job, Writer | None]:
 
 
 def simulate(scenario: Scenario) -> Results:
-    """One run, as the command line does it."""
-    from granular_contact import scene
+    """One run, as the command line does it, of a scenario that comes straight from a config."""
     from granular_contact.run import run
+    from granular_contact.scene.build import built
 
-    return run(scene.build(scenario), scenario)
+    return run(built(scenario))  # which was checked as it was made of its case
 
 
 def simulate_with_pictures(scenario: Scenario) -> Results:
