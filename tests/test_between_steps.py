@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -24,7 +26,7 @@ def history(seed: int) -> tuple[np.ndarray, list[Track]]:
 
 def sampled(time: np.ndarray, tracks: list[Track]) -> tuple[np.ndarray, np.ndarray]:
     """Fine instants, and the greatest of all quantities at each."""
-    fine = np.concatenate([np.linspace(a, b, FINE) for a, b in zip(time[:-1], time[1:], strict=True)])
+    fine = np.concatenate([np.linspace(a, b, FINE) for a, b in pairwise(time)])
     return fine, np.max([at_times(time, *track, fine) for track in tracks], axis=0)
 
 

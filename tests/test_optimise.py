@@ -293,6 +293,11 @@ FAULTY = {
         "got neither at_least nor at_most; one of them is needed",
     ),
     "too few runs": (("150", "12"), 6, "got 12; the config as it is and one population need 13"),
+    "too few to differ": (
+        ("evaluations: 150", "method: differential_evolution\npopulation: 4"),
+        7,
+        "got 4; differential_evolution needs 5 or more",
+    ),
     "a method that is none": (("evaluations: 150", "method: cmaes"), 6, "got the text 'cmaes'; allowed is one of cma"),
     "a key set twice": (
         (ANGLE, f"both: {{keys: [{SPEED}], from: 1, to: 2}}\n  {ANGLE}"),

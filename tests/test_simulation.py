@@ -239,6 +239,7 @@ BAD: tuple[tuple[Any, Any, str], ...] = (
     ([1.0, np.inf], 0.01, "knee_torque_Nm: got inf"),
     ({}, 0.0, "dt: got 0.0, allowed is a time of at least"),
     ({}, np.nan, "dt: got nan"),
+    ({}, True, "dt: got True"),
 )
 
 

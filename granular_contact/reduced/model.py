@@ -99,11 +99,7 @@ def model(scene: Scene, method: Reduced) -> Model:
     view = View(axis, pin.parent_point)
     modes = Modes(roots(method.modes), 1.0 if link is None else link.length)
     bars = tuple(_bars(scene, method, view))
-    others = tuple(
-        replace(shape, points=view.of(root, shape.points))
-        for shape in root.shapes
-        if not _is_bar(shape)
-    )
+    others = tuple(replace(shape, points=view.of(root, shape.points)) for shape in root.shapes if not _is_bar(shape))
     points = np.vstack([*(np.array([bar.start, bar.end]) for bar in bars), *(shape.points for shape in others)])
     reach = float(np.linalg.norm(points, axis=1).max())
     speed = reach * abs(root.motion.rate) + math.sqrt(abs(scene.gravity) * reach)

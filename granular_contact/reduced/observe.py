@@ -164,10 +164,10 @@ class Motion:
         if not self.scene.media or self.scene.surface is None or not self.model.bars:
             return None
         lines, velocities = zip(*self._lines, strict=True)
-        points, depth = np.concatenate(lines, axis=1), self.scene.surface
+        points, surface = np.concatenate(lines, axis=1), self.scene.surface
         pairs = list(zip(self.model.bars, lines, strict=True))
-        met = [bar for bar, line in pairs if line[..., 1].min() < depth]
-        depth = depth - points[..., 1]
+        met = [bar for bar, line in pairs if line[..., 1].min() < surface]
+        depth = surface - points[..., 1]
         under = depth > 0.0
         speeds = np.linalg.norm(np.concatenate(velocities, axis=1)[under], axis=-1)
         x = points[..., 0][under]

@@ -60,8 +60,8 @@ def greatest(time: Vector, tracks: Iterable[Track]) -> tuple[float, float]:
     for row in np.flatnonzero((most > best).any(axis=1)):
         places, extremes = _extremes(time, several[row], np.flatnonzero(most[row] > best))
         if len(extremes) and extremes.max() > best:
-            k = int(extremes.argmax())
-            best, when = float(extremes[k]), float(places[k])
+            place = int(extremes.argmax())
+            best, when = float(extremes[place]), float(places[place])
     return best, when
 
 

@@ -11,6 +11,7 @@ from granular_contact.values.strict import LocalFault, Names, Strict, allow, for
 
 MOST_RUNS = 100_000
 METHODS = ("cma", "differential_evolution")
+LEAST_TO_DIFFER = 5  # runs of a population between which differential evolution takes differences, by scipy
 
 Weights = Annotated[
     Annotated[str, Tag("text")] | Annotated[dict[str, float], Field(min_length=1), Tag("mapping")],
@@ -109,6 +110,8 @@ class OptimiseFile(Strict):
             faults.append((("evaluations",), words))
         if len(self.parameters) < 2 and self.method == "cma":
             faults.append((("method",), "cma needs two parameters or more; take differential_evolution"))
+        if self.size < LEAST_TO_DIFFER and self.method == "differential_evolution":
+            faults.append((("population",), f"got {self.size}; differential_evolution needs {LEAST_TO_DIFFER} or more"))
         if faults:
             raise refusal(faults)
         return self
