@@ -1,20 +1,23 @@
 """What must hold of every scene, on random ones: symmetry, convergence, energy, and that a silent answer is right.
 
-    python validation/properties.py [--quick] [--count 1000] [--seed 0] [--jobs 2] [--keep FOLDER]
+    python validation/properties.py [--quick] [--count 1000] [--seed 0] [--jobs 2] [--store FOLDER] [--keep FOLDER]
 
 A scene is a seed (validation/random_scenes): a mechanism of every kind, with drives, in a medium of every law, on a
 bed, solved in every way. It goes through the loader of the command line, and is run as it is; mirrored in x; a
 kilometre away; with its parts in another order; with half the step; with a quarter to a sixteenth of it; with a quarter
 of the step, eight times the strips and four times the elements; and with chosen steps where they were fixed, or the
 other way round. A run is **silent** when it ends well without a warning about its own accuracy. Differences are
-greatest distances of any body (with its turn times its reach) over the way of whatever moves most. --keep writes every
-scene that offends as a config.
+greatest distances of any body (with its turn times its reach) over the way of whatever moves most. --store keeps what
+came of every scene in a file, and runs those alone that have none yet: for a study that is stopped and goes on, or
+several at once. --keep writes every scene that offends as a config.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
+import os
 import shutil
 import sys
 import tempfile
@@ -104,6 +107,21 @@ def look(seed: int, quick: bool = False) -> Found:
     return Found(**{**vars(found), "seconds": time.process_time() - began})
 
 
+def look_or_read(seed: int, quick: bool = False, store: Path | None = None) -> Found:
+    """As `look`, once for each store: later what was found is read."""
+    if store is None:
+        return look(seed, quick)
+    path = store / f"{seed}{'_quick' * quick}.json"
+    if path.exists():
+        read = json.loads(path.read_text(encoding="utf-8"))
+        return Found(**{key: tuple(value) if isinstance(value, list) else value for key, value in read.items()})
+    found = look(seed, quick)
+    whole = path.with_suffix(f".{os.getpid()}")  # a file is there as a whole, or not at all
+    whole.write_text(json.dumps(vars(found)), encoding="utf-8")
+    whole.replace(path)
+    return found
+
+
 def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
     solver = drawn.tree["solver"]
     tree = drawn.tree | {"solver": solver | {"max_wall_s": WALL, "end_time_s": share * solver["end_time_s"]}}
@@ -187,12 +205,18 @@ class _Again:
 
 
 def every(
-    seeds: Sequence[int], jobs: int, quick: bool = False, told: Callable[[Found], None] = lambda _: None
+    seeds: Sequence[int],
+    jobs: int,
+    quick: bool = False,
+    told: Callable[[Found], None] = lambda _: None,
+    store: Path | None = None,
 ) -> list[Found]:
-    """All scenes, on so many processes of one thread each."""
+    """All scenes, on so many processes of one thread each; store: folder of what is known of them."""
     found = []
+    if store is not None:
+        store.mkdir(parents=True, exist_ok=True)
     with local_processes(jobs) as pool:
-        for one in pool.map(look, seeds, [quick] * len(seeds)):
+        for one in pool.map(look_or_read, seeds, [quick] * len(seeds), [store] * len(seeds)):
             told(one)
             found.append(one)
     return found
@@ -343,11 +367,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, help=f"scenes, {COUNT} unless given")
     parser.add_argument("--seed", type=int, default=SEED, help="of the first scene")
     parser.add_argument("--jobs", type=int, default=cores(), help="processes")
+    parser.add_argument("--store", type=Path, help="folder that keeps what came of every scene, for a run that goes on")
     parser.add_argument("--keep", type=Path, help="folder for the scenes that offend, as configs")
     chosen = parser.parse_args(arguments)
     count = chosen.count or (QUICK if chosen.quick else COUNT)
     began = time.perf_counter()
-    found = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress)
+    found = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress, chosen.store)
     made = outcome(found)
     spent = f"{time.perf_counter() - began:.0f} s, {sum(one.seconds for one in found):.0f} s of processor time"
     print(f"{machine('exudyn', 'numba')}; {spent}\n\n{made.text}\n")

@@ -11,6 +11,7 @@ from granular_contact.multibody import mechanism
 from granular_contact.multibody.accuracy import accuracy_warnings
 from granular_contact.multibody.beam_energy import damping_power, elastic_energy, strain
 from granular_contact.multibody.depths import all_depths, depths_by_body
+from granular_contact.multibody.drive_error import drive_warnings
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import medium_works
 from granular_contact.multibody.system import System, Trajectory
@@ -55,7 +56,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
             outlines=motion.outlines,
             pictures=lambda at: pictures(lambda sampled: Kinematics(system, sampled).outlines, trajectory, at),
             more=key_numbers(motion, driven, depths, found) | wheel_numbers(trajectory.time, wheels),
-            accuracy=accuracy(motion),
+            accuracy=accuracy(motion, driven),
         )
 
 
@@ -172,9 +173,9 @@ def key_numbers(
     return numbers
 
 
-def accuracy(motion: Kinematics) -> list[AccuracyWarning]:
+def accuracy(motion: Kinematics, driven: mechanism.Driven) -> list[AccuracyWarning]:
     """What the steps of the engine say of their accuracy; nothing of minimal coordinates, whose steps are chosen."""
     if motion.scene.method is not None:
         return []
     with np.errstate(all="ignore"):  # of a run that failed by running away
-        return list(accuracy_warnings(motion))
+        return [*accuracy_warnings(motion), *drive_warnings(motion.scene, driven)]

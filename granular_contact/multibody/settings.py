@@ -23,6 +23,8 @@ SHORTEST = 1e-4
 # In space joints have constraints of positions and directions, and what Newton's method leaves in them over a step is a
 # speed: of 1 nm over 20 ns 0.05 m/s. A long step leaves it to the short one after it, so the tolerance is one for all.
 SHORTEST_IN_SPACE = 1e-2
+# What Newton's method leaves in joints at fixed steps is a rate that swings from step to step: a controller answers it.
+CONTROLLED = 1e-2
 NEVER = 2**30
 # Of Newton's method where steps are chosen: what an iteration has to leave of the residual at most, or its Jacobian is
 # renewed, of links that bend and of rigid bodies alone; most iterations.
@@ -75,6 +77,8 @@ def settings(scene: Scene) -> Any:
     # In space the constraint of the Euler parameters, a number without unit, shares the tolerance too.
     if scene.in_space or (solver.accuracy is not None and (moving > 1 or prescribed)):
         newton.absoluteTolerance = max(CLOSER * newton.absoluteTolerance, _noise(scene))
+    elif moving > 1 and any(drive.kind == "control" for drive in scene.drives):
+        newton.absoluteTolerance = max(CONTROLLED * newton.absoluteTolerance, _noise(scene))
     if unresolved(scene):
         newton.residualMode = 1
         newton.absoluteTolerance *= solver.step_s**2 / scene.mass

@@ -53,7 +53,7 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
             outlines=motion.outlines,
             pictures=lambda at: pictures(lambda one: SpatialKinematics(system, one).outlines, trajectory, at),
             more=key_numbers(motion, driven, depths, found),
-            accuracy=accuracy(motion),
+            accuracy=accuracy(motion, driven),
             moved=lambda at: moved(system, trajectory, forces, at),
         )
 
