@@ -47,6 +47,18 @@ def zigzag(amplitude: float, cycles: int, points: int) -> np.ndarray:
     return np.concatenate([np.linspace(a, b, points, endpoint=False) for a, b in pairwise(corners)] + [[0.0]])
 
 
+def test_a_bristle_that_yields_is_led_by_the_velocity() -> None:
+    """T in place of tau from the yield on, rising from half of it, where the bristle is stretched on; tau elsewhere."""
+    for m, tau in ((PLASTIC, 0.0), (DAMPED, 1e-3)):
+        for share, time in ((1.0, friction.SWITCH), (0.75, 0.5 * (tau + friction.SWITCH)), (0.5, tau), (0.1, tau)):
+            e, v = share * U_Y, 2e-4
+            assert friction.drive(e, v, m) == pytest.approx((e + time * v) / U_Y, rel=1e-12)
+            assert friction.drive(e, -v, m) == pytest.approx((e - tau * v) / U_Y, rel=1e-12)
+        assert friction.drive(3.0 * U_Y, 0.0, m) == pytest.approx(1.0, rel=1e-15)
+    slow = medium(static=Elastoplastic(U_Y, 0.05))[0]  # its own tau is more than T
+    assert friction.drive(U_Y, 1e-4, slow) == pytest.approx(1.0 + 0.05 * 1e-4 / U_Y, rel=1e-12)
+
+
 def test_saturates_at_one() -> None:
     for sign in (1.0, -1.0):
         assert direction(sign * 2 * U_Y, 0.0, PLASTIC) == sign

@@ -10,7 +10,7 @@ from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
 from granular_contact.kernels import kinematics, lines
 from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.kinematics import cable_stations, hermite, rigid_stations
+from granular_contact.kernels.kinematics import cable_stations, curved_stations, hermite, rigid_stations
 
 LENGTHS = np.array([0.1, 0.07, 0.12])
 
@@ -48,6 +48,22 @@ def test_rigid_stations_turn_with_the_body() -> None:
     # By hand; round-off of cos(pi / 2).
     np.testing.assert_allclose(P, [[1.0, 2.0], [1.0, 2.1], [1.0, 2.2]], atol=1e-15)
     np.testing.assert_allclose(V, [[0.3, -0.4], [-0.2, -0.4], [-0.7, -0.4]], atol=1e-15)
+
+
+def test_stations_of_chords_lie_on_their_arcs() -> None:
+    """Three chords of one circle and a straight side: stations on the circle, at equal angles; one run of each kind."""
+    angles, radius = np.array([0.0, 0.5, 1.0, 1.5]), 0.2
+    circle = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    points, turns = np.vstack([circle, [[0.0, 0.4]]]), np.array([0.5, 0.5, 0.5, 0.0])
+    (arc, turn), (side, none) = curved_stations(points, turns, 50)
+    assert none == 0.0
+    assert turn == pytest.approx(1.5 / (len(arc) - 1), rel=1e-12)
+    even = turn * np.arange(len(arc))
+    np.testing.assert_allclose(arc["x"], radius * np.cos(even), atol=1e-15)
+    np.testing.assert_allclose(arc["y"], radius * np.sin(even), atol=1e-15)
+    np.testing.assert_allclose(np.diff(side["x"], 2), 0.0, atol=1e-15)
+    assert (side["x"][0], side["y"][0]) == (arc["x"][-1], arc["y"][-1])
+    assert (side["x"][-1], side["y"][-1]) == (0.0, 0.4)
 
 
 def test_cable_stations_of_a_straight_beam_are_evenly_spread() -> None:
