@@ -64,7 +64,11 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "kernels/immersion.py": ("tests/kernels/test_immersion.py", "tests/properties/test_forces.py"),
         "kernels/friction.py": ("tests/kernels/test_friction.py",),
         "kernels/kinematics.py": ("tests/kernels/test_kinematics.py", "tests/multibody/test_batches.py"),
-        "kernels/batches.py": ("tests/multibody/test_batches.py", "tests/properties/test_tangents.py"),
+        "kernels/batches.py": (
+            "tests/bed/test_load.py",
+            "tests/multibody/test_batches.py",
+            "tests/multibody/test_bed.py",
+        ),
     },
 }
 # Of the operators those that change what is computed.
