@@ -27,8 +27,16 @@ def test_a_medium_holds_the_record_of_its_law(medium: object) -> None:
 
 
 def test_functions_are_those_of_the_record() -> None:
-    """A pressure (Pa) that resists with the depth of the lower end, and an anchor that stays."""
-    own_type = np.dtype([("pressure", "f8")])
+    """A pressure (Pa) that resists with the depth of the lower end, and an anchor that stays.
+
+    Its record begins with all that another law has, and was once taken for that one's.
+    """
+    other = BAR_LAWS[0].record(SOFT, G)
+    own_type = np.dtype([*other.dtype.descr, ("pressure", "f8")])
+    own = np.zeros(1, own_type)
+    own["pressure"] = 50.0
+    for name in other.dtype.names:
+        own[name] = other[name]
 
     @njit
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):  # noqa: ARG001
@@ -40,7 +48,7 @@ def test_functions_are_those_of_the_record() -> None:
 
     law.LAWS[own_type] = {"strip_force": strip_force, "drag_anchor": drag_anchor}
     P, F, totals = np.array([[0.0, 0.1], [0.3, -0.3]]), np.zeros((2, 2)), np.zeros((law.TERMS, 3))
-    probe(P, np.zeros((2, 2)), P, run_record(0.02), LEVEL, np.array([(50.0,)], own_type), F, totals)
+    probe(P, np.zeros((2, 2)), P, run_record(0.02), LEVEL, own, F, totals)
     assert F[0, 1] == pytest.approx(50.0 * 0.02 * 0.75 * 0.3, rel=1e-14)
     np.testing.assert_allclose(totals[1], [0.0, F[0, 1], 0.0], rtol=1e-14)
     assert not totals[[0, 2]].any()
