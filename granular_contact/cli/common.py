@@ -38,7 +38,10 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Sce
     loaded = config.load(path, overrides)
     for notice in loaded.sources.notices:
         complain(f"notice: {notice}")
-    return loaded.scenario, scene.build(loaded)
+    built = scene.build(loaded)
+    for note in loaded.sources.place(built.notes):
+        complain(f"notice: {note}")
+    return loaded.scenario, built
 
 
 def worst(statuses: Iterable[str]) -> int:

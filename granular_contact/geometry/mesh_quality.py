@@ -16,6 +16,7 @@ LARGEST = 3.0  # m: above it a mesh is taken for one in another unit
 SMALLEST = 1e-3  # m, of the largest side
 INNER = 0.01  # of the area: above it, faces inside are worth a word
 _WORK = 2_000_000  # triangles seen from sample points, in all
+_WORK_AT_ONCE, _FEWEST, _ENOUGH = 40_000, 8, 64  # the same where a model is loaded; points, least and most
 _NEAR = 1e-4  # of the extent: how far before a face its sample point lies
 
 
@@ -57,7 +58,7 @@ def quality(vertices: Vector, faces: Faces) -> Quality:
     piece, parts = _pieces(joined)
     size = np.ptp(corners.reshape(-1, 3), axis=0)
     faults = list(mesh.faults(vertices, faces, thin=False))
-    inner = _inner(corners, cross, area, _each(piece, volumes))
+    inner = _inner(corners, cross, area, _each(piece, volumes), max(16, min(256, _WORK // len(corners))))
     notes = list(_notes(size, parts, inner, joined))
     if size.max() > LARGEST:
         faults.append(f"it is {sides(size)} m large: if it is in millimetres, give it the scale 0.001")
@@ -66,10 +67,29 @@ def quality(vertices: Vector, faces: Faces) -> Quality:
     )  # fmt: skip
 
 
+def doubts(vertices: Vector, faces: Faces) -> tuple[str, ...]:
+    """Notes of `quality` on a closed mesh at a small part of its cost, for every mesh that is loaded.
+
+    Faces inside are looked for by fewer points, and in a large mesh of one piece not at all.
+    """
+    corners = vertices[faces]
+    joined = mesh.joined(vertices, faces)
+    piece, parts = _pieces(joined)
+    count, inner = min(_ENOUGH, _WORK_AT_ONCE // len(faces)), 0.0
+    if parts > 1 or count >= _FEWEST:
+        cross = mesh.areas(corners)
+        volumes = np.einsum("ij,ij->i", corners.mean(axis=1) - corners[0, 0], cross) / 3.0
+        area = np.linalg.norm(cross, axis=1)
+        inner = _inner(corners, cross, area, _each(piece, volumes), max(_FEWEST, count))
+    return tuple(_notes(np.ptp(corners.reshape(-1, 3), axis=0), parts, inner, joined))
+
+
 def _notes(size: Vector, parts: int, inner: float, faces: Faces) -> Iterator[str]:
     if size.max() < SMALLEST:
         yield f"it is {sides(1e3 * size)} mm small: is its scale right?"
-    if twice := len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0)):
+    a, b, c = np.sort(faces, axis=1).T
+    many = int(faces.max()) + 1
+    if twice := len(faces) - len(np.unique((a * many + b) * many + c)):
         yield f"{twice} triangles stand there twice, and the medium acts on each"
     if inner > INNER:
         yield f"about {100 * inner:.0f} % of its area lies inside it, where the medium acts, too"
@@ -83,15 +103,16 @@ def sides(size: Vector) -> str:
 
 
 def _pieces(faces: Faces) -> tuple[Faces, int]:
-    """Piece that each face (m, 3) belongs to, and how many there are."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    """Piece that each face (m, 3) belongs to, and how many there are.
 
-    ends = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    count = int(faces.max()) + 1
-    graph = coo_array((np.ones(ends.shape[1], np.int8), (ends[0], ends[1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1][faces[:, 0]]
-    found, piece = np.unique(label, return_inverse=True)
+    Every vertex points to one of its piece with a lower number, or to itself, until all point to the lowest.
+    """
+    lowest, before = np.arange(int(faces.max()) + 1), np.zeros(0, np.int64)
+    while not np.array_equal(lowest, before):
+        before = lowest.copy()
+        np.minimum.at(lowest, faces.ravel(), np.repeat(lowest[faces].min(axis=1), 3))
+        lowest = lowest[lowest]
+    found, piece = np.unique(lowest[faces[:, 0]], return_inverse=True)
     return piece.reshape(-1), len(found)
 
 
@@ -101,8 +122,8 @@ def _each(piece: Faces, volumes: Vector) -> Vector:
     return found
 
 
-def _inner(corners: Vector, cross: Vector, area: Vector, part_volume: Vector) -> float:
-    """Share of the area inside the body: in hollows, or within another part of it.
+def _inner(corners: Vector, cross: Vector, area: Vector, part_volume: Vector, points: int) -> float:
+    """Share of the area inside the body: in hollows, or within another part of it, by so many points.
 
     part_volume (m,): signed volume of the part of each face.
     """
@@ -110,7 +131,7 @@ def _inner(corners: Vector, cross: Vector, area: Vector, part_volume: Vector) ->
     hollow = part_volume * sense < 0.0
     if hollow.all() or area.sum() == 0.0:
         return 0.0
-    chosen = _sample(area, max(16, min(256, _WORK // len(corners))))
+    chosen = _sample(area, points)
     offset = _NEAR * mesh.extent(corners)
     before = corners[chosen].mean(axis=1) + sense * offset * cross[chosen] / area[chosen, None]
     within = np.abs(winding(before, corners)) > 0.5

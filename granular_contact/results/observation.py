@@ -102,6 +102,7 @@ def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -
     }
     summary = summarise(scene, seen.status, seen.cost, series, touch, stop, greatest) | seen.more
     summary["warnings"] += [
+        *map(str, scene.notes),
         *told(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
         *warnings(scene, seen.reach, depth, None if greatest.depth is None else greatest.depth[0]),
     ]

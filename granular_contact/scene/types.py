@@ -20,6 +20,7 @@ from granular_contact.config.schema import Minimal as Minimal
 from granular_contact.config.schema import Reduced as Reduced
 from granular_contact.config.schema import Scenario
 from granular_contact.config.schema import Solver as Solver
+from granular_contact.errors import Fault
 from granular_contact.laws.kinds import Kind
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -241,8 +242,8 @@ class Scene:
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
     load, solver, method: as the scenario has them, but for `auto`; method: None for the engine. settle: find rest
     first. body_columns: report the motion of every body. stiff: links of the scenario that bend too little to show, and
-    are rigid here. scenario: what `build` made the scene of; None of a scene that was put together or changed
-    otherwise, as by `dataclasses.replace`.
+    are rigid here. notes: what is doubtful about the model, by the key of the config. scenario: what `build` made the
+    scene of; None of a scene that was put together or changed otherwise, as by `dataclasses.replace`.
     """
 
     name: str
@@ -260,6 +261,7 @@ class Scene:
     settle: bool = False
     body_columns: bool = False
     stiff: tuple[str, ...] = ()
+    notes: tuple[Fault, ...] = ()
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
 
     in_space: ClassVar[bool] = False

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from granular_contact import Box
+from granular_contact.cli.common import read
 from granular_contact.config import load
 from granular_contact.config.schema.space import shapes as specs
 from granular_contact.errors import ConfigError, SceneError
@@ -81,6 +84,43 @@ def test_faults_tell_their_key(name: str) -> None:
     with pytest.raises((ConfigError, SceneError)) as caught:
         scene_of(run)
     assert told in str(caught.value)
+
+
+MESHED = """model:
+  in_space: true
+  name: rock
+  bodies:
+    rock:
+      type: rigid
+      density_kg_m3: 2000
+      shapes:
+        - type: mesh
+          file: rock.obj
+  joints: {flight: {type: free, parent: ground, child: rock}}
+medium: rft3d_sand
+surface_height_m: 0
+initial: {joints: {flight: {z_m: 0.06}}}
+"""
+
+
+def test_a_mesh_in_pieces_is_told_where_it_stands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two boxes of which one stands half in the other: loaded with notices; one alone silently."""
+    for name, move in (("one", None), ("two", [0.03, 0.004, 0.005])):
+        corners = Box((0.06, 0.04, 0.03)).corners(0.02)
+        corners = corners if move is None else np.concatenate([corners, corners + move])
+        points = "\n".join("v " + " ".join(f"{x:.9g}" for x in point) for point in corners.reshape(-1, 3))
+        lines = "\n".join(f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}" for i in range(len(corners)))
+        (tmp_path / "rock.obj").write_text(f"{points}\n{lines}\n")
+        (tmp_path / "run.yaml").write_text(MESHED)
+        _, scene = read(str(tmp_path / "run.yaml"))
+        told = capsys.readouterr().err.splitlines()
+        assert (len(told), len(scene.notes)) == ((0, 0) if name == "one" else (2, 2))
+    assert all(
+        f"run.yaml:{MESHED.splitlines().index('          file: rock.obj') + 1}: model.bodies.rock" in t for t in told
+    )
+    assert "of its area lies inside it" in told[0]
+    assert 15 < int(told[0].split("about ")[1].split(" %")[0]) < 40  # 25 % of it, by 64 points
+    assert "2 loose parts" in told[1]
 
 
 SHAPES = [

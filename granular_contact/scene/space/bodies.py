@@ -37,22 +37,26 @@ class _Mass:
 
 
 def bodies_of(
-    model: schema.SpatialModel, media: Collection[str], strips: int, faults: list[Fault]
+    model: schema.SpatialModel, media: Collection[str], strips: int, faults: list[Fault], notes: list[Fault]
 ) -> dict[str, Made] | None:
-    """All bodies by name; None, with faults, if one can't be made. Arguments as of `shapes.part_of`."""
+    """All bodies by name; None, with faults, if one can't be made; notes on what is doubtful are appended, too.
+
+    Arguments as of `shapes.part_of`.
+    """
     found, before = {}, len(faults)
     for name, body in model.all_bodies.items():
         specs = (body,) if isinstance(body, schema.SpatialLink) else body.shapes
         parts, own = [], []
         for i, spec in enumerate(specs):
             key = f"model.bodies.{name}" + (f".shapes.{i}" if isinstance(body, schema.SpatialRigid) else "")
+            told = f"{key}.file" if getattr(spec, "type", "") == "mesh" else key
             try:
                 part, properties = part_of(name, spec, media, strips)
             except SceneError as error:
-                told = f"{key}.file" if getattr(spec, "type", "") == "mesh" else key
                 faults += [scene_fault(told, one.message) for one in error.faults]
                 continue
             parts.append(part)
+            notes += [scene_fault(told, words) for words in part.doubts]
             own.append(properties)
             if body.density_kg_m3 is not None and not properties.volume > 0.0:
                 words = "a sheet without thickness_m has no mass, but its body has a density; give it a thickness"

@@ -32,13 +32,13 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
     """
-    faults = list[Fault]()
+    faults, notes = list[Fault](), list[Fault]()
     model = scenario.model
     driven = drives(scenario, faults)
     states = closed(scenario, start(scenario, driven, faults), faults)
     held = needed(model, states, driven, faults) if not faults else {}
     met = {kind for medium in scenario.media for kind in kinds(medium)}
-    made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults)
+    made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults, notes)
     if faults or made is None:
         raise SceneError(faults)
     placed, groups = pose(model, states), weld_groups(model)
@@ -64,6 +64,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         drives=driven,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid),
+        notes=tuple(notes),
     )
     if faults := list(_beyond_numbers(scene)):
         raise SceneError(faults)
