@@ -52,6 +52,8 @@ def greatest(time: Vector, tracks: Iterable[Track]) -> tuple[float, float]:
     """Greatest value that any of these quantities gets, and when (s)."""
     several = list(tracks)
     values = np.array([track.values for track in several])
+    if not values.size:
+        return -np.inf, float(time[0])
     row, k = np.unravel_index(int(values.argmax()), values.shape)
     best, when = float(values[row, k]), float(time[k])
     if np.isnan(best):  # of a run that failed by running away
