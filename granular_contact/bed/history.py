@@ -50,10 +50,13 @@ class Table(ABC, Generic[H]):
     """
 
     def __init__(
-        self, first: Vector, size: int, terms: Sequence[int], names: Sequence[str], bodies: Sequence[str]
+        self, first: Vector, size: int, terms: Sequence[int], names: Sequence[str], bodies: Sequence[str], floor: bool
     ) -> None:
-        """First columns of a blank row, size of a wrench, terms of each medium, their names, names of bodies."""
-        self.media, self._size, self._terms = len(terms), size, tuple(terms)
+        """First columns of a blank row, size of a wrench, terms of each medium, their names, names of bodies.
+
+        floor: whether the last medium is the floor's contact.
+        """
+        self.media, self._size, self._terms, self._floor = len(terms), size, tuple(terms), floor
         self._names = tuple(names), tuple(bodies)
         self._first = len(first)
         self._first_term = self._first + self.media
@@ -123,7 +126,8 @@ class Table(ABC, Generic[H]):
         return self._read(self._rows[: self.length].copy())
 
     def _power(self, rows: Vector) -> Vector:
-        power: Vector = rows[:, self._first : self._first_term].sum(axis=1)
+        """Power (n,) W of all media, without the floor's."""
+        power: Vector = rows[:, self._first : self._first_term - self._floor].sum(axis=1)
         return power
 
     @abstractmethod
@@ -133,12 +137,14 @@ class Table(ABC, Generic[H]):
     def _common(self, rows: Vector) -> dict[str, Any]:
         """What is read in the plane and in space alike."""
         time, power = rows[:, TIME], self._power(rows)
+        floor = rows[:, self._first_term - self._floor : self._first_term].sum(axis=1)
         used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
         terms = rows[:, self._first_term : self._first_body].reshape(len(rows), TERMS * self.media, self._size)
         return {
             "time": time,
             "work": integral(power, time) if self._work is None else self._work,
             "power": power,
+            "floor_work": integral(floor, time),
             "terms": terms[:, used],
             "bodies": rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), self._size),
             "term_names": self._names[0],
@@ -185,22 +191,15 @@ class HistoryTable(Table[LoadHistory]):
         """Terms of each medium, their names, names of bodies; floor: whether the last medium is the floor's contact."""
         first = np.zeros(FIRST)
         first[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
-        super().__init__(first, 3, terms, term_names, bodies)
-        self._floor = floor
+        super().__init__(first, 3, terms, term_names, bodies, floor)
 
     def adopt(self, rows: Vector, work: Vector) -> None:
         """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
         self._rows, self._work, self.length = rows, work, len(rows)
 
-    def _power(self, rows: Vector) -> Vector:
-        power: Vector = rows[:, FIRST : self._first_term - self._floor].sum(axis=1)
-        return power
-
     def _read(self, rows: Vector) -> LoadHistory:
-        floor = rows[:, self._first_term - self._floor : self._first_term].sum(axis=1)
         return LoadHistory(
             **self._common(rows),
-            floor_work=integral(floor, rows[:, TIME]),
             depth=rows[:, DEPTH],
             coarser=rows[:, COARSER : COARSER + 4],
             speed=rows[:, SPEED],

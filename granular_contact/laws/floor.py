@@ -6,6 +6,13 @@ The contact is a spring and a damper per unit of length, normal to the floor:
 
 with the depth delta below the floor and the vertical velocity v_y at mid-strip. The damping grows with the depth, so
 the force is continuous at the touch, and it never pulls. On a ball k acts over its diameter.
+
+In space k is per area, with delta and v_z of each point of a surface, as if springs stood side by side (Winkler):
+
+    dF_z/dA = k delta max(0, 1 - d v_z)
+
+on a bar over its diameter, and on a ball of the radius R that a law meets as a whole the integral over its surface,
+pi R k delta^2. There is no friction on it.
 """
 
 from __future__ import annotations
@@ -24,7 +31,10 @@ TERM = "floor"
 
 @dataclass(frozen=True)
 class Floor:
-    """height: y (m); stiffness: N/m2, per length and penetration, None for no contact; damping: d (s/m)."""
+    """height: y, in space along up (m); damping: d (s/m).
+
+    stiffness: k per length and penetration (N/m2), in space per area and penetration (N/m3); None for no contact.
+    """
 
     height: float
     stiffness: float | None = None
@@ -40,6 +50,15 @@ class Floor:
         from granular_contact.kernels.joining import blank
 
         record = blank(OnBalls if kind == "ball" else OnStrips)
+        return self._filled(record)
+
+    def record_in_space(self) -> NDArray[np.void]:
+        """Constants as the (1,) record of `InSpace`."""
+        from granular_contact.kernels.joining import blank
+
+        return self._filled(blank(InSpace))
+
+    def _filled(self, record: NDArray[np.void]) -> NDArray[np.void]:
         record["stiffness"], record["damping"] = self.stiffness or 0.0, self.damping
         return record
 
@@ -74,3 +93,31 @@ class OnBalls:
     def ball_force(z, vx, vy, ex, ey, run, m, f):
         """Add the force of a ball, z being the depth of its lowest point below the floor; as in `kernels.law`."""
         f[0, 1] += m.stiffness * run.width * z * max(0.0, 1.0 - m.damping * vy)
+
+
+class InSpace:
+    """The contact as a law of surfaces, bars and balls in space; it has no bristles, and no side of a surface leads."""
+
+    constants = ("stiffness", "damping")  # N/m^3, s/m
+    by_component = False
+
+    @staticmethod
+    def facet_force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
+        """Traction of the floor, z being the depth below it; as `kernels.space_law.facet`."""
+        return 0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * vz), 0.0, 0.0, 0.0
+
+    @staticmethod
+    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+        """Add the end forces of a strip, z0 and z1 being depths below the floor; as `kernels.space_law.bar_force`."""
+        share = max(0.0, 1.0 - m.damping * 0.5 * (v0z + v1z))
+        k = m.stiffness * share * cluster.width * math.sqrt(cx * cx + cy * cy + cz * cz)
+        j0, j1 = kernels.immersion.part_integrals(a, b, z0, z1, 1.0)
+        f[0, 0, 2] += k * j0
+        f[0, 1, 2] += k * j1
+
+    @staticmethod
+    def space_ball_force(z, vx, vy, vz, ex, ey, ez, cluster, m, f):
+        """Add the force of a ball, z being the depth of its lowest point below the floor; as `kernels.space_law`."""
+        k = m.stiffness * math.pi * cluster.width * max(0.0, 1.0 - m.damping * vz)
+        cap = min(z, cluster.width)  # all of the sphere is below where z is more
+        f[0, 2] += k * (0.5 * cap * cap + cluster.width * (z - cap))

@@ -37,7 +37,7 @@ class MujocoBed:
     model : mujoco.MjModel
         The model; it is not changed.
     medium, slope, static, form, end_cap, floor
-        As of `GranularBed`. A profile and a floor that carries need `plane`; `form` does too.
+        As of `GranularBed`. A profile and `form` need `plane`.
     surface : float or (k, 2) array
         Height of the level surface (m) along `up`, above the origin of the world; in a plane also corners.
     up : (3,) array, optional
@@ -89,11 +89,11 @@ class MujocoBed:
         options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap}
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
         if plane is None:
-            if form != "distributed" or floor is not None:
-                raise ValueError("form, floor: allowed in space (without plane) are 'distributed' and no floor")
+            if form != "distributed":
+                raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
             from granular_contact.bed.space.load import SpatialLoad
 
-            self.load: Any = SpatialLoad(medium, surface, up=self.up, **options)
+            self.load: Any = SpatialLoad(medium, surface, up=self.up, **options, floor=floor)
             if any(one.scatters for one in self.load.media):
                 raise ValueError("medium: has scatter, which in space is for runs in Exudyn; allowed is none")
             self.turn: Vector = self.load.turn

@@ -51,10 +51,8 @@ class SpatialSand:
     """Elements of a `SpatialLoad` whose bodies have seven coordinates each, one after another."""
 
     def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
-        from granular_contact.bed.space.load import kinds
-
-        media = [m for m in load.media for kind in kinds(m) if any(one.meets == kind for one in load.lines)]
-        self.parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(media, load.batches, strict=True)]
+        self.met = load.met
+        self.parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
         self.sizes = np.zeros(1 + max(int(part.of_bed.max()) for part in self.parts))
         for part in self.parts:
             b = part.batch.bodies
@@ -68,11 +66,18 @@ class SpatialSand:
     def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
-        for part, (anchors, active) in zip(self.parts, state, strict=True):
+        for medium, part, (anchors, active) in zip(self.met, self.parts, state, strict=True):
             b = part.batch
             on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
-            found.append((*on, part.bristle, part.rows))
-        return _bound(space_added_mass.act, found, step)
+            if medium is not None:
+                found += _bound(space_added_mass.act, [(*on, part.bristle, part.rows)], step)
+                continue
+            from granular_contact.kernels import floor_added_mass
+
+            clock, poses, then, seen, *other = step
+            apart = np.zeros_like(seen)  # what is told of depths is that below the surface
+            found += _bound(floor_added_mass.act, [(*on, part.rows)], (clock, poses, then, apart, *other))
+        return found
 
 
 def _part(batch: Any, bristle: NDArray[np.void]) -> _Part:

@@ -64,7 +64,7 @@ class GranularBed:
     end_cap : bool
         Whether free end faces add to the drag.
     floor : Floor, optional
-        Contact with a level floor; its work is kept apart from that of the media.
+        Contact with a level floor; its work is kept apart from that of the media. Its stiffness is per area in space.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class GranularBed:
     Notes
     -----
     Without `up` bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an
-    error. With it there is no floor.
+    error.
 
     `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
 
@@ -101,11 +101,11 @@ class GranularBed:
         if up is None:
             self.load = GranularLoad(medium, surface, **options, form=form, floor=floor)
         else:
-            if form != "distributed" or floor is not None:
-                raise ValueError("form, floor: allowed in space (with up) are 'distributed' and no floor")
+            if form != "distributed":
+                raise ValueError(f"form: got {form!r}, allowed in space (with up) is 'distributed'")
             from granular_contact.bed.space.load import SpatialLoad
 
-            self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up)
+            self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up, floor=floor)
         self.mbs, self.coupling = mbs, Coupling(mbs, self.load)
 
     # ---- what the medium acts on ----

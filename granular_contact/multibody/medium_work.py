@@ -23,8 +23,6 @@ def medium_works(observer: Kinematics) -> tuple[Vector, Vector]:
     if not observer.scene.media or observer.scene.method is not None:
         return load.work, load.floor_work  # integrated with the motion
     more = _more(observer)
-    if observer.scene.in_space:  # which has no floor
-        return load.work + more, np.zeros_like(more)
     steps = np.diff(more, prepend=0.0)
     touched = np.diff(load.floor_work, prepend=0.0) != 0.0
     at_floor = np.cumsum(np.where(touched, steps, 0.0))

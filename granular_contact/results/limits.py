@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,7 +18,8 @@ from granular_contact.scene.types import Scene, Vector
 class Reach:
     """Extremes of all that was immersed: speed (m/s), depth, height of the lowest point, least and greatest x (m).
 
-    sizes: kinds, with diameters and widths (m), of what was immersed.
+    sizes: kinds, with diameters and widths (m), of what was immersed; beside: in space the least and the greatest y
+    (m). In space x and y are found for a bed with a container alone.
     """
 
     speed: float
@@ -26,6 +28,7 @@ class Reach:
     left: float
     right: float
     sizes: tuple[tuple[Kind, float], ...]
+    beside: tuple[float, float] = (math.inf, -math.inf)
 
 
 def warnings(scene: Scene, reach: Reach | None, depth: Vector | None, deepest: float | None) -> Iterator[str]:
@@ -34,7 +37,7 @@ def warnings(scene: Scene, reach: Reach | None, depth: Vector | None, deepest: f
     reach: None where nothing could meet the medium; depth (n,) m of the deepest point; deepest: of all instants (m).
     """
     if scene.bed is not None and reach is not None and reach.depth > 0.0:
-        yield from _left(scene.bed, reach)
+        yield from _left(scene.bed, reach, scene.in_space)
     if not scene.media:
         return
     if not scene.settle and depth is not None and (start := float(depth[0])) > NOTHING:
@@ -43,7 +46,7 @@ def warnings(scene: Scene, reach: Reach | None, depth: Vector | None, deepest: f
         yield f"it never touched the medium: its deepest point came within {-deepest:.4g} m of the surface"
 
 
-def _left(bed: Bed, reach: Reach) -> Iterator[str]:
+def _left(bed: Bed, reach: Reach, in_space: bool) -> Iterator[str]:
     for medium in dict.fromkeys(layer.medium for layer in bed.layers if reach.depth > layer.top):
         met = tuple(size for kind, size in reach.sizes if kind in medium.takes)
         outside = list(medium.validity.departures(reach.speed, reach.depth, met)) if met else []
@@ -51,12 +54,13 @@ def _left(bed: Bed, reach: Reach) -> Iterator[str]:
             yield f"outside the range that {medium.name} was measured in: {'; '.join(outside)}"
     if bed.floor is not None:
         yield from _floor(bed.floor, reach)
-        yield from _bare_floor(bed, bed.floor, reach)
-    if bed.container is not None:
-        left, right = bed.container
-        for wall, beyond in (("left", left - reach.left), ("right", reach.right - right)):
-            if beyond > NOTHING:
-                yield f"the {wall} wall of the container was passed by {beyond:.4g} m; it carries nothing"
+        if not in_space:
+            yield from _bare_floor(bed, bed.floor, reach)
+    for wall, axis, place, sign in bed.walls:
+        least, greatest = ((reach.left, reach.right), reach.beside)[axis]
+        beyond = place - least if sign < 0.0 else greatest - place
+        if beyond > NOTHING:
+            yield f"the {wall} wall of the container was passed by {beyond:.4g} m; it carries nothing"
 
 
 def _floor(floor: Floor, reach: Reach) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,11 @@ class Bed:
         return surface(self.profile, self.slope)
 
     @property
+    def walls(self) -> list[tuple[str, int, float, float]]:
+        """Walls of the container: name, axis, place (m), and the sign of what lies beyond."""
+        return [] if self.container is None else walls_of(("left", "right"), 0, self.container)
+
+    @property
     def level(self) -> bool:
         """Whether the surface is level."""
         return len(self.profile) == 1 and self.slope == 0.0
@@ -77,8 +83,8 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
-    faults += _idle(scenario, spec)
-    layers = tuple(_layers(scenario, faults))
+    faults += idle(scenario, {"depth_m": spec.depth_m, "container_x_m": spec.container_x_m})
+    layers = tuple(layers_of(scenario, faults))
     if scenario.load.form == "resultant":
         faults += _resultant(scenario, layers)
     profile, slope = _profile(scenario, spec, ends), math.tan(math.radians(spec.slope_deg))
@@ -107,12 +113,17 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     return replace(placed, floor=floor)
 
 
-def _idle(scenario: schema.Scenario, spec: schema.Bed) -> Iterator[Fault]:
-    """Floors and containers without a medium: only the load of a medium checks them."""
+def walls_of(names: tuple[str, str], axis: int, places: tuple[float, float]) -> list[tuple[str, int, float, float]]:
+    """Two walls across an axis at these places (m), see `Bed.walls`."""
+    return [(name, axis, place, sign) for name, place, sign in zip(names, places, (-1.0, 1.0), strict=True)]
+
+
+def idle(scenario: schema.Scenario, given: dict[str, Any]) -> Iterator[Fault]:
+    """Floors and containers (by their keys) without a medium: only the load of a medium checks them."""
     if places(scenario):
         return
     bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
-    for key, value in (("depth_m", spec.depth_m), ("container_x_m", spec.container_x_m)):
+    for key, value in given.items():
         if value is not None:
             what = "a floor" if key == "depth_m" else "a container"
             why = f"got {what}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
@@ -146,7 +157,8 @@ def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
     ]
 
 
-def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
+def layers_of(scenario: schema.Scenario, faults: list[Fault], in_space: bool = False) -> Iterator[Layer]:
+    """Layers of a scenario; faults gets media that lack a number; in_space: or one that is needed there."""
     for one, key, top, bottom in places(scenario):
         lacking = [
             scene_fault(
@@ -156,6 +168,11 @@ def _layers(scenario: schema.Scenario, faults: list[Fault]) -> Iterator[Layer]:
             )
             for name in one.lacking
         ]
+        if in_space:
+            lacking += [
+                scene_fault(f"{key}.{name}", f"got null, but in space {one.name} needs a number there")
+                for name in one.lacking_in_space
+            ]
         faults += lacking
         if not lacking:
             yield Layer(one, top, bottom)

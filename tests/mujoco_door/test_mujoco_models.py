@@ -89,7 +89,7 @@ def test_what_can_not_be_in_the_sand_is_told_in_one_line() -> None:
     assert "nothing acts on a Box: poncelet takes a Sphere" in refused(
         MujocoBed(model_of(), Poncelet(1, 1)).add_geoms, "box"
     )
-    assert "floor: allowed in space" in refused(MujocoBed, model, SAND, form="resultant")
+    assert "form: got 'resultant', allowed in space" in refused(MujocoBed, model, SAND, form="resultant")
     model.opt.gravity[:] = 0.0
     assert "the model has no gravity" in refused(MujocoBed, model, SAND)
 

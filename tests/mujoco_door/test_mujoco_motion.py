@@ -10,7 +10,7 @@ import pytest
 from support_mujoco import BOX, GRAVITY, SAND, energy, go, model_of, thrown
 from support_runs import ROOT
 
-from granular_contact import Albert, LeeMarghitu, Poncelet, Rft, VerticalResistance
+from granular_contact import Albert, Floor, Layer, LeeMarghitu, Poncelet, Rft, VerticalResistance
 from granular_contact.bed.contact_lines import Body, outline, polyline
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -41,7 +41,7 @@ def test_the_energy_that_a_body_loses_is_the_work_of_the_sand(name: str) -> None
     assert kept.depth > 0.002
 
 
-def exudyn_motion(seconds: float) -> np.ndarray:
+def exudyn_motion(seconds: float, medium: Any, floor: Floor | None) -> np.ndarray:
     """Where the box of `BOX` that `thrown` throws is after a time, in the other engine."""
     exu = pytest.importorskip("exudyn")
     from exudyn.rigidBodyUtilities import InertiaCuboid
@@ -57,7 +57,7 @@ def exudyn_motion(seconds: float) -> np.ndarray:
         gravity=[0, 0, -GRAVITY],
         nodeType=exu.NodeType.RotationEulerParameters,
     )
-    bed = GranularBed(mbs, SAND, 0.0, up=(0, 0, 1))
+    bed = GranularBed(mbs, medium, 0.0, up=(0, 0, 1), floor=floor)
     bed.add_body(body, Box(sides))
     bed.attach()
     mbs.Assemble()
@@ -71,19 +71,46 @@ def exudyn_motion(seconds: float) -> np.ndarray:
     return np.asarray(mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0.0, 0.0, 0.0]))
 
 
-def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one() -> None:
+BEDS: dict[str, tuple[Any, Floor | None]] = {
+    "sand": (SAND, None),
+    "layers and a floor": ((Layer(SAND, 0.0, 0.006), Layer(Rft(zeta=3.0), 0.006)), Floor(-0.012, 2e6, 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", BEDS)
+def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(name: str) -> None:
+    medium, floor = BEDS[name]
     steps = np.array([2e-4, 1e-4, 5e-5])
     errors = []
-    there = exudyn_motion(0.1)
+    there = exudyn_motion(0.1, medium, floor)
     for step in steps:
         model = model_of(step=float(step))
-        data, bed = thrown(model), MujocoBed(model, SAND)
+        data, bed = thrown(model), MujocoBed(model, medium, floor=floor)
         bed.add_geoms("box")
         go(model, data, bed, 0.1)
         errors.append(float(np.linalg.norm(data.qpos[:3] - there)))
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert 0.8 < order < 1.3, errors
     assert errors[0] < 2.5e-3 * 0.1  # of the way
+
+
+@pytest.mark.parametrize("geom", ["box", "ball"])
+def test_what_stands_on_a_floor_stands_at_any_step_where_its_springs_bear_it(geom: str) -> None:
+    """At the longer step the springs would turn by more than a radian; the medium above the floor bears nothing."""
+    stiffness, mass, area = 1e7, 0.8, 0.1 * 0.08
+    size, medium, depth = "0.05 0.04 0.03", Rft(zeta=1e-9), mass * GRAVITY / (stiffness * area)
+    if geom == "ball":
+        size, medium, depth = "0.03", Poncelet(1e-9, 1e-9), np.sqrt(mass * GRAVITY / (stiffness * np.pi * 0.03))
+    kind = "sphere" if geom == "ball" else "box"
+    for step in (1e-3, 5e-3):
+        body = f'<geom name="box" type="{kind}" size="{size}" mass="{mass}"/>'
+        model = model_of(body, step=step, place="0 0 -0.06")
+        data, bed = mujoco.MjData(model), MujocoBed(model, medium, floor=Floor(-0.1, stiffness, 3.0))
+        bed.add_geoms("box")
+        go(model, data, bed, 0.6)
+        assert -0.07 - data.qpos[2] == pytest.approx(depth, rel=5e-3)
+        np.testing.assert_allclose(bed.apply(data).force, [0.0, 0.0, mass * GRAVITY], atol=2e-2)
+        assert bed.of(data).depth == pytest.approx(0.1 + depth, abs=2e-5)  # below the surface, not below the floor
 
 
 @pytest.fixture(scope="module")

@@ -55,18 +55,31 @@ EXTRUDED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
 }
 
 
+# Beds of the plane and in space, under shapes of this width: the floor's stiffness is per length there, here per area.
+LAYERS = {"plate": "poppy_seeds_close", "bar": {"from": "play_sand", "eta_h": 20}}
+
+
+def bed_of(name: str, width: float, in_space: bool) -> dict[str, Any]:
+    key, stiffness = ("stiffness_N_m3", 2e6) if in_space else ("stiffness_N_m2", 2e6 * width)
+    floor = {key: stiffness, "damping_s_m": 0.5}
+    return {"depth_m": 0.014, "floor": floor, "layers": [{"top_m": 0.006, "medium": LAYERS[name]}]}
+
+
 def columns(results: Results, *names: str, at: Any) -> np.ndarray:
     return np.column_stack([np.interp(at, results["time_s"], results[name]) for name in names])
 
 
-@pytest.mark.parametrize("name", EXTRUDED)
-def test_what_is_extruded_moves_as_in_the_plane(name: str) -> None:
+@pytest.mark.parametrize(("name", "width"), [*((name, None) for name in EXTRUDED), ("plate", 0.05), ("bar", 0.006)])
+def test_what_is_extruded_moves_as_in_the_plane(name: str, width: float | None) -> None:
+    """On a bed of one medium, and on one with a layer and a floor that bears."""
     plane, space, medium = EXTRUDED[name]
+    beds = [{} if width is None else {"bed": bed_of(name, width, in_space)} for in_space in (False, True)]
     body: dict[str, Any] = {"type": "rigid", "mass_kg": 0.3}
     common = {"medium": medium, "surface_height_m": 0, "solver": SOLVER}
     flat = simulate(
         load(
             common
+            | beds[0]
             | {
                 "model": {
                     "name": "b",
@@ -87,6 +100,7 @@ def test_what_is_extruded_moves_as_in_the_plane(name: str) -> None:
     deep = simulate(
         load(
             common
+            | beds[1]
             | {"model": {"in_space": True, "name": "b", "joints": FREE, "bodies": bodies}}
             | {"initial": {"joints": {"f": start}}}
         )
@@ -99,6 +113,10 @@ def test_what_is_extruded_moves_as_in_the_plane(name: str) -> None:
     assert np.abs(columns(flat, "b_orientation_deg", at=at) - columns(deep, "b_pitch_deg", at=at)).max() < 0.1
     assert np.abs(deep["b_y_m"]).max() < 1e-4 * way  # the facets of both sides are not quite alike
     assert deep["depth_m"].max() > 0.005
+    if width is not None:
+        works = [results["floor_work_J"][-1] for results in (flat, deep)]
+        assert works[1] == pytest.approx(works[0], rel=2e-2)
+        assert works[1] < -1e-3 * flat.summary["energy"]["initial_J"]
     assert deep.summary["energy"]["imbalance_relative"] < 1e-4
 
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 from granular_contact import Results, load, simulate
 from granular_contact.bed.space.heights import Heights
-from granular_contact.errors import ConfigError, SceneError
+from granular_contact.errors import SceneError
 from granular_contact.kernels.ground import tangent_plane
 from granular_contact.report.figures.space import ground_of, parted
 from granular_contact.results.motion import Motion
@@ -138,11 +138,3 @@ def test_the_still_picture_of_a_run_shows_the_ground_that_it_ran_on() -> None:
 
 def area(corners: np.ndarray) -> np.ndarray:
     return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-
-
-def test_what_beds_of_the_plane_have_is_told_of_in_space() -> None:
-    bed = {"layers": [{"top_m": 0.1, "medium": "rft3d_sand"}], "depth_m": 0.3, "container_x_m": [-1, 1]}
-    with pytest.raises(ConfigError) as caught:
-        load(run(bed))
-    assert [fault.key for fault in caught.value.faults] == ["bed.layers", "bed.depth_m", "bed.container_x_m"]
-    assert all("is for the plane; in space a medium fills the whole bed" in one.message for one in caught.value.faults)

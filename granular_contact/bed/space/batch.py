@@ -111,6 +111,13 @@ class SpatialBatch:
         """End of a step at this state, added to a history row."""
         self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns)
 
+    def reach(self, row: Vector) -> None:
+        """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
+        from granular_contact.kernels.space_reach import reach  # compiled for a bed with a container alone
+
+        on = (self.bodies, self.clusters, self.elements, self.active, self.ground)
+        reach(*on, self.poses, row)
+
     def update_active(self, step: float) -> bool:
         """Choose what may touch the surface in the next step (s); whether there is anything."""
         return bool(self._update(*self._near, step))

@@ -22,7 +22,8 @@ class Elements:
 
     meets: "surface", "bar" or "ball"; kind: what the media meet, by the word of the plane; rows (n, columns) of
     `kernels.facets`, `kernels.bars` or `kernels.space_balls`; clusters: records of `kernels.space_law`; size (m): of
-    facets the least extent of the shape, else the diameter.
+    facets the least extent of the shape, else the diameter; again: whether the same shape has other elements before
+    these, so that a floor, which meets any, passes them over.
     """
 
     body: Body
@@ -31,6 +32,7 @@ class Elements:
     rows: Vector
     clusters: NDArray[np.void]
     size: float
+    again: bool = False
 
 
 def surface(body: Body, shape: Shape, place: Vector, turn: Vector, size: float | None) -> Elements:

@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed.contact_lines import Body
-from granular_contact.bed.given import layers_of, records_of
+from granular_contact.bed.given import floor_of, layers_of, records_of
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.space import elements
 from granular_contact.bed.space.batch import SpatialBatch
 from granular_contact.bed.space.heights import Heights
-from granular_contact.bed.space.history import SpatialHistory, SpatialTable
+from granular_contact.bed.space.history import FIRST, SpatialHistory, SpatialTable
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
 from granular_contact.errors import scene_error
-from granular_contact.kernels.facets import WAYS
+from granular_contact.kernels.facets import SIDE, WAYS
 from granular_contact.kernels.space_joining import kinds_of, owner_of
+from granular_contact.laws.floor import TERM as FLOOR_TERM
+from granular_contact.laws.floor import Floor, InSpace
 from granular_contact.laws.law import Law, term_names
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -37,7 +39,7 @@ class SpatialLoad(GranularLoad):
 
     Parameters
     ----------
-    medium, gravity, static, end_cap
+    medium, gravity, static, end_cap, floor
         As of `GranularBed`, with its errors.
     surface : float
         Height of the surface along `up` (m), where it is level; else at the world origin.
@@ -47,6 +49,8 @@ class SpatialLoad(GranularLoad):
         Rise of the surface per length along each axis of the world; what lies along `up` does not count.
     heights : Heights, optional
         A map of heights above such a surface; for a bed whose `up` is z.
+    watch : bool
+        Whether the history has how far what is immersed reaches along x and y.
     """
 
     def __init__(
@@ -60,6 +64,8 @@ class SpatialLoad(GranularLoad):
         gravity: float = 9.81,
         static: Elastoplastic | Smooth | None = None,
         end_cap: bool = False,
+        floor: Floor | None = None,
+        watch: bool = False,
     ) -> None:
         self.layers = layers_of(medium, "distributed")
         self.media = tuple(layer.medium for layer in self.layers)
@@ -75,11 +81,12 @@ class SpatialLoad(GranularLoad):
         if heights is not None:
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
-        self.floor, self.resultant, self.end_cap = None, False, end_cap
+        self.floor, self.resultant, self.end_cap = floor_of(floor), False, end_cap
         self.lines: list[Any] = []  # of `Elements`; under this name the door asks whether there is anything
         self.batches: list[Any] = []
+        self.met: list[Law | None] = []  # of each batch its medium, None of the floor's contact
         self.time: float | None = None
-        self.active = False
+        self.active, self.watch = False, watch
         self.table: Any = self._new_table()
 
     def add_shape(
@@ -115,7 +122,7 @@ class SpatialLoad(GranularLoad):
                 made[-1].clusters["cap"] &= self.end_cap
             elif isinstance(shape, Sphere):
                 made.append(elements.ball(body, shape, place, mass))
-        self.lines += made
+        self.lines += [replace(one, again=i > 0) for i, one in enumerate(made)]
         self.table = self._new_table()
 
     def _met_as(self, shape: Shape) -> list[str]:
@@ -132,28 +139,59 @@ class SpatialLoad(GranularLoad):
         return found
 
     def close(self) -> None:
-        """Form the batches, of the elements that one medium meets as one kind; `start` does it too."""
+        """Form the batches, of the elements that the floor or one medium meets as one kind; `start` does it too."""
+        if self.floor is not None:
+            ground, owner = np.array([self.floor.height, 0.0, 0.0, 1.0]), self.floor.record_in_space()
+            for kind in dict.fromkeys(one.meets for one in self.lines):
+                sets = [_two_sided(one) for one in self.lines if one.meets == kind and not one.again]
+                self._form(len(self.media), None, sets, (InSpace, owner, ground))
         for index, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
             medium = layer.medium
+            drop = float(getattr(medium, "surface_drop", 0.0))
+            ground = self.ground.copy()
+            ground[0] -= drop
+            between = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
             for kind in kinds(medium):
+                ways = (WAYS - 3 if medium.scatters else int(medium.shear_grows)) if kind == "surface" else 0
                 sets = [one for one in self.lines if one.meets == kind]
-                if sets:
-                    columns = [self.table.columns(index, one.body.name) for one in sets]
-                    ground, drop = self.ground.copy(), float(getattr(medium, "surface_drop", 0.0))
-                    ground[0] -= drop
-                    between = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
-                    ways = (WAYS - 3 if medium.scatters else int(medium.shear_grows)) if kind == "surface" else 0
-                    batch = SpatialBatch(
-                        sets, owner_of(type(medium)), record, ground, self.turn, columns, ways, between
-                    )
-                    if medium.scatter is not None and medium.scatters:
-                        medium.scatter.fill(batch.clusters, medium.terms, medium.dynamic)
-                    self.batches.append(batch)
+                self._form(index, medium, sets, (owner_of(type(medium)), record, ground), ways=ways, layer=between)
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
+
+    def _form(
+        self,
+        index: int,
+        medium: Law | None,
+        sets: Sequence[elements.Elements],
+        met: tuple[Any, NDArray[np.void], Vector],
+        **options: Any,
+    ) -> None:
+        """Add the batch of what a medium, the one of this number, or the floor (None) meets, if there is anything.
+
+        met, options: law, its record and the surface, and what else a `SpatialBatch` takes.
+        """
+        if not sets:
+            return
+        columns = [self.table.columns(index, one.body.name) for one in sets]
+        batch = SpatialBatch(sets, *met, self.turn, columns, **options)
+        if medium is not None and medium.scatter is not None and medium.scatters:
+            medium.scatter.fill(batch.clusters, medium.terms, medium.dynamic)
+        self.batches.append(batch)
+        self.met.append(medium)
 
     def _new_table(self) -> Any:
         terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
-        return SpatialTable(terms, names, tuple(dict.fromkeys(one.body.name for one in self.lines)))
+        if self.floor is not None:
+            terms, names = [*terms, 1], (*names, FLOOR_TERM)
+        bodies = tuple(dict.fromkeys(one.body.name for one in self.lines))
+        return SpatialTable(terms, names, bodies, self.floor is not None, self.watch)
+
+    def accept(self, t: float, q: Vector, v: Vector) -> None:
+        """As of `GranularLoad`."""
+        super().accept(t, q, v)
+        if self.watch:
+            for batch, medium in zip(self.batches, self.met, strict=True):
+                if medium is not None:
+                    batch.reach(self.table.row[FIRST : FIRST + 4])
 
     @property
     def history(self) -> SpatialHistory:  # type: ignore[override]  # with vectors in space
@@ -167,6 +205,15 @@ class SpatialLoad(GranularLoad):
         """The last entry of the history."""
         found: SpatialHistory = self.table.last()
         return found
+
+
+def _two_sided(one: elements.Elements) -> elements.Elements:
+    """Elements as a floor meets them: no side of a surface leads or trails."""
+    if one.meets != "surface":
+        return one
+    rows = one.rows.copy()
+    rows[:, SIDE] = 0.0
+    return replace(one, rows=rows)
 
 
 def kinds(medium: Law) -> list[str]:

@@ -75,18 +75,24 @@ class Bed(Strict):
             faults.append((("floor",), "a stiff floor needs depth_m"))
         if self.container_x_m is not None and not self.container_x_m[0] < self.container_x_m[1]:
             faults.append((("container_x_m",), f"got {list(self.container_x_m)}; the first must be left of the second"))
-        tops = [layer.top_m for layer in self.layers]
-        faults += [
-            (("layers", i + 1, "top_m"), f"got {below:g}, which is not below the layer above it, {above:g}")
-            for i, (above, below) in enumerate(pairwise(tops))
-            if not below > above
-        ]
-        if self.depth_m is not None and self.profile_m is None and self.slope_deg == 0.0:
-            faults += [
-                (("layers", i, "top_m"), f"got {top:g}, but the floor is at {self.depth_m:g}; allowed is above it")
-                for i, top in enumerate(tops)
-                if top >= self.depth_m
-            ]
+        level = self.profile_m is None and self.slope_deg == 0.0
+        faults += layer_faults(self.layers, self.depth_m if level else None)
         if faults:
             raise refusal(faults)
         return self
+
+
+def layer_faults(layers: tuple[BedLayer, ...], floor: float | None) -> list[LocalFault]:
+    """Layers that do not follow one another downward, or lie below a floor at this depth (m)."""
+    tops = [layer.top_m for layer in layers]
+    faults: list[LocalFault] = [
+        (("layers", i + 1, "top_m"), f"got {below:g}, which is not below the layer above it, {above:g}")
+        for i, (above, below) in enumerate(pairwise(tops))
+        if not below > above
+    ]
+    faults += [
+        (("layers", i, "top_m"), f"got {top:g}, but the floor is at {floor:g}; allowed is above it")
+        for i, top in enumerate(tops)
+        if floor is not None and top >= floor
+    ]
+    return faults

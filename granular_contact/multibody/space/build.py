@@ -116,8 +116,9 @@ def _granular_load(system: SpatialSystem) -> Coupling | None:
         return None
     slope = np.array([*bed.rise, 0.0])
     options: dict[str, Any] = {"gravity": scene.gravity, "static": scene.static, "end_cap": scene.load.end_cap}
+    options |= {"floor": bed.floor, "heights": bed.heights, "watch": bool(bed.walls)}
     try:
-        load = SpatialLoad(bed.media, bed.origin, slope=slope, heights=bed.heights, **options)
+        load = SpatialLoad(bed.layers, bed.origin, slope=slope, **options)
     except ValueError as error:  # what a medium has for the plane alone
         raise scene_error("medium", str(error)) from None
     coupling = Coupling(system.mbs, load)

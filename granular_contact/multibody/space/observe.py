@@ -81,7 +81,11 @@ def _reach(motion: SpatialKinematics) -> Reach | None:
         return None
     sizes = tuple(sorted({(kind, size) for _, kind, size in load.immersed}))
     speed, depth, lowest = float(load.speed.max()), float(load.depth.max()), float(load.lowest.min())
-    return Reach(speed=speed, depth=depth, lowest=lowest, left=0.0, right=0.0, sizes=sizes)
+    reached: Vector = load.reached  # type: ignore[attr-defined]  # a history in space
+    if not reached.shape[1]:  # nobody asked
+        return Reach(speed, depth, lowest, 0.0, 0.0, sizes)
+    (left, right), (ahead, beside) = reached[:, :2].min(axis=0), reached[:, 2:].max(axis=0)
+    return Reach(speed, depth, lowest, float(left), float(ahead), sizes, (float(right), float(beside)))
 
 
 def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Vector], at: Vector) -> Motion:

@@ -1,10 +1,10 @@
-"""Where the media lie in space: a level or sloped surface, or a map of heights."""
+"""Where the media lie in space: a level or sloped surface or a map of heights, layers, floor and container."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from granular_contact.bed.space.heights import Heights
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, scene_fault
+from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
+from granular_contact.scene.bed import NOTHING, idle, layers_of, walls_of
 from granular_contact.scene.space.height_map import heights_of
 from granular_contact.scene.space.types import Part, SpatialRigidBody
 
@@ -23,21 +25,27 @@ Vector = NDArray[np.float64]
 @dataclass(frozen=True)
 class SpatialBed:
     """origin: height (m) of the surface at the world's origin, or of the zero of a map; rise (2,) per length along x
-    and y.
+    and y; container: of each of x and y the places (m) of two walls, or None.
     """
 
     origin: float
     rise: tuple[float, float]
     layers: tuple[Layer, ...]
     heights: Heights | None = None
-    # What a bed in the plane has, for those who ask both.
-    floor = None
-    container = None
+    floor: Floor | None = None
+    container: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None)
 
     @property
     def media(self) -> tuple[Law, ...]:
         """The media of all layers."""
         return tuple(layer.medium for layer in self.layers)
+
+    @property
+    def walls(self) -> list[tuple[str, int, float, float]]:
+        """As of `scene.bed.Bed`."""
+        names = ("rear", "front"), ("right", "left")
+        found = zip(names, (0, 1), self.container, strict=True)
+        return [wall for both, axis, at in found if at is not None for wall in walls_of(both, axis, at)]
 
     @property
     def level(self) -> bool:
@@ -76,42 +84,45 @@ def bed(
     spec = scenario.bed or schema.SpatialBed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
+    walls = {"container_x_m": spec.container_x_m, "container_y_m": spec.container_y_m}
+    faults += idle(scenario, {"depth_m": spec.depth_m, **walls})
     slope, toward = math.tan(math.radians(spec.slope_deg)), math.radians(spec.slope_direction_deg)
     rise = (slope * math.cos(toward), slope * math.sin(toward)) if slope else (0.0, 0.0)
     heights = None if spec.height_map is None else heights_of(spec.height_map, faults)
-    placed = SpatialBed(0.0, rise, tuple(_layers(scenario, faults)), heights)
+    layers, container = tuple(layers_of(scenario, faults, in_space=True)), (spec.container_x_m, spec.container_y_m)
+    placed = SpatialBed(0.0, rise, layers, heights, container=container)
     height = scenario.surface_height_m if spec.height_m is None else spec.height_m
+    parts = [(body, part) for body in rigid for part in body.parts if part.in_sand]
     if height is None:
-        height = min((_above(placed, body, part) for body in rigid for part in body.parts if part.in_sand), default=0.0)
-    return SpatialBed(height, rise, placed.layers, heights)
+        height = min((_above(placed, *one) for one in parts), default=0.0)
+    placed = replace(placed, origin=height)
+    if spec.depth_m is None:
+        return placed
+    contact = spec.floor
+    floor = Floor(
+        float(placed.height(np.zeros(1), np.zeros(1))[0]) - spec.depth_m,
+        None if contact is None else contact.stiffness_N_m3,
+        0.0 if contact is None else contact.damping_s_m,
+    )
+    faults += _out_of_place(placed, floor, spec.depth_m, parts)
+    return replace(placed, floor=floor)
+
+
+def _out_of_place(
+    placed: SpatialBed, floor: Floor, depth: float, parts: list[tuple[SpatialRigidBody, Part]]
+) -> Iterator[Fault]:
+    """A floor above the lowest place of a map, or above what starts in the sand."""
+    why = f"got {depth:g} m, so the floor is at {floor.height:.6g} m, but "
+    if placed.heights is not None and (low := placed.origin + float(placed.heights.values.min())) <= floor.height:
+        words = f"{why}the map of heights goes down to {low:.6g} m: allowed is a floor below it"
+        yield scene_fault("bed.depth_m", words)
+    lowest = min((float((body.motion.world(p.points)[:, 2] - p.drop).min()) for body, p in parts), default=math.inf)
+    if lowest < floor.height - NOTHING:
+        words = f"{why}at the start the lowest point is at {lowest:.6g} m: allowed is a floor below it"
+        yield scene_fault("bed.depth_m", words)
 
 
 def _above(placed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:
     """How high (m) the lowest point of a part is above a surface."""
     x, y, z = body.motion.world(part.points).T
     return float((z - part.drop - placed.height(x, y)).min())
-
-
-def _layers(scenario: schema.SpatialScenario, faults: list[Fault]) -> Iterator[Layer]:
-    for key, one in keys_of_media(scenario).items():
-        lacking = [
-            scene_fault(
-                f"{key}.{name}",
-                f"got null: the source of {one.name} does not state it; give the number of your case, as "
-                f"{{from: {one.name}, {name}: ...}}",
-            )
-            for name in one.lacking
-        ]
-        lacking += [
-            scene_fault(f"{key}.{name}", f"got null, but in space {one.name} needs a number there")
-            for name in one.lacking_in_space
-        ]
-        faults += lacking
-        if not lacking:
-            yield Layer(one)
-
-
-def keys_of_media(scenario: schema.SpatialScenario) -> dict[str, Law]:
-    """The media of a scenario by their keys."""
-    several = isinstance(scenario.medium, tuple)
-    return {f"medium.{i}" if several else "medium": one for i, one in enumerate(scenario.media)}

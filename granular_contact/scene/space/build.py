@@ -10,15 +10,17 @@ import numpy as np
 from granular_contact.bed.space.load import kinds
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
+from granular_contact.laws.law import Law
+from granular_contact.scene.bed import places
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
-from granular_contact.scene.space.bed import bed, keys_of_media
+from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, rigid_body
 from granular_contact.scene.space.joints import joints_of, on_ground
 from granular_contact.scene.space.layout import pose
 from granular_contact.scene.space.loops import closed, needed
 from granular_contact.scene.space.start import start
-from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene, Vector
+from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.types import FASTEST
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
@@ -37,7 +39,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     driven = drives(scenario, faults)
     states = closed(scenario, start(scenario, driven, faults), faults)
     held = needed(model, states, driven, faults) if not faults else {}
-    met = {kind for medium in scenario.media for kind in kinds(medium)}
+    met = {kind for medium, *_ in places(scenario) for kind in kinds(medium)}
     made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults, notes)
     if faults or made is None:
         raise SceneError(faults)
@@ -82,20 +84,34 @@ def _closure_faults(model: schema.SpatialModel, groups: list[list[str]]) -> Iter
 
 def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
     """Shapes without a law that takes them, and media without a shape to act on."""
-    media = {key: (one, kinds(one)) for key, one in keys_of_media(scenario).items()}
+    given = places(scenario)
     parts = [part for body in rigid for part in body.parts if part.in_sand]
-    if not media:
+    if not given:
         return
     if not parts:
         words = "no part is a link or a shape in_sand, so the medium has nothing to act on"
         yield scene_fault("model.bodies", words)
         return
+    if len({top for *_, top, _ in given}) > 1 and any("ball" in part.meets for part in parts):
+        yield scene_fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
+        return
+    for top in sorted({top for *_, top, _ in given}):
+        here = {key: one for one, key, begins, _ in given if begins == top}
+        yield from _inapplicable_at(top, here, parts)
+
+
+def _inapplicable_at(top: float, here: dict[str, Law], parts: list[Part]) -> Iterator[Fault]:
+    """Mismatches between the media that begin at a depth (m), by their keys, and parts, all of which may get there."""
+    media = {key: (one, kinds(one)) for key, one in here.items()}
     taken = {kind for _, found in media.values() for kind in found}
     told = "; ".join(f"{one.name} takes {_listed(found)}" for one, found in media.values())
     for name, shape, meets in dict.fromkeys((p.name, type(p.shape).__name__.lower(), p.meets) for p in parts):
         if not taken & set(meets):
-            words = f"its {shape} can get into the sand, but in space {told}: take another law or shape, "
-            yield scene_fault(f"model.bodies.{name}", words + "or say in_sand: false of the shape")
+            key, what = f"model.bodies.{name}", f"its {shape} can get into the sand"
+            if top > 0.0:
+                key, what = next(iter(media)), f"the {shape} of {name} may get that deep"
+            words = f"{what}, but in space {told}: take another law or shape, or say in_sand: false of the shape"
+            yield scene_fault(key, words)
     met = {kind for part in parts for kind in part.meets}
     for key, (one, found) in media.items():
         if not met & set(found):

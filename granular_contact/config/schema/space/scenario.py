@@ -10,6 +10,7 @@ from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space.bed import SpatialBed
 from granular_contact.config.schema.space.model import SpatialModel
 from granular_contact.config.schema.space.start import SpatialInitial, initial_faults
+from granular_contact.laws.law import Law
 from granular_contact.values.strict import LocalFault, refusal
 
 
@@ -21,7 +22,7 @@ class SpatialScenario(Scenario):
     """Height of the free surface above the origin; null: the mechanism touches the surface at the start. Parts below it
     start in the medium with zero friction state, as if placed there without disturbing a grain."""
     bed: SpatialBed | None = None  # type: ignore[assignment]
-    """Slope or heights of the surface; null: level and unbounded."""
+    """Slope or heights of the surface, floor, container and layers; null: level and unbounded."""
     initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
     """Joints left out start at rest in the reference configuration."""
 
@@ -38,8 +39,13 @@ class SpatialScenario(Scenario):
             *initial_faults(self.initial, self.model),
             *drive_faults(self.drives, self.signals, self.model),
         ]
-        for i, medium in enumerate(self.media):
-            path = ("medium", i) if isinstance(self.medium, tuple) else ("medium",)
+        several = isinstance(self.medium, tuple)
+        media: list[tuple[tuple[str | int, ...], Law]] = [
+            (("medium", i) if several else ("medium",), one) for i, one in enumerate(self.media)
+        ]
+        layers = () if self.bed is None else self.bed.layers
+        media += [(("bed", "layers", i, "medium"), layer.medium) for i, layer in enumerate(layers)]
+        for path, medium in media:
             if medium.scatters and "flat" not in medium.takes:
                 words = f"is in space for laws of surfaces, and {medium.law} is none; allowed is null"
                 faults.append(((*path, "scatter"), words))

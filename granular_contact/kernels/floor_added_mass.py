@@ -1,0 +1,81 @@
+"""`added_mass` of bodies that touch a floor in space, whose contact has no bristle.
+
+Its force follows from the depth and the velocity where the step ends. How it changes with the velocity there is found
+from a second evaluation, of a body that came down faster by TRIAL and so got deeper; it acts along the vertical alone.
+Arguments as of `space_added_mass`.
+"""
+
+from __future__ import annotations
+
+from granular_contact.kernels import space_law as law
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, advance, to_world
+from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.memory import clear, copy, room1, room2
+from granular_contact.kernels.memory import rows as some_of
+from granular_contact.kernels.space_added_mass import begin, follow, turned
+from granular_contact.kernels.space_bodies import DEEPEST, bound
+
+TRIAL = 1e-6  # m/s
+
+
+@kernel(nogil=True)
+def act(
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, clock, poses, then, seen, turn,
+    arms, wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.act`; ground (4,): the floor."""
+    step = clock[STEP]
+    if clock[BEGINS] > 0.0:
+        begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen)
+    elif clock[PASSED] > 0.0:
+        follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen)
+    resist(
+        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, step, turn, arms,
+        wrench, added,
+    )  # fmt: skip
+
+
+@part
+def resist(
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, step, turn, arms,
+    wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.resist`."""
+    W, ahead, lower, near = room2(TERMS, 6), room2(6, 3), room2(6, 3), room1(2)
+    for b in range(bodies.shape[0]):
+        at = of_bed[b]
+        for c in range(bodies[b].first, bodies[b].last):
+            if not active[c]:
+                continue
+            advance(poses[at], then[at], step, ahead)
+            bound(clusters[c], ahead, ground, near)
+            if near[DEEPEST] <= 0.0:
+                continue
+            copy(lower, ahead)
+            lower[3, 2] -= step * TRIAL
+            lower[4, 2] -= TRIAL
+            s, e = clusters[c].first, clusters[c].last
+            for i in range(s, e - rows + 1):
+                E, A = some_of(elements, i, rows), some_of(anchors, i, rows)
+                clear(W)
+                law.forces(E, A, inner[c], lower, ground, medium[0], W)
+                slope = W[0, 2]
+                if slope == 0.0:
+                    continue
+                clear(W)
+                law.forces(E, A, inner[c], ahead, ground, medium[0], W)
+                for k in range(6):
+                    wrench[at, k] += W[0, k]
+                weigh(step * (slope - W[0, 2]) / TRIAL, E, poses[at], turn, arms[at], added[at])
+
+
+@part
+def weigh(mass, E, pose, turn, arm, added):
+    """Add a mass (kg) that is felt along the vertical to the inertia of a body, at the middle of an element's rows."""
+    n, x, y, z = 1.0 / E.shape[0], 0.0, 0.0, 0.0
+    for i in range(E.shape[0]):
+        x, y, z = x + n * E[i, 0], y + n * E[i, 1], z + n * E[i, 2]
+    rx, ry, rz = turned(pose, x, y, z)
+    x, y, z = to_world(turn, rx, ry, rz)
+    add_inertia(mass, turn[2, 0], turn[2, 1], turn[2, 2], x + arm[0], y + arm[1], z + arm[2], added)

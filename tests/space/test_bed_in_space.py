@@ -1,0 +1,111 @@
+"""Beds in space from YAML: layers, floor and container, what they do in a run, and what is wrong with them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact import load, simulate
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.scene import build
+
+BALL = {"type": "sphere", "diameter_m": 0.06}
+START = {"x_m": 0.1, "y_m": -0.05, "z_m": 0.03, "vx_m_s": 0.4, "vy_m_s": -0.3, "vz_m_s": -1.5}
+IDLE = {"law": "bingham", "yield_force_N": 0, "viscosity_N_s_m": 0.5}
+
+
+def run(bed: dict[str, Any], shape: dict[str, Any] = BALL, **given: Any) -> dict[str, Any]:
+    """A body of 0.5 kg that begins at the surface and moves ahead and to the right."""
+    inertia = {"xx": 2e-4, "yy": 2e-4, "zz": 2e-4}
+    body = {"type": "rigid", "mass_kg": 0.5, "inertia_kg_m2": inertia, "shapes": [shape]}
+    joints = {"flight": {"type": "free", "parent": "ground", "child": "b"}}
+    return {
+        "model": {"in_space": True, "name": "b", "bodies": {"b": body}, "joints": joints},
+        "medium": "rft3d_sand",
+        "bed": {"height_m": 0.0, **bed},
+        "initial": {"joints": {"flight": START}},
+        "solver": {"end_time_s": 0.3, "accuracy": 1e-2, "rest_time_s": None},
+    } | given
+
+
+@pytest.mark.parametrize("medium", [IDLE, {"from": "rft3d_sand", "density_kg_m3": 1e-6}], ids=["whole", "facets"])
+def test_a_ball_rests_on_a_floor_at_the_depth_of_its_springs(medium: Any) -> None:
+    """pi R k delta^2 = m g; without friction it slides on, and the sand that hardly is there bears nothing."""
+    stiffness, radius = 1e6, 0.03
+    bed = {"depth_m": 0.02, "floor": {"stiffness_N_m3": stiffness, "damping_s_m": 10}}
+    found = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004}, medium=medium)))
+    delta = np.sqrt(0.5 * 9.81 / (np.pi * radius * stiffness))
+    assert radius - found["b_z_m"][-1] - 0.02 == pytest.approx(delta, rel=5e-3)
+    assert found["floor_force_z_N"][-1] == pytest.approx(0.5 * 9.81, rel=5e-3)
+    assert not found["floor_force_x_N"].any()
+    assert found.summary["energy"]["imbalance_relative"] < 1e-3
+    assert found["floor_work_J"][-1] < -0.05
+    assert any("the floor was reached" in one and "its contact carried" in one for one in found.warnings)
+
+
+def test_walls_are_watched_and_a_floor_without_a_contact_is_told() -> None:
+    """How far the immersed part of a ball reached follows from where its middle was."""
+    bed = {"depth_m": 0.01, "container_x_m": [0.0, 0.12], "container_y_m": [-0.06, 0.2]}
+    found = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004})))
+    deep = found["depth_m"] > 0.0
+    far = np.sqrt(0.03**2 - np.maximum(0.0, 0.03 - found["depth_m"][deep]) ** 2)
+    x, y = (found["b_x_m"][deep] + far).max(), (found["b_y_m"][deep] - far).min()
+    walls = [one for one in found.warnings if "wall of the container" in one]
+    for (name, beyond), told in zip((("front", x - 0.12), ("right", -0.06 - y)), walls, strict=True):
+        assert told.startswith(f"the {name} wall of the container was passed by ")
+        assert float(told.split(" by ")[1].split()[0]) == pytest.approx(beyond, abs=1e-3)  # of facets of 4 mm
+    assert any("the floor was reached" in one and "it carries nothing" in one for one in found.warnings)
+
+
+def test_a_layer_follows_the_slope_and_the_height_map(tmp_path: Any) -> None:
+    """A map of a slope and the slope give one motion; without the harder layer it is another."""
+    x, _ = np.meshgrid(-0.5 + 0.1 * np.arange(11), np.arange(11))
+    np.savetxt(tmp_path / "ground.csv", 0.1 * x, delimiter=",")
+    layers = {"layers": [{"top_m": 0.002, "medium": {"from": "rft3d_sand", "density_kg_m3": 5000}}]}
+    slope = {"slope_deg": float(np.degrees(np.arctan(0.1)))}
+    grid = {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1, "corner_m": [-0.5, -0.5]}
+    solver = {"end_time_s": 0.1, "step_s": 5e-4, "rest_time_s": None}
+    shape = {"type": "box", "size_m": [0.06, 0.05, 0.04]}
+    turned = {"initial": {"joints": {"flight": START | {"z_m": 0.05, "rpy_deg": [20, 35, 10]}}}}
+    paths = []
+    for bed in (slope | layers, {"height_map": grid} | layers, slope):
+        found = simulate(load(run(bed, shape, solver=solver, **turned)))
+        paths.append(np.column_stack([found[f"b_{axis}_m"] for axis in "xyz"]))
+    np.testing.assert_allclose(paths[1], paths[0], atol=1e-9)
+    assert paths[2][-1, 2] < paths[0][-1, 2] - 1e-3
+
+
+HARD = {"top_m": 0.05, "medium": "rft3d_sand"}
+FAULTS: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
+    "per length": ({"depth_m": 1, "floor": {"stiffness_N_m2": 1e6}}, {}, "bed.floor.stiffness_N_m2: is per length"),
+    "profile": ({"profile_m": [[0, 0], [1, 0]]}, {}, "bed.profile_m: is for the plane; in space a surface is level"),
+    "no depth": ({"floor": {"stiffness_N_m3": 1e6}}, {}, "bed.floor: a stiff floor needs depth_m"),
+    "walls": ({"container_y_m": [1, -1]}, {}, "bed.container_y_m: got [1.0, -1.0]; the first must be less"),
+    "order": ({"layers": [HARD, HARD]}, {}, "bed.layers.1.top_m: got 0.05, which is not below the layer above it"),
+    "under the floor": ({"layers": [HARD], "depth_m": 0.04}, {}, "bed.layers.0.top_m: got 0.05, but the floor is at"),
+    "floor above": ({"depth_m": 0.01}, {"initial": {}}, "bed.depth_m: got 0.01 m, so the floor is at -0.01 m, but at"),
+    "no medium": ({"container_x_m": [-1, 1]}, {"medium": None}, "bed.container_x_m: got a container, but no medium"),
+    "law of bars": (
+        {"layers": [{"top_m": 0.1, "medium": "play_sand"}]},
+        {},
+        "layers.0.medium: the sphere of b may get",
+    ),
+    "ball": ({"layers": [{"top_m": 0.1, "medium": IDLE}]}, {"medium": IDLE}, "bed.layers: a sphere is met as a whole"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_tell_their_key(name: str) -> None:
+    bed, given, told = FAULTS[name]
+    with pytest.raises((ConfigError, SceneError)) as caught:
+        build(load(run(bed, **given)))
+    assert told in str(caught.value)
+
+
+def test_a_map_below_the_floor_is_told(tmp_path: Any) -> None:
+    np.savetxt(tmp_path / "ground.csv", np.outer([0.0, -0.1, 0.0], np.ones(3)), delimiter=",")
+    bed = {"depth_m": 0.05, "height_map": {"file": str(tmp_path / "ground.csv"), "cell_m": 1.0, "corner_m": [0, 1]}}
+    with pytest.raises(SceneError, match=r"the map of heights goes down to -0\.1 m: allowed is a floor below it"):
+        build(load(run(bed)))
