@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from granular_contact.config import schema
@@ -81,47 +82,62 @@ def coordinate(
 
 def law(joint: Any) -> JointLaw:
     """What acts in a joint of the plane or of space, in SI units of its coordinate."""
-    if joint.type == "hinge":
-        turn = math.radians(1.0)
-        spring, stops, friction = joint.spring, joint.stops, joint.friction
-        return JointLaw(
-            stiffness=0.0 if spring is None else spring.stiffness_Nm_per_rad,
-            rest=0.0 if spring is None else spring.rest_deg * turn,
-            damping=joint.damping_Nm_s_per_rad,
-            lower=-math.inf if stops is None else stops.lower_deg * turn,
-            upper=math.inf if stops is None else stops.upper_deg * turn,
-            stop_stiffness=0.0 if stops is None else stops.stiffness_Nm_per_rad,
-            dissipation=0.0 if stops is None else stops.dissipation_s_per_rad,
-            friction=0.0 if friction is None else friction.torque_Nm,
-            slip=1.0 if friction is None else friction.slip_deg * turn,
-            damping_time=0.0 if friction is None else friction.damping_time_s,
-        )
-    if joint.type == "slider":
-        rod, ends, rub = joint.spring, joint.stops, joint.friction
-        return JointLaw(
-            stiffness=0.0 if rod is None else rod.stiffness_N_per_m,
-            rest=0.0 if rod is None else rod.rest_m,
-            damping=joint.damping_N_s_per_m,
-            lower=-math.inf if ends is None else ends.lower_m,
-            upper=math.inf if ends is None else ends.upper_m,
-            stop_stiffness=0.0 if ends is None else ends.stiffness_N_per_m,
-            dissipation=0.0 if ends is None else ends.dissipation_s_per_m,
-            friction=0.0 if rub is None else rub.force_N,
-            slip=1.0 if rub is None else rub.slip_m,
-            damping_time=0.0 if rub is None else rub.damping_time_s,
-        )
-    if joint.type == "ball":
-        return _ball_law(joint)
+    match joint.type:
+        case "hinge":
+            return _hinge_law(joint)
+        case "slider":
+            return _slider_law(joint)
+        case "ball":
+            return _ball_law(joint)
     return JointLaw()
+
+
+def _hinge_law(joint: Any) -> JointLaw:
+    made = JointLaw(damping=joint.damping_Nm_s_per_rad)
+    if (spring := joint.spring) is not None:
+        made = replace(made, stiffness=spring.stiffness_Nm_per_rad, rest=math.radians(spring.rest_deg))
+    if (stops := joint.stops) is not None:
+        made = replace(
+            made,
+            lower=math.radians(stops.lower_deg),
+            upper=math.radians(stops.upper_deg),
+            stop_stiffness=stops.stiffness_Nm_per_rad,
+            dissipation=stops.dissipation_s_per_rad,
+        )
+    if (friction := joint.friction) is not None:
+        slip, damping_time = math.radians(friction.slip_deg), friction.damping_time_s
+        made = replace(made, friction=friction.torque_Nm, slip=slip, damping_time=damping_time)
+    return made
+
+
+def _slider_law(joint: Any) -> JointLaw:
+    made = JointLaw(damping=joint.damping_N_s_per_m)
+    if (spring := joint.spring) is not None:
+        made = replace(made, stiffness=spring.stiffness_N_per_m, rest=spring.rest_m)
+    if (stops := joint.stops) is not None:
+        made = replace(
+            made,
+            lower=stops.lower_m,
+            upper=stops.upper_m,
+            stop_stiffness=stops.stiffness_N_per_m,
+            dissipation=stops.dissipation_s_per_m,
+        )
+    if (friction := joint.friction) is not None:
+        slip, damping_time = friction.slip_m, friction.damping_time_s
+        made = replace(made, friction=friction.force_N, slip=slip, damping_time=damping_time)
+    return made
 
 
 def _ball_law(joint: Any) -> JointLaw:
     """Of a joint of space, by the angle of its rotation from home."""
-    spring, stops = joint.spring, joint.stops
-    return JointLaw(
-        stiffness=0.0 if spring is None else spring.stiffness_Nm_per_rad,
-        damping=joint.damping_Nm_s_per_rad,
-        upper=math.inf if stops is None else math.radians(stops.upper_deg),
-        stop_stiffness=0.0 if stops is None else stops.stiffness_Nm_per_rad,
-        dissipation=0.0 if stops is None else stops.dissipation_s_per_rad,
-    )
+    made = JointLaw(damping=joint.damping_Nm_s_per_rad)
+    if (spring := joint.spring) is not None:
+        made = replace(made, stiffness=spring.stiffness_Nm_per_rad)
+    if (stops := joint.stops) is not None:
+        made = replace(
+            made,
+            upper=math.radians(stops.upper_deg),
+            stop_stiffness=stops.stiffness_Nm_per_rad,
+            dissipation=stops.dissipation_s_per_rad,
+        )
+    return made

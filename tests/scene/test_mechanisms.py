@@ -107,6 +107,34 @@ def test_numbers_of_a_joint_arrive_in_si_units() -> None:
     assert laws["knee"].is_linear
 
 
+@pytest.mark.parametrize("crank", [-200.0, -90.0, 60.0, 200.0, 400.0])
+def test_the_joint_that_closes_a_loop_starts_with_its_bodies(crank: float) -> None:
+    scene = scene_of(FOUR_BAR, f"initial.joints.a={{angle_deg: {crank}, rate_rad_s: 2}}")
+    (closed,) = (joint for joint in scene.joints if joint.closes)
+    parent, child = (scene.body(name).motion for name in ("coupler", "rocker"))
+    assert closed.rate == pytest.approx(parent.rate - child.rate, rel=1e-12)
+    assert abs(closed.rate) > 0.1
+    assert math.remainder(closed.start - (parent.angle - child.angle), 2.0 * math.pi) == pytest.approx(0.0, abs=1e-12)
+    assert abs(closed.start) <= math.pi
+    # Its coordinate is counted on from there.
+    assert parent.angle - child.angle + closed.offset == pytest.approx(closed.start, abs=1e-12)
+
+
+def test_joints_that_follow_a_weld_are_kept() -> None:
+    scene = scene_of(
+        f"""
+model:
+  name: bent
+  bodies: {{foot: {{type: link, {BAR}}}, leg: {{type: link, {BAR}}}}}
+  joints:
+    ankle: {{type: weld, parent: leg, child: foot, parent_point_m: [0.1, 0]}}
+    hip: {{type: hinge, parent: ground, child: leg}}
+initial: {{joints: {{}}}}
+"""
+    )
+    assert [joint.name for joint in scene.joints] == ["hip"]
+
+
 def test_a_free_body_starts_as_said() -> None:
     scene = scene_of(
         f"""
