@@ -62,11 +62,15 @@ class Coordinate:
 
     def at(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
         """Coordinate, its rate and gradient, by the coordinates of the parent's node and then the child's."""
-        arguments = self.record, self.turns, np.array(q), np.array(v), self._slope
+        s, rate = self.now(q, v)
+        return s, rate, self._slope[: self.size].tolist()
+
+    def now(self, q: Numbers, v: Numbers, slope: Vector | None = None) -> tuple[float, float]:
+        """Coordinate and its rate, as `at`; slope, of at least as many numbers as kernels fill, gets the gradient."""
+        arguments = self.record, self.turns, np.array(q), np.array(v), self._slope if slope is None else slope
         if self._at is None:
             self._at = entry(self.kernels.single, *arguments)
-        s, rate = self._at(*arguments)
-        return s, rate, self._slope[: self.size].tolist()
+        return self._at(*arguments)
 
     def second(self, q: Numbers) -> Vector:
         """Second derivatives of the coordinate."""

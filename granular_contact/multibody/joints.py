@@ -175,17 +175,27 @@ def add_constraint(mbs: Any, s: Coordinate, nodes: list[int], drive: Drive) -> i
 
 
 class _Last:
-    """A coordinate that remembers its last state, and a signal its last instant: the engine asks for each twice."""
+    """A coordinate that remembers its last state, and a signal its last instant: the engine asks for each twice.
+
+    row (1, n): its gradient by all coordinates that the engine hands over.
+    """
 
     def __init__(self, s: Coordinate) -> None:
-        self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0, list[float]())
+        self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0)
         self._t, self._wanted = math.nan, (0.0, 0.0)
+        self._slope, self.row = np.zeros(s.kernels.MOST), np.zeros((1, 0))
 
-    def __call__(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
-        """As `Coordinate.at`; the coordinates of a ground node come first, and are not asked for."""
+    def __call__(self, q: Numbers, v: Numbers) -> tuple[float, float]:
+        """Coordinate and rate; the coordinates of a ground node come first, and are not asked for."""
         if q != self._q or v != self._v:
-            size = self._s.size
-            self._found = self._s.at(q[len(q) - size :], v[len(v) - size :])
+            count, size = len(q), self._s.size
+            if self.row.shape[1] != count:
+                self.row = np.zeros((1, count))
+            if count == size:
+                self._found = self._s.now(q, v, self._slope)
+            else:
+                self._found = self._s.now(q[count - size :], v[count - size :], self._slope)
+            self.row[0, count - size :] = self._slope[:size]
             self._q, self._v = q, v
         return self._found
 
@@ -197,18 +207,16 @@ class _Last:
 
 
 def _motion_functions(s: Coordinate, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
-    signal, at = drive.signal, _Last(s)
+    signal, at, container = drive.signal, _Last(s), exu.MatrixContainer()
 
     def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
-        value, rate, _ = at(list(q), list(v))
+        value, rate = at(q, v)
         wanted, wanted_rate = at.wanted(signal, t)
         return [rate - wanted_rate] if by_velocity else [value - wanted]
 
     def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
-        q = list(q)
-        _, _, slope = at(q, list(v))
-        container = exu.MatrixContainer()
-        container.SetWithDenseMatrix(np.array([[0.0] * (len(q) - s.size) + slope]), useDenseMatrix=True)
+        at(q, v)
+        container.SetWithDenseMatrix(at.row, useDenseMatrix=True)
         return container
 
     return constraint, jacobian
