@@ -30,6 +30,15 @@ def test_strides_that_grow_have_their_mean_and_scatter() -> None:
     assert stride_numbers(time[:1900], place[:1900], [power[:1900]], [], 5.0, 0.5) is None  # 0.95 s: one whole stride
 
 
+def test_strides_that_just_fit_are_counted() -> None:
+    for whole, count in ((2, 2), (3, 2), (4, 3)):  # of three and more the first is left out
+        time = 0.7 + np.linspace(0.0, 0.5 * whole, 20 * whole + 1)
+        told = stride_numbers(time, time, [], [], 5.0, 0.5)
+        assert told is not None
+        assert told["count"] == count
+        assert told["distance_m"] == pytest.approx({"mean": 0.5, "standard_deviation": 0.0})
+
+
 def test_numbers_of_a_drive() -> None:
     time = np.linspace(0.0, 1.0, 2001)
     torque, rate = 3.0 * np.sin(2 * np.pi * time), 2.0 * np.sin(2 * np.pi * time)
