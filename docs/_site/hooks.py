@@ -31,12 +31,13 @@ _LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]*)(#[^)\s]*)?\)"
 
 
 def on_files(files: Files, *, config: Any) -> Files:
-    """Add the pages that are made, and the style."""
+    """Add the pages that are made, the style, and the script that lets pages from the disk be searched."""
     for name, text in reference.pages().items():
         files.append(File.generated(config, name, content=text))
     for name, page in PAGES.items():
         files.append(File.generated(config, page, content=(ROOT / name).read_text(encoding="utf-8")))
-    files.append(File.generated(config, "style.css", content=(HERE / "style.css").read_text(encoding="utf-8")))
+    for name in ("style.css", "iframe-worker.js"):
+        files.append(File.generated(config, name, content=(HERE / name).read_text(encoding="utf-8")))
     texts = [(file.src_uri, file.content_string) for file in files.documentation_pages()]
     for name in sorted({one for page, text in texts for one in _copied(page, text)}):
         files.append(File.generated(config, f"files/{name}", abs_src_path=str(ROOT / name)))

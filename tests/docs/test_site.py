@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+from support_browser import DRIVER, Browser
 from support_runs import ROOT
 
 import granular_contact
@@ -20,8 +22,8 @@ BUILD = "from mkdocs.__main__ import cli; cli(['build', '--strict', '-q', '-d', 
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Its pages and scripts, by their paths. Strict: a lost link or anchor, or a page in no menu, ends the build."""
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the site. Strict: a lost link or anchor, or a page in no menu, ends the build."""
     pytest.importorskip("mkdocs")
     pytest.importorskip("mkdocstrings")
     folder = tmp_path_factory.mktemp("site")
@@ -29,8 +31,14 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         [sys.executable, "-c", BUILD.format(str(folder))], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    files = [*folder.rglob("*.html"), *folder.glob("assets/javascripts/*.js")]
-    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in files}
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(built: Path) -> dict[str, str]:
+    """Its pages and scripts, by their paths."""
+    files = [*built.rglob("*.html"), *built.glob("assets/javascripts/*.js")]
+    return {path.relative_to(built).as_posix(): path.read_text(encoding="utf-8") for path in files}
 
 
 def ids(html: str) -> set[str]:
@@ -77,3 +85,22 @@ def test_pages_of_readmes_lead_to_pages_and_copies(site: dict[str, str]) -> None
     assert 'href="howto/mechanisms.html"' in index
     assert 'href="files/configs/runner.yaml"' in gallery
     assert Path("README.md").name not in "".join(re.findall(r'href="([^"]*)"', index))
+
+
+@pytest.mark.skipif(DRIVER is None, reason="no chromedriver")
+@pytest.mark.parametrize("page", ["index.html", "howto/plate.html"])
+def test_pages_opened_from_the_disk_are_searched(built: Path, page: str) -> None:
+    typed = """const field = document.querySelector('[data-md-component=search-query]');
+        document.querySelector('#__search').checked = true;
+        field.focus(); field.value = 'grousers';
+        for (const kind of ['focus', 'keyup', 'input']) field.dispatchEvent(new Event(kind, {bubbles: true}));"""
+    links = "return [...document.querySelectorAll('.md-search-result__link')].map(one => one.href)"
+    with Browser() as browser:
+        browser.open(built / page, 1200)
+        for _ in range(100):
+            browser.run(typed)
+            if found := browser.run(links):
+                break
+            time.sleep(0.1)
+        assert (built / "reference/shapes.html").as_uri() in {one.partition("?")[0].partition("#")[0] for one in found}
+        assert browser.faults() == []
