@@ -228,11 +228,23 @@ class Simulation:
     # ---- what is seen ----
 
     def observe(self) -> Observations:
-        """What is seen of the present state."""
+        """What is seen of the present state.
+
+        Returns
+        -------
+        Observations
+            Numbers by name, as those of the columns of results; as arrays in SI units.
+        """
         return self._solving.observe()
 
     def outlines(self) -> tuple[Outline, ...]:
-        """The mechanism as it is drawn, at the present state."""
+        """The mechanism as it is drawn, at the present state.
+
+        Returns
+        -------
+        tuple of Outline
+            One for each part, with points in the world frame (m).
+        """
         return self._solving.outlines()
 
     @property
@@ -246,7 +258,18 @@ class Simulation:
         return np.array([control.bounds for control in self._controls.values()]).reshape(-1, 2)
 
     def results(self, most_frames: int = 0) -> Results:
-        """Results of the run so far, as of `simulate`; most_frames: as there."""
+        """Results of the run so far.
+
+        Parameters
+        ----------
+        most_frames : int
+            Pictures for a player or an animation; 0 for none.
+
+        Returns
+        -------
+        Results
+            As of `simulate`.
+        """
         trajectory = self._solving.trajectory()
         status = self._failed or (None if self._solving.over else self.standing)
         if status is not None:
@@ -257,13 +280,29 @@ class Simulation:
     # ---- back to an earlier state ----
 
     def state(self) -> State:
-        """The present state, with all that the future depends on: `restore` goes on from it bit for bit."""
+        """The present state, with all that the future depends on: `restore` goes on from it bit for bit.
+
+        Returns
+        -------
+        State
+            It can be sent to another process.
+        """
         random = self.random.bit_generator.state
         set_to = tuple(self._set.values())
         return State(self.time, self.scenario, self._solving.state(), set_to, dict(random), self._failed)
 
     def restore(self, state: State) -> Observations:
         """Go back to a state of this simulation, or of another one of the same scenario.
+
+        Parameters
+        ----------
+        state : State
+            What `state` gave.
+
+        Returns
+        -------
+        Observations
+            What is seen there.
 
         Raises
         ------
@@ -288,7 +327,13 @@ class Simulation:
         self._begun = None
 
     def fail(self, message: str) -> None:
-        """End the run as failed, with a sentence that its results bear."""
+        """End the run as failed.
+
+        Parameters
+        ----------
+        message : str
+            Why, as the status of its results says it.
+        """
         self._failed = Status("failed", message)
 
     def interrupt(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -118,3 +119,27 @@ def test_kernels_are_compiled_ahead(capsys: pytest.CaptureFixture[str]) -> None:
     told = capsys.readouterr()
     assert told.out.startswith("1 kinds of runs are ready: ")
     assert "pendulum_rigid (the law lee_marghitu for round bars, engine)" in told.err
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals of this kind here")
+@pytest.mark.parametrize("columns", [44, 130])
+def test_what_is_printed_fits_the_terminal(columns: int) -> None:
+    """On a real terminal: lines end between words, and a table that is too wide becomes a list."""
+    code = """from granular_contact.cli.common import print_table, say
+say("  stopping time   25.46 ms, from touch to the first zero of the mean rate, about the pivot of the link")
+heads = ["impact_speed_rad_s", "stop ms", "angle deg", "imbalance"]
+print_table("case", heads, [["case_1", "2", "39.28", "34.27", "4e-6"]])
+"""
+    ours, theirs = os.openpty()
+    size = {"COLUMNS": str(columns), "LINES": "40", "TERM": "xterm"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=os.environ | size, stdout=theirs, check=False)
+    os.close(theirs)
+    lines = re.sub(r"\x1b\[[\d;]*m", "", os.read(ours, 10_000).decode()).split("\r\n")
+    os.close(ours)
+    assert done.returncode == 0
+    assert max(len(line.rstrip()) for line in lines) <= columns
+    words = " ".join(" ".join(lines).split())
+    assert "25.46 ms, from touch to the first zero of the mean rate, about the pivot of the link" in words
+    listed = "impact_speed_rad_s 2 stop ms 39.28 angle deg 34.27 imbalance 4e-6"
+    assert (listed in words) == (columns == 44)
+    assert ("case_1 2 39.28 34.27 4e-6" in words) == (columns == 130)

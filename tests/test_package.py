@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
+from importlib import import_module
+from types import FunctionType
 
 import pytest
 from support_runs import ROOT
@@ -44,6 +48,51 @@ def test_what_is_public_is_told_by_help() -> None:
     assert dir(granular_contact) == granular_contact.__all__
     words = set(re.findall(r"\w+", granular_contact.__doc__ or ""))
     assert set(granular_contact.__all__) - words == {"RftCoefficients", "VerticalResistance"}  # parts of their laws
+
+
+def calls(name: str, thing: object) -> Iterator[tuple[str, FunctionType]]:
+    """A function, or the methods of a class that users call, by name."""
+    if isinstance(thing, FunctionType):
+        yield name, thing
+    for key, value in vars(thing).items() if isinstance(thing, type) else ():
+        found = getattr(value, "__func__", value)
+        if not key.startswith("_") and isinstance(found, FunctionType):
+            yield f"{name}.{key}", found
+
+
+def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
+    """Docstrings have the sections of numpydoc, with the name of each argument in them; functions an example too."""
+    from granular_contact.config.load import Loaded
+    from granular_contact.config.schema import Scenario
+
+    homes = [getattr(granular_contact, name) for name in ("GranularBed", "Results", "Simulation")]
+    homes += map(extra, ("gym.GranularEnv", "mujoco.MujocoBed"))
+    functions = [getattr(granular_contact, name) for name in granular_contact.__all__]
+    things = [*homes, Loaded, *(one for one in functions if isinstance(one, FunctionType))]
+    found = dict(call for thing in things for call in calls(thing.__name__, thing))
+    found |= {"Scenario.replace": Scenario.replace, "Mesh.read": granular_contact.Mesh.read.__func__}
+    lacking = []
+    for name, function in found.items():
+        text, given = inspect.getdoc(function) or "", inspect.signature(function)
+        sections = dict(re.findall(r"^(\w+)\n-{4,}\n(.*?)(?=^\w+\n-{4,}|\Z)", text, re.M | re.S))
+        told = set(re.findall(r"\w+", " ".join(re.findall(r"^\S.*", sections.get("Parameters", ""), re.M))))
+        lacking += [f"{name}: {one}" for one in given.parameters if one not in told | {"self", "cls"}]
+        if given.return_annotation != "None" and "Returns" not in sections:
+            lacking.append(f"{name}: Returns")
+        if re.search(r"^\s+raise \w", inspect.getsource(function), re.M) and "Raises" not in sections:
+            lacking.append(f"{name}: Raises")
+        if "." not in name and "Examples" not in sections:
+            lacking.append(f"{name}: Examples")
+    assert lacking == []
+    assert len(found) > 40
+
+
+def extra(path: str) -> type:
+    """A class that needs an extra of the package."""
+    module, _, name = path.partition(".")
+    pytest.importorskip({"gym": "gymnasium"}.get(module, module))
+    found: type = getattr(import_module(f"granular_contact.{module}"), name)
+    return found
 
 
 def test_media_and_simulations_are_shown_in_a_line() -> None:

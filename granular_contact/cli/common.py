@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, TextIO
 
 from granular_contact import config
 
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
 MOST_WORKERS = 256
+LABEL = 18  # characters before the values of a summary
+NARROW = 70  # columns of a terminal on which a bar does without words
 # Columns of a table: key of the number, heading, factor, format.
 Shown = Sequence[tuple[str, str, float, str]]
 ENDS = {"failed": FAILED, "time_limit": OUT_OF_TIME, "interrupted": INTERRUPTED}
@@ -28,7 +32,18 @@ class Refusal(Exception):
 
 def complain(text: str) -> None:
     """Say what is wrong."""
-    print(text, file=sys.stderr)
+    say(text, sys.stderr)
+
+
+def say(text: str, stream: TextIO | None = None) -> None:
+    """Print lines, on stdout unless given; a terminal gets them broken between words, what goes on with an indent."""
+    stream = stream or sys.stdout
+    width = shutil.get_terminal_size().columns if stream.isatty() else 0
+    for line in text.splitlines():
+        own = " " * (LABEL if line.startswith("  ") else 2)
+        if len(line) > width > 2 * len(own):
+            line = fill(line, width, subsequent_indent=own, break_long_words=False, break_on_hyphens=False)
+        print(line, file=stream)
 
 
 def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Scene]:
@@ -113,12 +128,22 @@ def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]])
     from rich.console import Console
     from rich.table import Table
 
+    console, rows = Console(markup=False, highlight=False, emoji=False), list(rows)
+    wide = sum(max(map(len, cells)) + 2 for cells in zip((first, *heads), *rows, strict=True))
+    if console.is_terminal and console.width < wide:  # a column would be broken: one number below another
+        size = max(map(len, heads), default=0)
+        for name, *cells in rows:
+            console.print(name)
+            for head, cell in zip(heads, cells, strict=True):
+                console.print(f"  {head:{size}}  {cell}")
+        return
     table = Table(first, box=None, pad_edge=False)
     for head in heads:
         table.add_column(head, justify="right")
     for row in rows:
         table.add_row(*row)
-    Console(width=max(100, Console().width)).print(table)
+    console.width = max(120, console.width)
+    console.print(table)
 
 
 def output_folder(out: str | None, name: str, kind: str = "run") -> Path:

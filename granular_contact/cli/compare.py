@@ -14,6 +14,7 @@ from granular_contact.cli.common import (
     numbers,
     output_folder,
     print_table,
+    say,
     telling,
     worst,
 )
@@ -79,6 +80,6 @@ def act(chosen: argparse.Namespace) -> int:
     if not chosen.quiet:
         rows = map(cells, comparison.rows)
         print_table("model", headings(SHOWN), ([str(row["model"]), *numbers(row, SHOWN)] for row in rows))
-        print(comparison.verdict)
-        print(f"saved in {folder}")
+        say(comparison.verdict)
+        say(f"saved in {folder}")
     return worst(row.results.status.code for row in comparison.rows)

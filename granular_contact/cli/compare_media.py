@@ -14,6 +14,7 @@ from granular_contact.cli.common import (
     numbers,
     output_folder,
     print_table,
+    say,
     telling,
     there,
     worst,
@@ -63,6 +64,6 @@ def act(chosen: argparse.Namespace) -> int:
         print_table("medium", heads, texts)
         for row in rows:
             for warning in row.results.warnings:
-                print(f"{row.name}: {warning}")
-        print(f"saved in {folder}")
+                say(f"{row.name}: {warning}")
+        say(f"saved in {folder}")
     return worst(row.results.status.code for row in rows)

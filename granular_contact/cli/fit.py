@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +16,9 @@ from granular_contact.cli.common import (
     add_set,
     complain,
     output_folder,
+    print_table,
     reason,
+    say,
     telling,
     worker_count,
 )
@@ -81,34 +82,30 @@ def act(chosen: argparse.Namespace) -> int:
         return FAULTY_INPUT
     if not chosen.quiet:
         _show(found)
-        print(f"saved in {folder}")
+        say(f"saved in {folder}")
     for warning in found.warnings if chosen.quiet else ():
         complain(f"warning: {warning}")
     return FINE if found.solution.converged else FAILED
 
 
 def _show(found: Fit) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(markup=False, highlight=False, emoji=False, width=max(100, Console().width))
-    table = Table("parameter", box=None, pad_edge=False)
-    for head in ("value", "standard error", "95 % from", "to"):
-        table.add_column(head, justify="right")
+    rows = []
     for one in found.uncertainty.estimates:
         label = one.parameter.label + (" (at its bound)" if one.at_bound else "")
-        table.add_row(label, f"{one.value:.6g}", *(_known(x, ".4g") for x in (one.error, one.low, one.high)))
-    console.print(table)
+        rows.append([label, f"{one.value:.6g}", *(_known(x, ".4g") for x in (one.error, one.low, one.high))])
+    print_table("parameter", ("value", "standard error", "95 % from", "to"), rows)
     shared = [j for j, p in enumerate(found.problem.parameters) if p.shared]
     if 1 < len(shared) <= MOST_SHOWN:
         print()
-        console.print(_correlation(found, shared, Table))
+        matrix, names = found.uncertainty.correlation, found.problem.parameters
+        lines = [[names[i].label, *(_known(matrix[i, j], "+.3f") for j in shared)] for i in shared]
+        print_table("correlation", [names[j].key[-1] for j in shared], lines)
     print()
     for column in found.goodness.columns:
         kind = "given" if column.given else "estimated"
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
     if (grains := found.scatter) is not None:
-        print(
+        say(
             f"scatter of the force {100 * grains.force:.3g} +- {100 * grains.force_error:.1g} % over "
             f"{1e3 * grains.length:.3g} +- {1e3 * grains.length_error:.1g} mm; "
             f"of the medium {100 * grains.relative:.3g} %"
@@ -116,22 +113,12 @@ def _show(found: Fit) -> None:
     good = found.goodness
     words = "the residuals look like noise" if good.status == "fits" else "the residuals do not look like noise"
     rest = f" ({good.without_outliers:.3g} without the outliers)" if good.outliers else ""
-    print(
+    say(
         f"{good.status}: {words}; reduced chi-square {good.reduced_chi_square:.3g}{rest} of {good.degrees_of_freedom} "
         f"degrees of freedom, {found.agreeing} of {len(found.solution.starts)} starts agree"
     )
     for warning in found.warnings:
-        print(f"warning: {warning}")
-
-
-def _correlation(found: Fit, shared: Sequence[int], table_of: type) -> object:
-    table = table_of("correlation", box=None, pad_edge=False)
-    for j in shared:
-        table.add_column(found.problem.parameters[j].key[-1], justify="right")
-    matrix = found.uncertainty.correlation
-    for i in shared:
-        table.add_row(found.problem.parameters[i].label, *(_known(matrix[i, j], "+.3f") for j in shared))
-    return table
+        say(f"warning: {warning}")
 
 
 def _known(value: float, form: str) -> str:

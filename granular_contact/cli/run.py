@@ -15,12 +15,14 @@ from granular_contact.cli.common import (
     ENDS,
     FAULTY_INPUT,
     FINE,
+    NARROW,
     Refusal,
     add_output,
     add_set,
     complain,
     output_folder,
     read,
+    say,
 )
 from granular_contact.errors import ConfigError, Fault
 
@@ -111,11 +113,11 @@ def act(chosen: argparse.Namespace) -> int:
         return FAULTY_INPUT
     if not chosen.quiet:
         also = f", and {compiled:.1f} s of compiling, once in an installation" if compiled else ""
-        print("\n".join(_summary(results, f"{elapsed:.2f} s{also}", folder)))
+        say("\n".join(_summary(results, f"{elapsed:.2f} s{also}", folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
     if explained:
-        print("left out:\n" + "\n".join(f"  {line}" for line in explained))
+        say("left out:\n" + "\n".join(f"  {line}" for line in explained))
     for solved in kept if chosen.view else ():
         from granular_contact.multibody import view
 
@@ -169,8 +171,12 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
 
     from granular_contact.kernels.compiling import seconds
 
-    text = TextColumn("{task.completed:.4f} of {task.total:g} s simulated, {task.fields[rate]}")
-    with Bar(BarColumn(), text, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    narrow, digits = console.width < NARROW, 4 if end_time < 1.0 else 2
+    unit = "s" if narrow else "s simulated"
+    words = f"{{task.completed:.{digits}f}} of {{task.total:g}} {unit}, {{task.fields[rate]}}"
+    columns = (BarColumn(8 if narrow else 40), TextColumn(words), *(() if narrow else (TimeElapsedColumn(),)))
+    with Bar(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=end_time, rate="starting")
         begin, compiled = time.perf_counter(), seconds()
 

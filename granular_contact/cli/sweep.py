@@ -13,7 +13,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
-from granular_contact.cli.common import FAILED, FINE, complain, headings, numbers, output_folder, there
+from granular_contact.cli.common import (
+    FAILED,
+    FINE,
+    complain,
+    headings,
+    numbers,
+    output_folder,
+    print_table,
+    say,
+    there,
+)
 from granular_contact.cli.sweep_progress import progress
 from granular_contact.config import Sweep, load_sweep
 from granular_contact.config.messages import unknown
@@ -121,7 +131,7 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
         _show_sensitivity(found)
         taken, new = time.perf_counter() - begin, count - len(checkpoint.done)
         speed = f" ({new / taken:.3g} per s)" if new and taken > 0.0 else ""
-        print(f"{sweep.name}: {count} of {count} cases in {taken:.2f} s{speed}, saved in {folder}")
+        say(f"{sweep.name}: {count} of {count} cases in {taken:.2f} s{speed}, saved in {folder}")
     for one in found:
         if one.refused:
             complain(f"no Sobol indices of {one.output}: {one.refused}")
@@ -143,9 +153,6 @@ def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
 
 def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     """Print the essential columns of the first rows, and what failed; returns how many did."""
-    from rich.console import Console
-    from rich.table import Table
-
     keys = sweep.keys[:MOST_KEYS]
     first: list[Row] = []
     failed: list[str] = []
@@ -157,23 +164,15 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
             count += 1
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
     columns = there(_SHOWN if sweep.base.wheel is None else _OF_WHEEL, [row.summary for row in first])
-    shown = Table("case", box=None, pad_edge=False)
-    for name in _short_names(keys):
-        shown.add_column(name, justify="right")
-    shown.add_column("status")
-    for heading in headings(columns):
-        shown.add_column(heading, justify="right")
-    for row in first:
-        values = (_value(row.values.get(key)) for key in keys)
-        shown.add_row(row.name, *values, row.summary["status"], *numbers(row.summary, columns))
     if not quiet:
-        console = Console(markup=False, highlight=False, emoji=False)
-        console.width = max(120, console.width)
-        console.print(shown)
+        heads = [*_short_names(keys), "status", *headings(columns)]
+        told = ((*(_value(row.values.get(key)) for key in keys), row.summary["status"]) for row in first)
+        values = (numbers(row.summary, columns) for row in first)
+        print_table("case", heads, [(r.name, *t, *v) for r, t, v in zip(first, told, values, strict=True)])
         if len(sweep.cases) > MOST_SHOWN:
             print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
         for line in failed:
-            print(line)
+            say(line)
     return count
 
 
@@ -195,19 +194,11 @@ def _value(value: Any) -> str:
 
 def _show_sensitivity(found: Iterable[Indices]) -> None:
     """Print the indices with their intervals."""
-    from rich.console import Console
-    from rich.table import Table
-
     for one in found:
         if one.refused:
             continue
-        shown = Table(box=None, pad_edge=False)
-        shown.add_column(f"Sobol indices of {one.output}", no_wrap=True)
-        for heading in ("first order, 95 %", "total, 95 %"):
-            shown.add_column(heading, justify="right", no_wrap=True)
+        rows = []
         for i, name in enumerate(one.inputs):
             pairs = ((one.first, one.first_interval), (one.total, one.total_interval))
-            shown.add_row(name, *(f"{v[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})" for v, ends in pairs))
-        console = Console(markup=False, highlight=False, emoji=False)
-        console.width = max(100, console.width)
-        console.print(shown)
+            rows.append([name, *(f"{v[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})" for v, ends in pairs)])
+        print_table(f"Sobol indices of {one.output}", ("first order, 95 %", "total, 95 %"), rows)

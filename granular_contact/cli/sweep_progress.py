@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
+from granular_contact.cli.common import NARROW
+
 LINE_SECONDS = 60.0
 
 
@@ -27,9 +29,11 @@ def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    rate = TextColumn(noun + ", {task.fields[rate]}")
-    columns = (BarColumn(), MofNCompleteColumn(), rate, TimeRemainingColumn(), TextColumn("left"))
-    with Progress(*columns, console=Console(file=stream), transient=True) as bar:
+    console = Console(file=stream)
+    narrow = console.width < NARROW
+    rate = TextColumn(noun + ("" if narrow else ", {task.fields[rate]}"))
+    columns = (BarColumn(8 if narrow else 40), MofNCompleteColumn(), rate, TimeRemainingColumn(), TextColumn("left"))
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=count, completed=done, rate="starting")
         begin, new = time.perf_counter(), 0
 

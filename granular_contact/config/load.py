@@ -73,7 +73,24 @@ class Loaded(NamedTuple):
     sources: SourceMap
 
     def replace(self, values: Mapping[str, Any] | None = None, /, **changes: Unpack[Changes]) -> Loaded:
-        """The same with other values, as `Scenario.replace`; what stays keeps its lines in messages."""
+        """The same with other values; what stays keeps its lines in messages.
+
+        Parameters
+        ----------
+        values : mapping, optional
+            Values by dotted key, as of `Scenario.replace`.
+        **changes
+            The same by the keys of a config.
+
+        Returns
+        -------
+        Loaded
+
+        Raises
+        ------
+        ConfigError
+            With every fault, each with its key, what was got and what is allowed.
+        """
         faults: list[Fault] = []
         given = changes_of({**(values or {}), **changes}, "replace", faults)
         return Template(self.sources.root, Path(self.scenario.name or NAMELESS), []).make(given, faults)

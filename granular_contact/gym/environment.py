@@ -105,7 +105,20 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         return {"time_s": self._seen.time, "status": "" if ended is None else ended.message}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
-        """Begin an episode; options: values by dotted key of the config, for this episode."""
+        """Begin an episode.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Of the random numbers.
+        options : dict, optional
+            Values by dotted key of the config, for this episode.
+
+        Returns
+        -------
+        tuple
+            What is seen, and a dict with the time and the status.
+        """
         super().reset(seed=seed)
         drawn = {key: self._drawn(how) for key, how in self._vary.items()}
         self._seen = self.simulation.reset(**(drawn | (options or {})))
@@ -115,7 +128,23 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         return how(self.np_random) if callable(how) else self.np_random.uniform(*how)
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Set the drives and go on for one period of control; errors as of `Simulation.step`."""
+        """Set the drives and go on for one period of control.
+
+        Parameters
+        ----------
+        action : (drives,) array
+            From -1 to 1, the range of each drive.
+
+        Returns
+        -------
+        tuple
+            What is seen, the reward, whether the episode is terminated, whether it is truncated, and a dict.
+
+        Raises
+        ------
+        ControlError
+            The action has another shape, or as of `Simulation.step`.
+        """
         before = self._seen
         given = np.clip(np.asarray(action, float), -1.0, 1.0)
         if given.shape != self._middle.shape:
@@ -132,7 +161,13 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         return ended is not None and ended.code not in FINISHED
 
     def render(self) -> Any:
-        """A picture of the present state, (height, width, 3); None without a render mode."""
+        """A picture of the present state.
+
+        Returns
+        -------
+        array
+            (height, width, 3), 0 to 255; None without a render mode.
+        """
         if self.render_mode is None:
             return None
         from granular_contact.gym.pictures import picture
@@ -146,11 +181,27 @@ class GranularEnv(gymnasium.Env[Array, Array]):
     # ---- back to an earlier state ----
 
     def state(self) -> EnvState:
-        """The present state, of the friction too; it can be pickled."""
+        """The present state, of the friction too.
+
+        Returns
+        -------
+        EnvState
+            It can be pickled.
+        """
         return EnvState(self.simulation.state(), dict(self.np_random.bit_generator.state))
 
     def restore(self, state: EnvState) -> Array:
-        """Go back to a state of this environment, or of another one of the same scene; what is seen there.
+        """Go back to a state of this environment, or of another one of the same scene.
+
+        Parameters
+        ----------
+        state : EnvState
+            What `state` gave.
+
+        Returns
+        -------
+        array
+            What is seen there.
 
         Raises
         ------

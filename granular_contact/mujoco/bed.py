@@ -111,7 +111,22 @@ class MujocoBed:
     # ---- what the medium acts on ----
 
     def body(self, name: str | int) -> Body:
-        """A body of the model by its name or number, as the bed has it; errors as of `add_geoms`."""
+        """A body of the model, as the bed has it.
+
+        Parameters
+        ----------
+        name : str or int
+            Its name or number.
+
+        Returns
+        -------
+        Body
+
+        Raises
+        ------
+        SceneError
+            There is no such body, or it is fixed to the world.
+        """
         number = name if isinstance(name, int) else mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
         if not 0 < number < self.model.nbody:
             known = ", ".join(name_of(self.model, "body", n) for n in range(1, self.model.nbody))
@@ -128,7 +143,7 @@ class MujocoBed:
         return self._names[number]
 
     def add_geoms(self, pattern: str, *, facet_size: float | None = None, hull: bool = False) -> list[str]:
-        """Let the medium act on geoms of the model, primitives and meshes as they are; their names.
+        """Let the medium act on geoms of the model, primitives and meshes as they are.
 
         Where geoms of a body that are named in one call overlap, only what lies outside the others is met.
 
@@ -140,6 +155,11 @@ class MujocoBed:
             Greatest edge of facets (m); an eighth of a geom's diagonal unless given.
         hull : bool
             Whether the convex hull of a mesh counts, as in MuJoCo's contacts.
+
+        Returns
+        -------
+        list of str
+            Names of the geoms.
 
         Raises
         ------
@@ -184,7 +204,17 @@ class MujocoBed:
         """Let the medium of a planar bed act on lines of `bed.contact_lines`, on bodies as of `body`.
 
         Points in the frame of a body: along its x axis (its y axis where x lies across the plane), and along what is
-        ahead of that by a quarter turn from `plane` to `up`. Errors as of `GranularLoad.add`.
+        ahead of that by a quarter turn from `plane` to `up`.
+
+        Parameters
+        ----------
+        lines : sequence of ContactLine
+            Of `granular_contact.bed.contact_lines`.
+
+        Raises
+        ------
+        SceneError
+            The bed is one in space, or as of `GranularLoad.add`.
         """
         self._check_open()
         if not self.planar:
@@ -210,6 +240,16 @@ class MujocoBed:
         """What the bed keeps for an MjData, made at the first call; the first of all compiles and looks at the model.
 
         A copy of an MjData begins without stretched bristles; `copy` takes them along.
+
+        Parameters
+        ----------
+        data : MjData
+            Of the model.
+
+        Returns
+        -------
+        BedData
+            Forces, work and friction state.
         """
         found = self._of.get(data)
         if found is not None:
@@ -255,6 +295,16 @@ class MujocoBed:
         last call; where it went back, as after a reset, they begin anew. Other forces in `xfrc_applied` stay: set them,
         do not add to what stands there.
 
+        Parameters
+        ----------
+        data : MjData
+            Of the model.
+
+        Returns
+        -------
+        BedData
+            As of `of`.
+
         Raises
         ------
         SceneError
@@ -265,13 +315,32 @@ class MujocoBed:
         return kept
 
     def copy(self, source: Any, target: Any) -> BedData:
-        """Give the friction state and the work of one MjData to another, as `mj_copyData` does with MuJoCo's state."""
+        """Give the friction state and the work of one MjData to another, as `mj_copyData` does with MuJoCo's state.
+
+        Parameters
+        ----------
+        source, target : MjData
+            Of the model.
+
+        Returns
+        -------
+        BedData
+            That of the target.
+        """
         kept = self.of(target)
         kept.restore(self.of(source).state)
         return kept
 
     def restore(self, data: Any, state: BedState) -> None:
-        """As `BedData.restore`."""
+        """Go back to a state.
+
+        Parameters
+        ----------
+        data : MjData
+            Of the model.
+        state : BedState
+            What `BedData.state` gave.
+        """
         self.of(data).restore(state)
 
     # ---- as MuJoCo's callback ----
@@ -283,6 +352,16 @@ class MujocoBed:
 
             with bed.install():
                 mujoco.mj_step(model, data, nstep=1000)
+
+        Parameters
+        ----------
+        *datas : MjData
+            Of the model.
+
+        Returns
+        -------
+        MujocoBed
+            Itself.
         """
         for data in datas:
             self.of(data)

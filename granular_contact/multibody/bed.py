@@ -121,11 +121,22 @@ class GranularBed:
         free_end: bool = True,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on a straight cylinder fixed to a rigid body, planar or spatial with Euler parameters.
+        """Let the medium act on a straight cylinder fixed to a rigid body.
 
-        start, end: axis of the cylinder, (2,) m in the body's frame; diameter in m; free_end: whether the face at `end`
-        is free (for end caps); name: under which the forces on the body are kept, that of the body unless given.
-        strips: how finely depth, velocity and friction state are resolved along it.
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        start, end : (2,) array
+            Axis of the cylinder (m), in the frame of the body.
+        diameter : float
+            m.
+        strips : int
+            How finely depth, velocity and friction state are resolved along it.
+        free_end : bool
+            Whether the face at `end` is free (for end caps).
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
 
         Raises
         ------
@@ -152,10 +163,26 @@ class GranularBed:
     ) -> None:
         """Let the medium act on a thin bar or plate along a polyline fixed to a rigid body.
 
-        points: (k, 2) m in the body's frame, k >= 2; a plate's `width` (m) is normal to the plane of motion, a round
-        bar has a `diameter` (m); give one of the two. turns: (k - 1,) rad, the angle by which each side between two
-        points turns, counter-clockwise, where it is the chord of an arc, so that an arc of few points is round for the
-        medium; straight unless given. Other arguments and errors as for `add_rigid`.
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        points : (k, 2) array
+            Corners (m) in the frame of the body, two or more.
+        diameter, width : float
+            Diameter of a round bar, or width of a plate normal to the plane of motion (m); give one of the two.
+        turns : (k - 1,) array, optional
+            Angle (rad) by which each side turns, counter-clockwise, where it is the chord of an arc: an arc of few
+            points is round for the medium. Straight unless given.
+        strips, free_end
+            As of `add_rigid`.
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
+
+        Raises
+        ------
+        SceneError
+            As of `add_rigid`.
         """
         with self._call("add_line"):
             on, given = self.coupling.body(body, name), {"diameter": diameter, "width": width}
@@ -173,9 +200,26 @@ class GranularBed:
     ) -> None:
         """Let the medium act on the outside of a solid with a polygon as its section, fixed to a rigid body.
 
-        points: corners (k, 2) m in the body's frame, in either sense of turning; width (m) normal to the plane of
-        motion; turns: of the sides, the last of which joins the first point again, as for `add_line`. Other arguments
-        and errors as for `add_rigid`.
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        points : (k, 2) array
+            Corners (m) in the frame of the body, in either sense of turning; the last side joins the first point again.
+        width : float
+            Width (m) normal to the plane of motion.
+        turns : (k,) array, optional
+            Angle (rad) by which each side turns, counter-clockwise, where it is the chord of an arc: an arc of few
+            points is round for the medium. Straight unless given.
+        strips : int
+            As of `add_rigid`.
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
+
+        Raises
+        ------
+        SceneError
+            As of `add_rigid`.
         """
         with self._call("add_outline"):
             self.load.add(outline(self.coupling.body(body, name), points, width, turns=turns, strips=strips))
@@ -183,10 +227,25 @@ class GranularBed:
     def add_ball(
         self, body: Any, center: ArrayLike, diameter: float, *, mass: float | None = None, name: str | None = None
     ) -> None:
-        """Let the medium act on a sphere fixed to a rigid body; center (2,) m in its frame, diameter in m.
+        """Let the medium act on a sphere fixed to a rigid body.
 
-        mass: of the sphere itself (kg), for laws that know it; that of the body unless given. Errors as for
-        `add_rigid`.
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        center : (2,) array
+            Its centre (m) in the frame of the body.
+        diameter : float
+            m.
+        mass : float, optional
+            Mass of the sphere itself (kg), for laws that need it; that of the body unless given.
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
+
+        Raises
+        ------
+        SceneError
+            As of `add_rigid`.
         """
         with self._call("add_ball"):
             on = self.coupling.body(body, name)
@@ -203,7 +262,20 @@ class GranularBed:
         free_end: bool = True,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on ANCFCable2D elements that follow one another: a round beam, or a strip of this width.
+        """Let the medium act on ANCFCable2D elements that follow one another: a round beam, or a flat one.
+
+        Parameters
+        ----------
+        elements : sequence of ObjectIndex
+            The elements, each of which shares a node with the one before.
+        diameter, width : float
+            Diameter of a round beam, or width of a flat one normal to the plane of motion (m); give one of the two.
+        strips_per_element : int
+            How finely depth, velocity and friction state are resolved along an element.
+        free_end : bool
+            Whether the last face is free (for end caps).
+        name : str, optional
+            Under which the forces on the beam are kept.
 
         Raises
         ------
@@ -227,10 +299,22 @@ class GranularBed:
     ) -> None:
         """Let the medium act on a shape fixed to a rigid body in space, of a bed with `up`.
 
-        shape: Box, Cylinder, Sphere, Capsule, Cone, Plate, Bar or Mesh; position (3,) m and rotation (3, 3): of its
-        frame in the body's; facet_size: greatest edge of its facets (m), an eighth of its diagonal unless given; name:
-        under which the forces on the body are kept, that of the body unless given. A law of balls takes a Sphere as a
-        whole, one of bars a Bar, any other the surface of the rest.
+        A law of balls takes a Sphere as a whole, one of bars a Bar, any other the surface of the rest.
+
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn in space.
+        shape : Shape
+            Box, Cylinder, Sphere, Capsule, Cone, Plate, Bar or Mesh.
+        position : (3,) array
+            Origin of the frame of the shape (m), in the frame of the body.
+        rotation : (3, 3) array, optional
+            Axes of the frame of the shape as columns, in the frame of the body.
+        facet_size : float, optional
+            Greatest edge of its facets (m); an eighth of its diagonal unless given.
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
 
         Raises
         ------
@@ -245,7 +329,10 @@ class GranularBed:
     def attach(self, constant: Mapping[int, ArrayLike] | None = None) -> None:
         """Put the load into the system; once, after all bodies are named and before `mbs.Assemble()`.
 
-        constant: generalised forces (by node number) that act all the time and may share the way, such as weights.
+        Parameters
+        ----------
+        constant : mapping of int to array, optional
+            Generalised forces by node number that act all the time, such as weights.
 
         Raises
         ------
@@ -283,7 +370,12 @@ class GranularBed:
     def accept_state(self, t: float, q: Vector, v: Vector) -> None:
         """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand.
 
-        q, v: float64 and contiguous, as the engine keeps them; they are read as such, unchecked.
+        Parameters
+        ----------
+        t : float
+            Time (s).
+        q, v : (n,) array
+            Coordinates and rates of the system, float64 and contiguous, as the engine keeps them; not checked.
         """
         self.coupling.accept_state(t, q, v)
 

@@ -1,4 +1,4 @@
-"""How a run ended that did not fail, in the words of every way of solving."""
+"""How a run ended that did not fail, in the same words for every method of solution."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """What was observed of a solved scene -> Results: the one place where table, summary, warnings and pictures are made.
 
-Every way of solving reads its own coordinates and gives an `Observation`: the engine and minimal coordinates in
+Every method of solution reads its own coordinates and gives an `Observation`: the engine and minimal coordinates in
 `multibody.observe`, modes in `reduced.observe`.
 """
 
@@ -77,7 +77,7 @@ class Observation:
 def pictures(
     outlines: Callable[[Any], Outlines], trajectory: Any, at: Vector
 ) -> Callable[[], list[tuple[Outline, ...]]]:
-    """What gives the outlines at times (k,) s between the steps of a trajectory, as its way of solving draws them.
+    """What gives the outlines at times (k,) s between the steps of a trajectory, as its method of solution draws them.
 
     Only states at these times are computed here, and kept: a run is not slower for pictures that nobody asks for.
     """

@@ -1,4 +1,4 @@
-"""Columns of the time series, the same for every way of solving a scene: names, units, descriptions, signs.
+"""Columns of the time series, the same for every method of solution: names, units, descriptions, signs.
 
 All that turns is positive clockwise, angles, rates and moments alike, so that moment times rate is a power (see
 models/README.md).

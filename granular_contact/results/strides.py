@@ -84,8 +84,8 @@ def stride_numbers(
         found["largest_drive_torque_Nm"] = [
             max(float(np.max(np.abs(_within(time, torque, *span)[1]))) for torque in torques) for span in spans
         ]
-    if all(way != 0.0 for way in found["distance_m"]) and weight > 0.0:
-        costs = [work / (weight * abs(way)) for work, way in zip(put_in, found["distance_m"], strict=True)]
+    if all(distance != 0.0 for distance in found["distance_m"]) and weight > 0.0:
+        costs = [work / (weight * abs(length)) for work, length in zip(put_in, found["distance_m"], strict=True)]
         found["cost_of_transport"] = costs
     told: Mapping[str, Any] = {name: _scatter(values) for name, values in found.items()}
     return {"count": count, "period_s": period, **told}

@@ -1,4 +1,4 @@
-"""Time series -> key numbers, as summary.json holds them. The same for every way of solving a scene."""
+"""Time series -> key numbers, as summary.json holds them. The same for every method of solution."""
 
 from __future__ import annotations
 

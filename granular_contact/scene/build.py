@@ -57,6 +57,12 @@ def build(scenario: schema.Scenario | Loaded) -> Scene:
         The scenario was changed from Python to what no config may say.
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
+
+    Examples
+    --------
+    >>> scene = build(load("pendulum_rigid"))  # doctest: +SKIP
+    >>> simulate(scene).status.code  # doctest: +SKIP
+    'rest'
     """
     if isinstance(scenario, Loaded):
         try:

@@ -224,6 +224,19 @@ class Mesh(Shape):
     def read(cls, path: str | Path, *, scale: float | ArrayLike | None = None, thin: bool = False) -> Mesh:
         """Mesh of a file, STL, OBJ or PLY; it is read by trimesh, of the extra `[robot]`.
 
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        scale : float or (3,) array, optional
+            Its unit in m, or one along each axis.
+        thin : bool
+            Whether it is a sheet that the medium meets on both sides.
+
+        Returns
+        -------
+        Mesh
+
         Raises
         ------
         SceneError

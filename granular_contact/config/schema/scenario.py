@@ -116,6 +116,17 @@ class Scenario(Strict):
         Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
         are looked up, paths are from the working folder.
 
+        Parameters
+        ----------
+        values : mapping, optional
+            Values by dotted key.
+        **changes
+            The same by the keys of a config.
+
+        Returns
+        -------
+        Scenario
+
         Raises
         ------
         ConfigError

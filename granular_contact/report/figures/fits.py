@@ -51,7 +51,7 @@ class RunPicture:
 
     @property
     def pieces(self) -> list[slice]:
-        """The curve where it runs one way: a force test may begin again in the middle of its table."""
+        """The curve where it runs in one direction: a force test may begin again in the middle of its table."""
         back = np.flatnonzero(np.diff(self.fine) < 0.0) + 1
         edges = [0, *back.tolist(), len(self.fine)]
         return [slice(a, b) for a, b in pairwise(edges) if b - a > 1]

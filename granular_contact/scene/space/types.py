@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.scene.types import FlexibleLink, JointLaw, Scene
+from granular_contact.scene.types import JointLaw, Scene
 
 if TYPE_CHECKING:
     from granular_contact.scene.space.bed import SpatialBed
@@ -198,6 +198,3 @@ class SpatialScene(Scene):
     def pendulum(self) -> None:
         """There is none in space."""
         return
-
-
-NO_LINKS: tuple[FlexibleLink, ...] = ()

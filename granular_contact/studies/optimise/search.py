@@ -16,8 +16,6 @@ from granular_contact.studies.sweep.journal import Journal, Row
 from granular_contact.studies.sweep.runner import CaseRunner
 from granular_contact.studies.sweep.worker import Simulate, Task, simulate
 
-Tell = Callable[[Judged], None]
-
 
 def search(
     study: Study,
