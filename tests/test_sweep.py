@@ -273,6 +273,7 @@ def test_plots_give_each_case_its_results(tmp_path, capsys):
     assert sorted(entry.name for entry in cases.iterdir()) == ["fast", "slow"]
     assert list((cases / "slow" / "figures").glob("*.png"))
     assert sorted(entry.name for entry in (cases / "fast").iterdir()) == [
+        report.MOTION,
         report.SCENARIO,
         report.SUMMARY,
         report.SERIES,
