@@ -110,6 +110,8 @@ class Simulation:
         self.scene, self.scenario = scene, scenario_of(scene)
         self._controls: dict[str, Control] = controls_of(scene)
         self.controls = tuple(self._controls)
+        # Joint, factor to SI units, and range in these, of each.
+        self._plain = {name: (one.joint, one.unit, *one.bounds_in_si) for name, one in self._controls.items()}
         self._set = {control.joint: control.start for control in self._controls.values()}
         self._failed: Status | None = None
         self._end = self.scenario.solver.end_time_s
@@ -184,14 +186,14 @@ class Simulation:
         ControlError
             Controls of other names or another number, or not finite; no time; the run is over. Nothing was changed.
         """
-        time = _finite(dt)
-        if time is None or not self._shortest <= time:
+        time = dt if type(dt) is float else _finite(dt)
+        if time is None or not self._shortest <= time < math.inf:
             raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {self._shortest:g} s")
-        return self._go_on(controls, self.time + time)
-
-    def _go_on(self, controls: Controls, until: float) -> Observations:
-        """`step` to a time (s)."""
         solving = self._solving
+        return self._go_on(solving, controls, solving.time + time)
+
+    def _go_on(self, solving: Solving, controls: Controls, until: float) -> Observations:
+        """`step` of the solve under way to a time (s)."""
         if (self._failed is not None or solving.over) and (over := self.ended) is not None:
             raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
         if controls is not None:
@@ -203,7 +205,18 @@ class Simulation:
 
     def _checked(self, controls: Mapping[str, float] | ArrayLike) -> dict[str, float]:
         """What to set, by joint and in SI units."""
-        given = controls if isinstance(controls, Mapping) else self._named(controls)
+        given = controls if type(controls) is dict or isinstance(controls, Mapping) else self._named(controls)
+        found = {}
+        for name, value in given.items():  # a step of 1 ms has no time for more, where nothing is wrong
+            plain = self._plain.get(name)
+            if plain is None or type(value) is not float or not -math.inf < value < math.inf:
+                return self._checked_one_by_one(given)
+            joint, unit, least, most = plain
+            found[joint] = min(max(unit * value, least), most)
+        return found
+
+    def _checked_one_by_one(self, given: Mapping[str, Any]) -> dict[str, float]:
+        """The same, of other numbers and names too; with every fault."""
         faults, found = [], {}
         for name, value in given.items():
             control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
@@ -432,7 +445,7 @@ def _steer(simulation: Simulation, control: Controller, rate: float, progress: P
     while simulation.ended is None:
         calls += 1
         try:
-            seen = simulation._go_on(control(seen.time, seen), calls / rate)
+            seen = simulation._go_on(simulation._solving, control(seen.time, seen), calls / rate)
         except KeyboardInterrupt:
             simulation.interrupt()
         except Exception as error:  # whatever the controller of a user raises

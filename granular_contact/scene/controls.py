@@ -24,8 +24,13 @@ class Control:
     def in_si(self, name: str, value: float) -> float:
         """A value in SI units, within the bounds; name: the control's, an angle's also with radians."""
         unit = 1.0 if name.endswith("_rad") else self.unit
-        least, most = self.bounds
-        return min(max(unit * value, self.unit * least), self.unit * most)
+        least, most = self.bounds_in_si
+        return min(max(unit * value, least), most)
+
+    @property
+    def bounds_in_si(self) -> tuple[float, float]:
+        """Range of what can be set, in SI units."""
+        return self.unit * self.bounds[0], self.unit * self.bounds[1]
 
 
 def controls_of(scene: Scene) -> dict[str, Control]:
