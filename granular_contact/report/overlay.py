@@ -90,6 +90,7 @@ def motion(runs: Sequence[History]) -> Motion | None:
         bent,
         {f"{name}: {body}": force for name, one in moved for body, force in one.forces.items()},
         moved[-1][1].ground,
+        moved[-1][1].bedding,
     )
 
 
@@ -110,6 +111,7 @@ def _at(one: Motion, time: Array) -> Motion:
         {i: _linear(one.time, points, time) for i, points in one.bent.items()},
         {body: (_linear(one.time, at, time), _linear(one.time, f, time)) for body, (at, f) in one.forces.items()},
         one.ground,
+        one.bedding,
     )
 
 

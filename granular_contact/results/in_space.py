@@ -8,7 +8,7 @@ along the world's axes.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from granular_contact.results import CENTRAL_MOMENT, Column, Force, Outline, Snapshot, series
 from granular_contact.results.frames import Later, instants
-from granular_contact.results.motion import Motion, over_ground
-from granular_contact.results.observation import Observation
+from granular_contact.results.motion import Bedding, Motion, over_ground
+from granular_contact.results.observation import Observation, bed_of
 from granular_contact.results.observed import (
     DEPTHS,
     FORCES,
@@ -61,6 +61,8 @@ class SpatialObservation(Observation):
         grounded = motion
         if bed is not None and self.scene.media:
             grounded = over_ground(motion, bed.height, level=bed.level)
+            told, walls = bed_of(self.scene), tuple((axis, place) for _, axis, place, _ in bed.walls)
+            grounded = replace(grounded, bedding=Bedding(told["layers"], told["floor"], walls))
         return {"motion": grounded, "frames": Later(lambda: side_view(motion))}
 
 

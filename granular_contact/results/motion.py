@@ -38,6 +38,19 @@ class Part:
 
 
 @dataclass(frozen=True)
+class Bedding:
+    """What of a bed in space is drawn beside its surface.
+
+    layers: depths (m) of their tops below the surface; floor: its height (m), None without one; walls: of those of the
+    container the axis that they stand across (0 for x, 1 for y) and their place on it (m).
+    """
+
+    layers: tuple[float, ...] = ()
+    floor: float | None = None
+    walls: tuple[tuple[int, float], ...] = ()
+
+
+@dataclass(frozen=True)
 class Motion:
     """Pictures of a motion.
 
@@ -53,6 +66,7 @@ class Motion:
     bent: Mapping[int, Array] = field(default_factory=dict)
     forces: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
     ground: tuple[Array, Array, Array] | None = None
+    bedding: Bedding = Bedding()
 
     @property
     def in_space(self) -> bool:
@@ -187,7 +201,10 @@ def plain(motion: Motion) -> dict[str, Any]:
         part if part.faces is None or share == 1.0 else coarser(part, max(60, int(share * len(part.faces))))
         for part in motion.parts
     ]
-    ground = {} if motion.ground is None else {"ground": [_listed(one) for one in motion.ground]}
+    ground: dict[str, Any] = {} if motion.ground is None else {"ground": [_listed(one) for one in motion.ground]}
+    if motion.bedding != Bedding():
+        of = motion.bedding
+        ground["bedding"] = {"layers_m": list(of.layers), "floor_m": of.floor, "walls": [list(w) for w in of.walls]}
     return {
         "time_s": _listed(motion.time),
         "parts": [_part(part) for part in drawn],
@@ -238,7 +255,11 @@ def of_plain(told: Mapping[str, Any]) -> Motion:
     if told.get("ground") is not None:
         x, y, z = told["ground"]
         ground = _array(x, 1), _array(y, 1), _array(z, 2)
-    return Motion(_array(told["time_s"], 1), parts, _array(told["poses"], 3), bent, forces, ground)
+    of = told.get("bedding") or {"layers_m": (), "floor_m": None, "walls": ()}
+    floor = None if of["floor_m"] is None else float(of["floor_m"])
+    walls = tuple((int(axis), float(at)) for axis, at in of["walls"])
+    bedding = Bedding(tuple(float(depth) for depth in of["layers_m"]), floor, walls)
+    return Motion(_array(told["time_s"], 1), parts, _array(told["poses"], 3), bent, forces, ground, bedding)
 
 
 def _array(values: ArrayLike, dimensions: int) -> Array:

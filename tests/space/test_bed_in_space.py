@@ -6,9 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from granular_contact import load, simulate
 from granular_contact.errors import ConfigError, SceneError
+from granular_contact.report.figures.space_views import _ground
+from granular_contact.report.units import unit_for
+from granular_contact.results.motion import Bedding, motion_of, of_plain, plain
+from granular_contact.run import run as solved
 from granular_contact.scene import build
 
 BALL = {"type": "sphere", "diameter_m": 0.06}
@@ -57,6 +62,27 @@ def test_walls_are_watched_and_a_floor_without_a_contact_is_told() -> None:
         assert told.startswith(f"the {name} wall of the container was passed by ")
         assert float(told.split(" by ")[1].split()[0]) == pytest.approx(beyond, abs=1e-3)  # of facets of 4 mm
     assert any("the floor was reached" in one and "it carries nothing" in one for one in found.warnings)
+
+
+def test_layers_floor_and_walls_are_drawn_and_saved() -> None:
+    layers = [{"top_m": 0.004, "medium": {"from": "rft3d_sand", "density_kg_m3": 3000}}]
+    bed = {"depth_m": 0.3, "layers": layers, "container_x_m": [-0.1, 0.12], "container_y_m": [-0.2, 0.2]}
+    solver = {"end_time_s": 0.01, "step_s": 1e-3, "rest_time_s": None}
+    scenario = load(run(bed, solver=solver)).scenario
+    motion = motion_of(solved(build(scenario), scenario, most_frames=3))
+    assert motion is not None
+    assert motion.bedding == Bedding((0.004,), -0.3, ((0, -0.1), (0, 0.12), (1, -0.2), (1, 0.2)))
+    assert of_plain(plain(motion)).bedding == motion.bedding
+    low, high = np.array([-0.2, -0.3, -0.4]), np.array([0.2, 0.3, 0.1])
+    for across, walls in ((0, [-100.0, 120.0]), (1, [-200.0, 200.0])):
+        axes = Figure().add_subplot()
+        _ground(axes, motion, across, low, high, unit_for(high - low, "m"))
+        upright = [line.get_xdata()[0] for line in axes.lines if np.ptp(line.get_xdata()) == 0.0]
+        np.testing.assert_allclose(upright, walls)
+        dashed = [line for line in axes.lines if line.is_dashed()]
+        np.testing.assert_allclose([line.get_ydata() for line in dashed], [[-4.0, -4.0]], atol=1e-6)
+        (floor,) = axes.patches
+        assert floor.get_y() + floor.get_height() == pytest.approx(-300.0)
 
 
 def test_a_layer_follows_the_slope_and_the_height_map(tmp_path: Any) -> None:

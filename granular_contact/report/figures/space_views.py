@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.robots import in_contact
-from granular_contact.report.figures.style import DOUBLE, PALETTE, SAND, SAND_EDGE
+from granular_contact.report.figures.style import DOUBLE, FLOOR, PALETTE, SAND, SAND_EDGE
 from granular_contact.report.units import Array, Unit, instant, unit_for
 from granular_contact.results import Results
 from granular_contact.results.motion import Motion, Part, coarser
@@ -92,7 +92,7 @@ def _panels(size: Array) -> tuple[Figure, list[Axes]]:
 
 
 def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, unit: Unit) -> None:
-    """The section through the surface in the middle of a view."""
+    """The section through the surface in the middle of a view, with layers, floor and the walls that stand across."""
     if motion.ground is None:
         return
     x, y, z = motion.ground
@@ -102,6 +102,14 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
         along * unit.factor, bottom * unit.factor, height * unit.factor, color=SAND, linewidth=0, zorder=0
     )
     axes.plot(along * unit.factor, height * unit.factor, color=SAND_EDGE, linewidth=0.8, zorder=1)
+    of, dashes = motion.bedding, {"color": SAND_EDGE, "linewidth": 0.6, "dashes": (5, 3), "zorder": 1}
+    for depth in of.layers:
+        axes.plot(along * unit.factor, (height - depth) * unit.factor, **dashes)
+    if of.floor is not None:
+        axes.axhspan(bottom * unit.factor, of.floor * unit.factor, facecolor=FLOOR, linewidth=0, zorder=1)
+    for axis, place in of.walls:
+        if axis == across:
+            axes.axvline(place * unit.factor, color=FLOOR, linewidth=1.6, zorder=1)
 
 
 def _draw(axes: Axes, triangles: Array, view: tuple[int, int, int, float], colour: str, alpha: float) -> None:

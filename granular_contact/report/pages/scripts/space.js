@@ -72,6 +72,7 @@ class SpacePlayer {
         lighting: { ambient: 1, diffuse: 0, specular: 0 }, contours: { x: plain, y: plain, z: plain }, ...still,
       });
     }
+    traces.push(...this.bedding(still));
     Plotly.newPlot(this.plot, traces, this.layout(), { displayModeBar: false, responsive: true, scrollZoom: "gl3d" });
     for (const [name, camera] of Object.entries(VIEWS)) {
       const button = make("button", { type: "button" }, name);
@@ -82,6 +83,31 @@ class SpacePlayer {
     $("#with-forces").addEventListener("change", () => this.show(clock.time));
     clock.told.push((time) => this.show(time));
     this.show(clock.time);
+  }
+
+  // Layers, floor and walls of the bed, in the colours of the player of the plane.
+  bedding(still) {
+    const { bedding, ground } = this.motion;
+    if (!bedding || !ground) return [];
+    const [x, y, z] = ground, plain = { highlight: false };
+    const ends = (values) => [values[0], values[values.length - 1]];
+    const sheet = (x, y, z, tone, opacity, name) => ({
+      type: "surface", x, y, z, name, colorscale: [[0, tone], [1, tone]], showscale: false, opacity,
+      lighting: { ambient: 1, diffuse: 0, specular: 0 }, contours: { x: plain, y: plain, z: plain }, ...still,
+    });
+    const level = (height) => [[height, height], [height, height]];
+    const found = bedding.layers_m.map((depth) =>
+      sheet(x, y, z.map((row) => row.map((height) => height - depth)), css("--sand-edge"), 0.35, "layer"));
+    const { floor_m: floor } = bedding;
+    if (floor !== null) found.push(sheet(ends(x), ends(y), level(floor), css("--floor"), 0.9, "floor"));
+    const heights = z.flat(), top = Math.max(...heights);
+    const low = floor ?? Math.min(...heights) - 0.25 * this.box.size;
+    bedding.walls.forEach(([axis, place]) => {
+      const across = [[place, place], [place, place]];
+      const [a, b] = ends(axis === 0 ? y : x), along = [[a, b], [a, b]], up = [[low, low], [top, top]];
+      found.push(sheet(...(axis === 0 ? [across, along] : [along, across]), up, css("--floor"), 0.3, "wall"));
+    });
+    return found;
   }
 
   tone(part, i) { // of several runs each has its colour
