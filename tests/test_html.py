@@ -27,7 +27,7 @@ from granular_contact.report.pages import FolderError, html, rendering
 from granular_contact.report.pages import write as write_page
 from granular_contact.report.pages.folder import Folder
 from granular_contact.report.units import column, label, quantity
-from granular_contact.results.motion import Motion, Part, coarser, over_ground
+from granular_contact.results.motion import Bedding, Motion, Part, coarser, over_ground
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies import compare
@@ -734,7 +734,8 @@ def test_the_player_in_space_moves_its_bodies(tmp_path: Path, browser: Browser) 
     renderer = browser.run(RENDERER)
     if not renderer or ("SwiftShader" in renderer and "GC_SOFTWARE_GL" not in os.environ):
         pytest.skip(f"no WebGL by a graphics card here ({renderer or 'none at all'})")
-    report.write(dataclasses.replace(make(), motion=spun(), frames=()), tmp_path / "r", figures=False)
+    moved = dataclasses.replace(spun(), bedding=Bedding((0.01,), -0.05, ((0, 0.1),)))
+    report.write(dataclasses.replace(make(), motion=moved, frames=()), tmp_path / "r", figures=False)
     opened(browser, write_page(tmp_path / "r"))
     browser.run(
         """const slider = document.querySelector('input[type=range]');
@@ -755,7 +756,13 @@ def test_the_player_in_space_moves_its_bodies(tmp_path: Path, browser: Browser) 
     )
     assert max(sizes) == pytest.approx(min(sizes), rel=1e-9)  # one scale for all axes
     kinds = browser.run("return document.querySelector('#space').data.map(t => t.type)")
-    assert kinds == ["mesh3d", "scatter3d", "scatter3d", "surface"]
+    assert kinds == ["mesh3d", "scatter3d", "scatter3d", "surface", *["surface"] * 3]
+    named = "return document.querySelector('#space').data.slice(4).map(t => [t.name, t.x.flat()[0], t.z.flat()[0]])"
+    # A layer 10 mm below the rising surface, the floor, and a wall from the floor up.
+    (layer, x, z), (floor, _, at), (wall, place, foot) = browser.run(named)
+    assert (layer, floor, wall) == ("layer", "floor", "wall")
+    assert z == pytest.approx(0.1 * x - 0.01, abs=1e-6)
+    assert (at, place, foot) == (-0.05, 0.1, -0.05)
     assert browser.faults() == []
 
 

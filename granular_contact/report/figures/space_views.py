@@ -102,9 +102,10 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
         along * unit.factor, bottom * unit.factor, height * unit.factor, color=SAND, linewidth=0, zorder=0
     )
     axes.plot(along * unit.factor, height * unit.factor, color=SAND_EDGE, linewidth=0.8, zorder=1)
-    of, dashes = motion.bedding, {"color": SAND_EDGE, "linewidth": 0.6, "dashes": (5, 3), "zorder": 1}
+    of = motion.bedding
     for depth in of.layers:
-        axes.plot(along * unit.factor, (height - depth) * unit.factor, **dashes)
+        top = (height - depth) * unit.factor
+        axes.plot(along * unit.factor, top, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=1)
     if of.floor is not None:
         axes.axhspan(bottom * unit.factor, of.floor * unit.factor, facecolor=FLOOR, linewidth=0, zorder=1)
     for axis, place in of.walls:

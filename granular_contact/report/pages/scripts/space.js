@@ -116,7 +116,7 @@ class SpacePlayer {
 
   extent() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const { poses, parts, ground } = this.motion;
+    const { poses, parts, ground, bedding } = this.motion;
     for (const k of [0, Math.floor(poses.length / 3), Math.floor((2 * poses.length) / 3), poses.length - 1]) {
       parts.forEach((part, i) => placed(part.points_m, poses[k][i]).forEach((values, axis) => {
         for (const value of values) {
@@ -135,6 +135,7 @@ class SpacePlayer {
         high[axis] = Math.max(high[axis], ground[axis][ground[axis].length - 1]);
       });
     }
+    if (bedding && bedding.floor_m !== null && bedding.floor_m > low[2] - size) low[2] = Math.min(low[2], bedding.floor_m);
     return { low, high, size };
   }
 
