@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -91,8 +92,9 @@ def _excess(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> tup
 
 
 def _asked(drives: Sequence[Drive], time: Vector) -> Vector:
-    """Prescribed accelerations (n, d)."""
-    return np.array([[drive.signal.acceleration(t) for drive in drives] for t in time.tolist()])
+    """Prescribed accelerations (n, d); a signal that several follow is asked once."""
+    each = {drive.signal: [drive.signal.acceleration(t) for t in time.tolist()] for drive in drives}
+    return np.array([each[drive.signal] for drive in drives]).T
 
 
 def _inverse(mass: Any) -> Vector:
@@ -110,11 +112,16 @@ class _Prescribed:
     forces: Vector
     inertias: Vector
 
+    @cached_property
+    def asked(self) -> Vector:
+        """Prescribed accelerations (n, d)."""
+        return _asked(self.drives, self.time)
+
     def reaction(self, i: int) -> Reaction:
         """Of one of them."""
         force, inertia = self.forces[:, i], self.inertias[:, i]
         # The mean acceleration of a step is the change of the rates, also where it jumps within.
-        asked = _asked(self.drives, self.time)
+        asked = self.asked
         more = np.diff(self.rates, axis=0) / np.diff(self.time)[:, None] - 0.5 * (asked[1:] + asked[:-1])
         mean = 0.5 * (force[1:] + force[:-1] + np.sum((inertia[1:] + inertia[:-1]) * more, axis=1))
         return Reaction(force, mean, self._jumps(i, force - np.sum(inertia * asked, axis=1)))

@@ -131,7 +131,8 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
         if key.startswith("max_") and key.endswith("time_s"):
             continue
         scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
-        scale = max(scale, 0.0 if scale else abs(theirs[key]), 1e-300)
+        itself = not scale or "largest_" in key  # a peak may be many times what energy over time makes in the mean
+        scale = max(scale, abs(theirs[key]) if itself else 0.0, 1e-300)
         off = abs(mine[key] - theirs[key]) / scale
         if key.endswith("time_s"):
             off = min(off, moved(own, mine[key], theirs[key]))
