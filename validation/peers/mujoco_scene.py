@@ -1,7 +1,7 @@
 """A planar scene of rigid bodies in MuJoCo: its bodies, hinges and drives as MJCF, its sand by `MujocoBed`.
 
 x ahead, z up, y into the plane, so that hinges about +y turn clockwise, as scenes have them. Joint coordinates are
-those of the scene.
+those of the scene. Of what acts in joints only dampers of hinges are there.
 """
 
 from __future__ import annotations
@@ -19,11 +19,12 @@ from granular_contact.scene import Scene
 from granular_contact.scene.types import Drive, Joint, RigidBody, rotation
 
 Array = NDArray[np.float64]
+SERVO = 200.0, 0.4  # N m/rad, N m s/rad: what stands for a prescribed motion, which MuJoCo does not have
 FREE = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0"/>'
 
 
 def model_of(scene: Scene, step: float, integrator: str = "implicitfast") -> Any:
-    """Model of a tree of hinges on the ground or on a body that flies free, with a time step (s)."""
+    """Model of a tree of hinges and sliders on the ground or on a body that flies free, with a time step (s)."""
     children: dict[str | None, list[Joint]] = {}
     for joint in scene.joints:
         children.setdefault(joint.parent, []).append(joint)
@@ -46,8 +47,15 @@ def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -
     x, z = joint.child_point
     if joint.kind == "free":
         degrees = FREE
+    elif joint.kind == "slider":
+        assert joint.axis is not None
+        along, up = (float(one) for one in joint.axis)
+        degrees = f'<joint type="slide" name="{joint.name}" axis="{along!r} 0 {up!r}" ref="{joint.start!r}"/>'
     else:
-        degrees = f'<joint name="{joint.name}" axis="0 1 0" pos="{x!r} 0 {z!r}" ref="{joint.start!r}"/>'
+        assert joint.law.is_linear
+        assert joint.law.stiffness == 0.0
+        place_there = f'pos="{x!r} 0 {z!r}" ref="{joint.start!r}" damping="{joint.law.damping!r}"'
+        degrees = f'<joint name="{joint.name}" axis="0 1 0" {place_there}/>'
     inner = "".join(_body(scene, other, children) for other in children.get(body.name, []))
     inertia = " ".join([repr(body.inertia)] * 3)
     return (
@@ -62,18 +70,27 @@ def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -
 
 
 def _drive(drive: Drive) -> str:
-    assert drive.kind == "control"
+    gain, rate_gain = _gains(drive)
     limit = "" if math.isinf(drive.limit) else f' forcerange="{-drive.limit!r} {drive.limit!r}"'
     return (
-        f'<general joint="{drive.joint}" gainprm="{drive.gain!r}" biastype="affine" '
-        f'biasprm="0 {-drive.gain!r} {-drive.rate_gain!r}"{limit}/>'
+        f'<general joint="{drive.joint}" gainprm="{gain!r}" biastype="affine" '
+        f'biasprm="0 {-gain!r} {-rate_gain!r}"{limit}/>'
     )
+
+
+def _gains(drive: Drive) -> tuple[float, float]:
+    assert drive.kind in ("control", "motion")
+    return SERVO if drive.kind == "motion" else (drive.gain, drive.rate_gain)
 
 
 def controls_of(scene: Scene, times: Array) -> Array:
     """Controls (n, drives) of the model's actuators at times (n,) s."""
+    gains = [_gains(drive) for drive in scene.drives]
     made = [
-        [drive.signal.value(t) + drive.rate_gain / drive.gain * drive.signal.rate(t) for drive in scene.drives]
+        [
+            drive.signal.value(t) + rate_gain / gain * drive.signal.rate(t)
+            for drive, (gain, rate_gain) in zip(scene.drives, gains, strict=True)
+        ]
         for t in times
     ]
     return np.array(made).reshape(len(times), len(scene.drives))
