@@ -33,7 +33,7 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.memory import clear, copy, room1
 
 # Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
@@ -111,43 +111,49 @@ def to_world(turn, x, y, z):
 
 @part
 def add_inertia(mass, nx, ny, nz, x, y, z, added):
-    """Add a mass (kg) at a place (m) that is felt along n alone to an added inertia (6, 6)."""
+    """Add a mass (kg) at a place (m) that is felt along n alone to the upper triangle of an added inertia (6, 6)."""
     a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
-    d, e, f = mass * nx, mass * ny, mass * nz
-    for k, g in enumerate((mass * a, mass * b, mass * c, d, e, f)):
-        added[k, 0] += g * a
-        added[k, 1] += g * b
-        added[k, 2] += g * c
-        added[k, 3] += g * nx
-        added[k, 4] += g * ny
-        added[k, 5] += g * nz
+    d, e, f, g = mass * nx, mass * ny, mass * nz, mass * a
+    h, i = mass * b, mass * c
+    added[0, 0] += g * a
+    added[0, 1] += g * b
+    added[0, 2] += g * c
+    added[0, 3] += g * nx
+    added[0, 4] += g * ny
+    added[0, 5] += g * nz
+    added[1, 1] += h * b
+    added[1, 2] += h * c
+    added[1, 3] += h * nx
+    added[1, 4] += h * ny
+    added[1, 5] += h * nz
+    added[2, 2] += i * c
+    added[2, 3] += i * nx
+    added[2, 4] += i * ny
+    added[2, 5] += i * nz
+    added[3, 3] += d * nx
+    added[3, 4] += d * ny
+    added[3, 5] += d * nz
+    added[4, 4] += e * ny
+    added[4, 5] += e * nz
+    added[5, 5] += f * nz
 
 
 @part
 def add_point(mass, x, y, z, added):
-    """Add a mass (kg) at a place (m) to an added inertia (6, 6)."""
+    """Add a mass (kg) at a place (m) to the upper triangle of an added inertia (6, 6)."""
     mx, my, mz = mass * x, mass * y, mass * z
     added[0, 0] += my * y + mz * z
     added[1, 1] += mx * x + mz * z
     added[2, 2] += mx * x + my * y
     added[0, 1] -= mx * y
-    added[1, 0] -= mx * y
     added[0, 2] -= mx * z
-    added[2, 0] -= mx * z
     added[1, 2] -= my * z
-    added[2, 1] -= my * z
     added[0, 4] -= mz
-    added[4, 0] -= mz
     added[0, 5] += my
-    added[5, 0] += my
     added[1, 3] += mz
-    added[3, 1] += mz
     added[1, 5] -= mx
-    added[5, 1] -= mx
     added[2, 3] -= my
-    added[3, 2] -= my
     added[2, 4] += mx
-    added[4, 2] += mx
     added[3, 3] += mass
     added[4, 4] += mass
     added[5, 5] += mass
@@ -307,7 +313,7 @@ def find_base(applied, numbers, written, home, base):
                 base[b, k] = now
 
 
-@kernel(nogil=True)
+@part
 def write_loads(applied, numbers, base, loads, written):
     """Set the rows applied[numbers], and written, to base and loads together."""
     for b in range(numbers.shape[0]):

@@ -41,9 +41,16 @@ class _Part(CPUDispatcher):  # type: ignore[misc]  # numba has no types
         return self._called(*arguments)
 
 
-def part(function: Callable[..., Any], *, cache: bool = True) -> Any:
-    """Compile a function that kernels call, and Python only now and then; cache: keep it on disk."""
+def part(function: Callable[..., Any] | None = None, *, cache: bool = True, inline: bool = False) -> Any:
+    """Compile a function that kernels call, and Python only now and then; cache: keep it on disk.
+
+    inline: always within its callers, so that loops over it can become vector instructions.
+    """
+    if function is None:
+        return lambda function: part(function, cache=cache, inline=inline)
     options = {"nopython": True, "no_cpython_wrapper": True, "boundscheck": None, **PLAIN}
+    if inline:
+        options["forceinline"] = True
     compiled = _Part(function, locals={}, targetoptions=options)
     if cache:
         compiled.enable_caching()

@@ -13,6 +13,12 @@ and the fading in of `plates` where it does not. Of a body that rests, with bris
 it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches PRESSED of
 the yield displacement before the face is loaded as a whole [ours]. A ball that slides along slowly has up to 1 % less
 resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has all.
+
+Facets are treated in blocks: `gather` fills one with those of a cluster that are immersed and may lead, the law fills
+its tractions in one call, and the forces are added up. What a law needs of a facet stands in columns of the block, one
+number after another for the facets, and its equations are written for one facet in a loop over them, all inlined and
+without branches where that is easy: so compilers make vector instructions of it, which hide how long roots and
+quotients take.
 """
 
 from __future__ import annotations
@@ -24,14 +30,26 @@ import numpy as np
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
+from granular_contact.kernels.memory import room2
 from granular_contact.kernels.plates import EDGE, PRESSED
 from granular_contact.kernels.scatter import facet_factor
-from granular_contact.kernels.space_friction import drive, mobilised
+from granular_contact.kernels.space_friction import stretched
 
 COLUMNS = 15
 SIDE = 14
 SHEARED, PATH, LAST = 3, 4, 5  # columns of anchors, see `ways`; the last three are a place
 WAYS = 8  # of columns, where a medium scatters
+
+# A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
+LANES = 32
+# What a law is told, see `space_law.facets`: mean depth of what is immersed, normal, velocity, stretch of the bristle,
+# spread, side, shear displacement. Three rows each where vectors are.
+Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
+# The immersed area (m^2), by how much the terms of the law scatter, where they act from the reference point (m), the
+# depth of the centroid (m), the row in elements; and what the law fills, its tractions.
+AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
+GROWING, CONSTANT = 24, 27
+ROWS = 30
 
 
 def stress(nx, ny, nz, ux, uy, uz, m):
@@ -42,45 +60,98 @@ def stress(nx, ny, nz, ux, uy, uz, m):
 def traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
     """Stress (6,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
 
-    side as of `space_law.facet`; j (m): shear displacement.
+    side as of `space_law.facets`; j (m): shear displacement.
     """
     raise NotImplementedError
 
 
-@part
-def loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m):
-    """Direction u (3,) in which the law sees a facet move, and the share g s of its static force."""
-    qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, m)
-    ux, uy, uz, share, one = mobilised(qx, qy, qz, m)
-    if side != 0.0:
-        s = tau * spread * one
-        edge = max(EDGE, PRESSED * (m.v_eps if m.friction == SMOOTH else m.u_y) * one)
-        share *= min(1.0, max(0.0, (nx * ux + ny * uy + nz * uz + s) / (edge + 2.0 * s)))
-    return ux, uy, uz, share
+def inertia(nx, ny, nz, vx, vy, vz, side, m):
+    """Stress (3,) Pa of the second term of a law with a `stress`, which the velocity v (m/s) makes; side as there."""
+    raise NotImplementedError
+
+
+@part(inline=True)
+def lead(B, n, m, U):
+    """Fill U (4, LANES): the directions u in which a law sees facets move, and the shares g s of their static force."""
+    rest = m.v_eps if m.friction == SMOOTH else m.u_y
+    Q = room2(5, LANES)  # q and its factor of v, see `space_friction.drive`; 1 / |q|
+    if m.friction == SMOOTH:
+        for k in range(n):
+            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
+    else:
+        for k in range(n):
+            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = stretched(
+                B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], m
+            )
+    for k in range(n):
+        x, y, z = Q[0, k], Q[1, k], Q[2, k]
+        h = math.sqrt(x * x + y * y + z * z)
+        still = h == 0.0  # then any direction will do
+        one = 0.0 if still else 1.0 / h
+        U[0, k] = B[N, k] if still else one * x
+        U[1, k] = B[N + 1, k] if still else one * y
+        U[2, k] = B[N + 2, k] if still else one * z
+        U[3, k] = min(1.0, h / rest)
+        Q[4, k] = one
+    if m.friction == SMOOTH:
+        for k in range(n):
+            U[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
+    for k in range(n):
+        s, one = Q[3, k] * Q[4, k] * B[SPREAD, k], Q[4, k]
+        along = B[N, k] * U[0, k] + B[N + 1, k] * U[1, k] + B[N + 2, k] * U[2, k]
+        g = min(1.0, max(0.0, (along + s) / (max(EDGE, PRESSED * rest * one) + 2.0 * s)))
+        U[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
 
 
 @part
-def traction_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
-    """Static traction of a law with a `traction`; arguments and result as of `space_law.facet`.
+def traction_facets(B, n, m):
+    """Static tractions of a law with a `traction`; arguments and result as of `space_law.facets`.
 
     Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
     """
-    ux, uy, uz, share = loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m)
-    if share == 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    px, py, pz, sx, sy, sz = traction(z, nx, ny, nz, ux, uy, uz, side, j, m)
-    k = share / z
-    return k * px, k * py, k * pz, share * sx, share * sy, share * sz
+    U = room2(4, LANES)
+    lead(B, n, m, U)
+    for k in range(n):
+        share, z, ux, uy, uz = U[3, k], B[Z, k], U[0, k], U[1, k], U[2, k]
+        px, py, pz, sx, sy, sz = traction(
+            z, B[N, k], B[N + 1, k], B[N + 2, k], ux, uy, uz, B[ONE_SIDE, k], B[SHEAR, k], m
+        )
+        one = share / z
+        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = one * px, one * py, one * pz
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
+
+
+@part(inline=True)
+def load_static(B, n, m):
+    """Fill the static tractions of a law with a `stress`."""
+    U, S = room2(4, LANES), room2(3, LANES)
+    lead(B, n, m, U)
+    for k in range(n):
+        share = U[3, k]
+        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], U[0, k], U[1, k], U[2, k], m)
+        S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
+    for row in range(3):
+        for k in range(n):
+            B[GROWING + row, k] = S[row, k]
 
 
 @part
-def static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
-    """Static traction of a law with a `stress`; arguments and result as of `space_law.facet`."""
-    ux, uy, uz, share = loaded(nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, m)
-    if share == 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    sx, sy, sz = stress(nx, ny, nz, ux, uy, uz, m)
-    return share * sx, share * sy, share * sz, 0.0, 0.0, 0.0
+def static_facets(B, n, m):
+    """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
+    load_static(B, n, m)
+    for row in range(3):
+        for k in range(n):
+            B[CONSTANT + row, k] = 0.0
+
+
+@part
+def inertial_facets(B, n, m):
+    """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
+    load_static(B, n, m)
+    for k in range(n):
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
+            B[N, k], B[N + 1, k], B[N + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], B[ONE_SIDE, k], m
+        )
 
 
 @part
@@ -171,8 +242,12 @@ def immersion(z, za, zb, ax, ay, az, bx, by, bz):
 
 
 @part
-def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
-    """`space_law.forces` of facets."""
+def gather(elements, anchors, cluster, pose, ground, first, medium, B):
+    """Fill a block with facets that are immersed and may lead; the row after those looked at, and their number.
+
+    Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
+    `space_law.forces`.
+    """
     r00, r01, r02 = pose[0, 0], pose[0, 1], pose[0, 2]
     r10, r11, r12 = pose[1, 0], pose[1, 1], pose[1, 2]
     r20, r21, r22 = pose[2, 0], pose[2, 1], pose[2, 2]
@@ -180,94 +255,103 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
     v0, v1, v2 = pose[4, 0], pose[4, 1], pose[4, 2]
     w0, w1, w2 = pose[5, 0], pose[5, 1], pose[5, 2]
     height, risex, risey, steep = ground[0], ground[1], ground[2], ground[3]
+    # Seen from the body: how the depth grows, velocity and angular velocity.
     dx, dy, dz = risex * r00 + risey * r10 - r20, risex * r01 + risey * r11 - r21, risex * r02 + risey * r12 - r22
-    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    u0, u1, u2, u3, u4, u5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    p0, p1, p2 = r00 * v0 + r10 * v1 + r20 * v2, r01 * v0 + r11 * v1 + r21 * v2, r02 * v0 + r12 * v1 + r22 * v2
     q0, q1, q2 = r00 * w0 + r10 * w1 + r20 * w2, r01 * w0 + r11 * w1 + r21 * w2, r02 * w0 + r12 * w1 + r22 * w2
     depth = height + risex * x0 + risey * y0 - z0  # of the reference point
-    for i in range(elements.shape[0]):
+    n = 0
+    for i in range(first, elements.shape[0]):
+        if n == LANES:
+            return i, n
         bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
         z = depth + dx * bx + dy * by + dz * bz
         if z + elements[i, 3] * steep <= 0.0:
             continue
+        cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
+        ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
+        fx, fy, fz = elements[i, 11], elements[i, 12], elements[i, 13]
+        # Along the facet n . v differs by t . d, t = n x w.
+        tx, ty, tz = cy * q2 - cz * q1, cz * q0 - cx * q2, cx * q1 - cy * q0
+        za, zb = tx * ax + ty * ay + tz * az, tx * fx + ty * fy + tz * fz
+        spread = max(abs(za), abs(zb), abs(za + zb))
         rx, ry, rz = (
             r00 * bx + r01 * by + r02 * bz,
             r10 * bx + r11 * by + r12 * bz,
             r20 * bx + r21 * by + r22 * bz,
         )
-        px, py, pz = x0 + rx, y0 + ry, z0 + rz
-        bx, by, bz = elements[i, 4], elements[i, 5], elements[i, 6]
         nx, ny, nz = (
-            r00 * bx + r01 * by + r02 * bz,
-            r10 * bx + r11 * by + r12 * bz,
-            r20 * bx + r21 * by + r22 * bz,
+            r00 * cx + r01 * cy + r02 * cz,
+            r10 * cx + r11 * cy + r12 * cz,
+            r20 * cx + r21 * cy + r22 * cz,
         )
-        vx, vy, vz = v0 + w1 * rz - w2 * ry, v1 + w2 * rx - w0 * rz, v2 + w0 * ry - w1 * rx
-        ex, ey, ez = px - anchors[i, 0], py - anchors[i, 1], pz - anchors[i, 2]
-        # Along the facet n . v differs by (n x w) . d, seen from the body.
-        tx, ty, tz = by * q2 - bz * q1, bz * q0 - bx * q2, bx * q1 - by * q0
-        ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
-        bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
-        za, zb = tx * ax + ty * ay + tz * az, tx * bx + ty * by + tz * bz
-        spread = max(abs(za), abs(zb), abs(za + zb))
-        side = elements[i, 14]
-        if side != 0.0 and nx * vx + ny * vy + nz * vz <= -spread and nx * ex + ny * ey + nz * ez <= 0.0:
+        ex, ey, ez = x0 + rx - anchors[i, 0], y0 + ry - anchors[i, 1], z0 + rz - anchors[i, 2]
+        side = elements[i, SIDE]
+        trails = cx * p0 + cy * p1 + cz * p2 + tx * bx + ty * by + tz * bz <= -spread
+        if side != 0.0 and trails and nx * ex + ny * ey + nz * ez <= 0.0:
             continue  # nothing that it is led by, neither motion nor bristle
-        za, zb = dx * ax + dy * ay + dz * az, dx * bx + dy * by + dz * bz
+        za, zb = dx * ax + dy * ay + dz * az, dx * fx + dy * fy + dz * fz
         if medium.layered:
-            share, mean, ox, oy, oz, hx, hy, hz = law.in_layer(z, za, zb, ax, ay, az, bx, by, bz, medium)
+            share, mean, ox, oy, oz, hx, hy, hz = law.in_layer(z, za, zb, ax, ay, az, fx, fy, fz, medium)
         else:
-            share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, bx, by, bz)
+            share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, fx, fy, fz)
         if share <= 0.0:
             continue
-        j = np.inf
-        if anchors.shape[1] > 3:
-            j = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
-        gx, gy, gz, qx, qy, qz = law.facet(mean, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium)
-        area = elements[i, 7] * share
-        if anchors.shape[1] > PATH:
-            k = facet_factor(
-                path(anchors, i, px, py, pz),
-                elements[i, 0],
-                elements[i, 1],
-                elements[i, 2],
-                elements[i, 7],
-                cluster,
-            )
-            if cluster.static & 1:
-                gx, gy, gz = k * gx, k * gy, k * gz
-            if cluster.static & 2:
-                qx, qy, qz = k * qx, k * qy, k * qz
-        k = area * mean
-        gx, gy, gz = k * gx, k * gy, k * gz
-        ax, ay, az = (
+        B[Z, n], B[SPREAD, n], B[ONE_SIDE, n], B[SHEAR, n] = mean, spread, side, np.inf
+        B[N, n], B[N + 1, n], B[N + 2, n] = nx, ny, nz
+        B[V, n], B[V + 1, n], B[V + 2, n] = v0 + w1 * rz - w2 * ry, v1 + w2 * rx - w0 * rz, v2 + w0 * ry - w1 * rx
+        B[E, n], B[E + 1, n], B[E + 2, n] = ex, ey, ez
+        B[AREA, n], B[FIRST, n], B[SECOND, n], B[CENTRE, n], B[ROW, n] = elements[i, 7] * share, 1.0, 1.0, z, i
+        B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = (
             rx + r00 * hx + r01 * hy + r02 * hz,
             ry + r10 * hx + r11 * hy + r12 * hz,
             rz + r20 * hx + r21 * hy + r22 * hz,
         )
-        s0, s1, s2 = s0 + gx, s1 + gy, s2 + gz
-        s3, s4, s5 = s3 + ay * gz - az * gy, s4 + az * gx - ax * gz, s5 + ax * gy - ay * gx
-        if qx != 0.0 or qy != 0.0 or qz != 0.0:
-            qx, qy, qz = area * qx, area * qy, area * qz
-            ax, ay, az = (
-                rx + r00 * ox + r01 * oy + r02 * oz,
-                ry + r10 * ox + r11 * oy + r12 * oz,
-                rz + r20 * ox + r21 * oy + r22 * oz,
-            )
-            u0, u1, u2 = u0 + qx, u1 + qy, u2 + qz
-            u3, u4, u5 = u3 + ay * qz - az * qy, u4 + az * qx - ax * qz, u5 + ax * qy - ay * qx
-    W[0, 0] += s0
-    W[0, 1] += s1
-    W[0, 2] += s2
-    W[0, 3] += s3
-    W[0, 4] += s4
-    W[0, 5] += s5
-    W[1, 0] += u0
-    W[1, 1] += u1
-    W[1, 2] += u2
-    W[1, 3] += u3
-    W[1, 4] += u4
-    W[1, 5] += u5
+        B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = (
+            rx + r00 * ox + r01 * oy + r02 * oz,
+            ry + r10 * ox + r11 * oy + r12 * oz,
+            rz + r20 * ox + r21 * oy + r22 * oz,
+        )
+        if anchors.shape[1] > 3:
+            B[SHEAR, n] = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
+        if anchors.shape[1] > PATH:
+            way = path(anchors, i, x0 + rx, y0 + ry, z0 + rz)
+            k = facet_factor(way, bx, by, bz, elements[i, 7], cluster)
+            B[FIRST, n] = k if cluster.static & 1 else 1.0
+            B[SECOND, n] = k if cluster.static & 2 else 1.0
+        n += 1
+    return elements.shape[0], n
+
+
+@part
+def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
+    """`space_law.forces` of facets."""
+    B, first = room2(ROWS, LANES), 0
+    while first < elements.shape[0]:
+        first, n = law.gather(elements, anchors, cluster, pose, ground, first, medium, B)
+        if n > 0:
+            law.facets(B, n, medium)
+            add_up(B, n, W)
+
+
+@part
+def add_up(B, n, W):
+    """Add the forces on the facets of a block, and their moments about the reference point, to W (TERMS, 6)."""
+    for term in range(2):
+        traction, at = (GROWING, AT_FIRST) if term == 0 else (CONSTANT, AT_SECOND)
+        s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(n):
+            one = B[AREA, k] * (B[Z, k] * B[FIRST, k] if term == 0 else B[SECOND, k])
+            fx, fy, fz = one * B[traction, k], one * B[traction + 1, k], one * B[traction + 2, k]
+            x, y, z = B[at, k], B[at + 1, k], B[at + 2, k]
+            s0, s1, s2 = s0 + fx, s1 + fy, s2 + fz
+            s3, s4, s5 = s3 + y * fz - z * fy, s4 + z * fx - x * fz, s5 + x * fy - y * fx
+        W[term, 0] += s0
+        W[term, 1] += s1
+        W[term, 2] += s2
+        W[term, 3] += s3
+        W[term, 4] += s4
+        W[term, 5] += s5
 
 
 @part

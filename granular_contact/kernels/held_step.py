@@ -26,10 +26,10 @@ from granular_contact.kernels.added_mass import (
     settle,
     write_loads,
 )
-from granular_contact.kernels.compiled import kernel
+from granular_contact.kernels.compiled import part
 
 
-@kernel(nogil=True)
+@part
 def begin(
     last, parents, axes, v, numbers, tops, positions, rotations, inertial, centres, turn, applied, written, brought,
     base, sizes, slow, clock, loads, works, gained, seen, twists, later, past, arms, poses, then, wrench,
@@ -56,7 +56,7 @@ def begin(
     place_bodies(numbers, tops, positions, rotations, centres, later, turn, then, arms)
 
 
-@kernel(nogil=True)
+@part
 def burden(
     turn, numbers, tops, inertial, centres, wrench, arms, added, past, clock, loads, applied, base, written, last,
     parents, starts, axes, q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept,
@@ -70,7 +70,7 @@ def burden(
     return some
 
 
-@kernel(nogil=True)
+@part
 def relieve(
     last, parents, axes, numbers, tops, inertial, centres, added, twists, later, clock, loads, applied, base, written,
     q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept,

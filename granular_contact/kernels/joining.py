@@ -27,7 +27,7 @@ from granular_contact.kernels.planar_friction import radial_return
 
 FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress", "traction")
 # See `space_joining`.
-IN_SPACE = ("facet_stress", "facet_traction", "facet_force", "bar_force", "bar_cap", "space_ball_force")
+IN_SPACE = ("facet_stress", "facet_traction", "facet_inertia", "bar_force", "bar_cap", "space_ball_force")
 PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
 FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
 _called: set[FunctionType] = set()
@@ -50,8 +50,8 @@ def record_type(owner: Any) -> np.dtype:
     forces = {name: getattr(owner, name) for name in FORCES if hasattr(owner, name)}
     if "drag_anchor" not in forces:
         forces["drag_anchor"] = component_return if owner.by_component else radial_return
-    for function in forces.values():
-        let_call_others(function)
+    for name in sorted(forces, key=lambda name: name != "stress"):
+        let_call_others(forces[name], inline=name == "stress")
     if "stress" in forces:
         law.provide(plates.stress, "m", dtype)(forces.pop("stress"))
         forces.setdefault("strip_force", plates.static_force)
@@ -78,13 +78,13 @@ def _content(owner: Any) -> str:
     return uuid.uuid4().hex if file is None else hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
 
 
-def let_call_others(function: Callable[..., Any]) -> None:
-    """Let compiled code call the plain functions that a plain function calls."""
+def let_call_others(function: Callable[..., Any], inline: bool = False) -> None:
+    """Let compiled code call the plain functions that a plain function calls; inline: always within it."""
     if not isinstance(function, FunctionType):  # compiled already
         return
     for name in function.__code__.co_names:
         other = function.__globals__.get(name)
         if isinstance(other, FunctionType) and other not in _called:
             _called.add(other)
-            register_jitable(other)
-            let_call_others(other)
+            register_jitable(forceinline=inline)(other)
+            let_call_others(other, inline)

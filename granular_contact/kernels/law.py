@@ -273,8 +273,10 @@ def _keep_apart(dtype: np.dtype, name: str) -> None:
     _KNOWN.setdefault(dtype, name)
 
 
-def provide(stub, argument: str, dtype: np.dtype):
+def provide(stub, argument: str, dtype: np.dtype, inline: bool = False):
     """Decorate a function, plain or compiled, to be what `stub` means where its `argument` has the record type `dtype`.
+
+    inline: always within its callers.
 
     Raises
     ------
@@ -293,7 +295,7 @@ def provide(stub, argument: str, dtype: np.dtype):
             return function if getattr(given, "dtype", given) == wanted else None
 
         choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
-        overload(stub)(choose)
+        overload(stub, jit_options={"forceinline": inline})(choose)
         return implementation
 
     return decorate

@@ -10,20 +10,21 @@ from __future__ import annotations
 import math
 
 from granular_contact.kernels import space_law as law
-from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance, to_world
-from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance
+from granular_contact.kernels.compiled import part
 from granular_contact.kernels.facets import COLUMNS
 from granular_contact.kernels.facets_added_mass import add_turned, held_facets
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.memory import clear, room1, room2
+from granular_contact.kernels.memory import rows as rows_of
 from granular_contact.kernels.planar_friction import drive as drive_across
 from granular_contact.kernels.space_bodies import DEEPEST, below, bound, may_touch, release
 from granular_contact.kernels.space_friction import drive
 
 
-@kernel(nogil=True)
+@part
 def act(
     bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, clock, poses, then, seen,
     turn, arms, wrench, added,
@@ -62,9 +63,10 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
             s, e = clusters[c].first, clusters[c].last
             if now and active[c]:
                 below(clusters[c], pose, ground, plane)
-                law.follow(elements[s:e], anchors[s:e], clusters[c], pose, plane, medium[0], saw)
+                E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
+                law.follow(E, A, clusters[c], pose, plane, medium[0], saw)
             elif now:
-                release(elements, anchors, clusters[c], pose)
+                release(elements, anchors, clusters[c], pose, False)
             if within and not (now and active[c]):
                 saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
             active[c] = now
@@ -77,7 +79,7 @@ def begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, st
     for b in range(bodies.shape[0]):
         body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
         for c in range(body.first, body.last):
-            release(elements, anchors, clusters[c], pose)
+            release(elements, anchors, clusters[c], pose, True)
             bound(clusters[c], pose, ground, near)
             saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
             active[c] = may_touch(near, step)
@@ -111,19 +113,19 @@ def resist(
             s, e = clusters[c].first, clusters[c].last
             below(clusters[c], ahead, ground, plane)
             if elements.shape[1] == COLUMNS:
-                on = (elements[s:e], anchors[s:e], ahead, plane, medium[0])
-                held_facets(*on, step, bristle[0], wrench[at], inertia)
+                E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
+                held_facets(E, A, clusters[c], ahead, plane, medium[0], step, bristle[0], wrench[at], inertia)
                 continue
             for i in range(s, e - rows + 1):
                 clear(W)
-                E, A = elements[i : i + rows], anchors[i : i + rows]
+                E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
                 law.forces(E, A, clusters[c] if i == e - rows else inner[c], ahead, plane, medium[0], W)
                 fx, fy, fz = total(W, 0), total(W, 1), total(W, 2)
                 if fx != 0.0 or fy != 0.0 or fz != 0.0:
                     for k in range(6):
                         wrench[at, k] += total(W, k)
-                    weigh(fx, fy, fz, E, A, poses[at], ahead, step, bristle[0], turn, arms[at], added[at])
-        if some and inertia.any():
+                    weigh(fx, fy, fz, E, A, poses[at], ahead, step, bristle[0], inertia)
+        if some and inertia[3, 3] != 0.0:
             add_turned(inertia, poses[at], turn, arms[at], added[at])
 
 
@@ -137,8 +139,11 @@ def total(W, k):
 
 
 @part
-def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, turn, arm, added):
-    """Add the inertia of a strip or a ball with this force (N), rows E with anchors A, to that of its body."""
+def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, inertia):
+    """Add the inertia of a strip or a ball with this force (N), rows E with anchors A, to that of its body.
+
+    Frame of the body, upper triangle, as of `facets_added_mass`; pose: where the step begins.
+    """
     n = 1.0 / E.shape[0]
     bx, by, bz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(E.shape[0]):
@@ -148,24 +153,27 @@ def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, turn, arm, added):
     rx, ry, rz = turned(ahead, bx, by, bz)
     vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
     ex, ey, ez = ahead[3, 0] + rx - ax, ahead[3, 1] + ry - ay, ahead[3, 2] + rz - az
-    rx, ry, rz = turned(pose, bx, by, bz)
-    x, y, z = to_world(turn, rx, ry, rz)
-    x, y, z = x + arm[0], y + arm[1], z + arm[2]
     if bristle.parted and bristle.friction != SMOOTH:
         qx, qy = drive_across(ex, ey, vx, vy, bristle)
-        mass = secant(math.hypot(fx, fy), math.hypot(qx, qy), math.hypot(ex, ey), math.hypot(vx, vy), bristle, step)
+        mass = secant(length(fx, fy, 0.0), length(qx, qy, 0.0), length(ex, ey, 0.0), length(vx, vy, 0.0), bristle, step)
         qz = bristle.u_y * drive_along(ez, vz, bristle)
         upward = secant(abs(fz), abs(qz), abs(ez), abs(vz), bristle, step)
-        add_point(mass, x, y, z, added)
-        add_inertia(upward - mass, turn[2, 0], turn[2, 1], turn[2, 2], x, y, z, added)
+        add_point(mass, bx, by, bz, inertia)
+        add_inertia(upward - mass, pose[2, 0], pose[2, 1], pose[2, 2], bx, by, bz, inertia)
         return
     qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, bristle)
-    q, h = math.sqrt(qx * qx + qy * qy + qz * qz), math.sqrt(ex * ex + ey * ey + ez * ez)
+    q, h = length(qx, qy, qz), length(ex, ey, ez)
     if q == 0.0:
         return
     share = 0.0 if bristle.friction == SMOOTH else min(1.0, bristle.u_y / h) if h > 0.0 else 1.0
-    growth = step * (share * step + tau) * math.sqrt(fx * fx + fy * fy + fz * fz)
-    add_point(growth / q, x, y, z, added)
+    growth = step * (share * step + tau) * length(fx, fy, fz)
+    add_point(growth / q, bx, by, bz, inertia)
+
+
+@part
+def length(x, y, z):
+    """Length of a vector."""
+    return math.sqrt(x * x + y * y + z * z)
 
 
 @part

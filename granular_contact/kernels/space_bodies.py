@@ -298,23 +298,31 @@ def update_active(bodies, clusters, elements, anchors, active, ground, poses, pr
                 bound(clusters[c], poses[b], ground, near)
                 now = may_touch(near, step)
             if now and not active[c]:
-                release(elements, anchors, clusters[c], poses[b])
+                release(elements, anchors, clusters[c], poses[b], False)
             active[c] = now
             some = some or now
     return some
 
 
 @part
-def release(elements, anchors, cluster, pose):
-    """Put the anchors of a cluster where its elements are."""
+def release(elements, anchors, cluster, pose, anew):
+    """Put the anchors of a cluster where its elements are; anew: their ways begin here, too.
+
+    The way through the air counts in a straight line, so that it does not matter when what flies became active.
+    """
     for i in range(cluster.first, cluster.last):
         E = elements[i]
         for k in range(3):
             anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
         if anchors.shape[1] > 3:
             anchors[i, 3] = 0.0
-        if anchors.shape[1] > 4:
-            anchors[i, 5], anchors[i, 6], anchors[i, 7] = anchors[i, 0], anchors[i, 1], anchors[i, 2]
+        if anew and anchors.shape[1] > 4:
+            anchors[i, 4], anchors[i, 5], anchors[i, 6], anchors[i, 7] = (
+                0.0,
+                anchors[i, 0],
+                anchors[i, 1],
+                anchors[i, 2],
+            )
 
 
 @kernel
@@ -327,4 +335,4 @@ def start(system_q, reference, places, bodies, turn, clusters, elements, anchors
         clear(v)
         place(q, v, body.size, turn, poses[b], G)
         for c in range(body.first, body.last):
-            release(elements, anchors, clusters[c], poses[b])
+            release(elements, anchors, clusters[c], poses[b], True)

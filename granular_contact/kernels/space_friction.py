@@ -19,13 +19,18 @@ def drive(ex, ey, ez, vx, vy, vz, m):
     """Vector q (3,) as in `planar_friction.drive`: p - anchor e (m), velocity v (m/s); and the factor of v in it."""
     if m.friction == SMOOTH:
         return vx, vy, vz, 1.0
-    k, tau = 1.0, m.tau
-    h, speed = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(vx * vx + vy * vy + vz * vz)
+    return stretched(ex, ey, ez, vx, vy, vz, m)
+
+
+@part(inline=True)
+def stretched(ex, ey, ez, vx, vy, vz, m):
+    """`drive` of a bristle, without a branch, so that compilers make one of several of them at once."""
+    h, square = math.sqrt(ex * ex + ey * ey + ez * ez), vx * vx + vy * vy + vz * vz
     along = ex * vx + ey * vy + ez * vz
-    if h > m.u_y:
-        k = m.u_y / h
-    if along > 0.0 and h > 0.5 * m.u_y and speed > 0.0:  # or it does not slide
-        tau += along / (h * speed) * (sliding(min(h, m.u_y), m) - m.tau)
+    k = m.u_y / h if h > m.u_y else 1.0
+    slides = max(0.0, along) / (h * math.sqrt(square))  # cosine
+    yields = sliding(min(h, m.u_y), m) - m.tau
+    tau = m.tau + (slides * yields if along > 0.0 and h > 0.5 * m.u_y and square > 0.0 else 0.0)
     return k * ex + tau * vx, k * ey + tau * vy, k * ez + tau * vz, tau
 
 

@@ -1,8 +1,8 @@
 """A law in plain Python -> what kernels call in space; beside `joining`, and loaded by what lies in space alone.
 
 Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` and `facet_traction` give its own for
-any direction, and `facet_force` more than that. Laws of bars have `bar_force` and, if they know one, `bar_cap`; those
-of balls `space_ball_force`.
+any direction, `facet_inertia` a second term beside a stress. Laws of bars have `bar_force` and, if they know one,
+`bar_cap`; those of balls `space_ball_force`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,10 @@ KINDS: dict[str, tuple[Any, Any]] = {
     "bar": (bars.bar_forces, bars.follow_stations),
     "ball": (space_balls.space_ball_forces, space_balls.follow_ball),
 }
-METHODS = {"bar_force": "bar", "bar_cap": "cap", "space_ball_force": "ball", "facet_force": "facet"}
-
+METHODS = {"bar": {"bar_force": "bar", "bar_cap": "cap"}, "ball": {"space_ball_force": "ball"}, "surface": {}}
 
 NEEDED = {
-    "surface": ("stress", "facet_stress", "facet_traction", "facet_force"),
+    "surface": ("stress", "facet_stress", "facet_traction"),
     "bar": ("bar_force",),
     "ball": ("space_ball_force",),
 }
@@ -76,18 +75,26 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
     dtype = record_type(owner)
     found: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
     if kind == "surface":
-        if hasattr(owner, "facet_stress") or hasattr(owner, "stress"):
-            stress = getattr(owner, "facet_stress", slices.slice_stress)
-            let_call_others(stress)
-            law.provide(facets.stress, "m", dtype)(stress)
-        found["facet"] = facets.static_facet
-        if hasattr(owner, "facet_traction"):
-            let_call_others(owner.facet_traction)
-            law.provide(facets.traction, "m", dtype)(owner.facet_traction)
-            found["facet"] = facets.traction_facet
-    for method, name in METHODS.items():
-        if hasattr(owner, method) and name in {"surface": {"facet"}, "bar": {"bar", "cap"}, "ball": {"ball"}}[kind]:
+        found["gather"], found["facets"] = facets.gather, _of_facets(owner, dtype)
+    for method, name in METHODS[kind].items():
+        if hasattr(owner, method):
             function = getattr(owner, method)
             let_call_others(function)
             found[name] = compiled(function)
     return found
+
+
+def _of_facets(owner: Any, dtype: np.dtype) -> Any:
+    """What fills the tractions of a block, by what a law gives."""
+    if hasattr(owner, "facet_traction"):
+        let_call_others(owner.facet_traction)
+        law.provide(facets.traction, "m", dtype)(owner.facet_traction)
+        return facets.traction_facets
+    stress = getattr(owner, "facet_stress", slices.slice_stress)
+    let_call_others(stress, inline=True)
+    law.provide(facets.stress, "m", dtype, inline=True)(stress)
+    if not hasattr(owner, "facet_inertia"):
+        return facets.static_facets
+    let_call_others(owner.facet_inertia)
+    law.provide(facets.inertia, "m", dtype)(owner.facet_inertia)
+    return facets.inertial_facets

@@ -58,7 +58,7 @@ BODY = np.dtype(
 # immersed.
 DEPTH, SPEED, LOWEST = 0, 1, 2
 
-FUNCTIONS = ("forces", "follow", "facet", "layer", "bar", "cap", "ball", "anchor", "body")
+FUNCTIONS = ("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body")
 # layered: the medium lies between the depths top and bottom (m) only.
 LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
 SPACE_LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), *LAYER, ("own", "f8", (SIZE,))])
@@ -70,7 +70,11 @@ _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
     "follow": ((*_OF_CLUSTER, _ROW), types.none),
-    "facet": ((*[_NUMBER] * 13, OWN), types.UniTuple(_NUMBER, 6)),
+    "gather": (
+        (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, types.intp, from_dtype(SPACE_LAW), _ROWS),
+        types.UniTuple(types.intp, 2),
+    ),
+    "facets": ((_ROWS, types.intp, OWN), types.none),
     "layer": ((_NUMBER,) * 11, types.UniTuple(_NUMBER, 8)),
     "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
     "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
@@ -78,7 +82,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "anchor": ((*[_NUMBER] * 6, OWN), types.UniTuple(_NUMBER, 3)),
     "body": ((_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.none),
 }
-_forces, _follow, _facet, _layer, _bar, _cap, _ball, _anchor, _body = (
+_forces, _follow, _gather, _facets, _layer, _bar, _cap, _ball, _anchor, _body = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )
 
@@ -96,14 +100,21 @@ def follow(elements, anchors, cluster, pose, ground, medium, row):
 
 
 @part
-def facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, medium):
-    """Traction on a facet: of what grows with depth the stress per depth (3,) N/m^3, of the rest the stress (3,) Pa.
+def gather(elements, anchors, cluster, pose, ground, first, medium, B):
+    """`facets.gather`, which several kernels call."""
+    return _gather(medium, (elements, anchors, cluster, pose, ground, first, B))
 
-    z > 0 mean depth (m) of what is immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at
-    its centroid; spread (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0
-    is loaded, n pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `ways`.
+
+@part
+def facets(B, n, medium):
+    """Fill tractions on the first n facets of a block, see `kernels.facets`.
+
+    Of what grows with depth the stress per depth N/m^3, of the rest the stress Pa. What is told of a facet: z > 0 mean
+    depth (m) of what is immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its
+    centroid; spread (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0 is
+    loaded, n pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `ways`.
     """
-    return _facet(medium, (z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j))
+    _facets(medium, (B, n))
 
 
 @part

@@ -65,12 +65,11 @@ class Drft(Law):
         inertial_force(a, b, cx / length, cy / length, v0x, v0y, v1x, v1y, m.lam_rho * run.width * length, run, f)
 
     @staticmethod
-    def facet_force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
-        """Static and inertial traction; as `kernels.space_law.facet`, z below the lowered surface."""
-        sx, sy, sz, _, _, _ = kernels.facets.static_facet(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m)
+    def facet_inertia(nx, ny, nz, vx, vy, vz, side, m):
+        """Inertial traction; as `kernels.facets.inertia`."""
         w = nx * vx + ny * vy + nz * vz
         inertial = 0.0 if side * w < 0.0 else pressure(w, m.lam_rho)
-        return sx, sy, sz, -inertial * nx, -inertial * ny, -inertial * nz
+        return -inertial * nx, -inertial * ny, -inertial * nz
 
 
 def pressure(w, lam_rho):

@@ -99,29 +99,32 @@ class Rft3d(Law):
 
 
 def response(nx, ny, nz, ux, uy, uz):
-    """Generic response (3,) of an element with the normal n, either way, that moves in the direction u; z up."""
-    if nz > 0.0:
-        nx, ny, nz = -nx, -ny, -nz
-    ax, ay, az = alpha(nx, ny, nz, ux, uy, uz)
-    if nz > -UPRIGHT:
-        bx, by, bz = alpha(-nx, -ny, -nz, ux, uy, uz)
-        w = 0.5 * (1.0 - nz / UPRIGHT)
-        ax, ay, az = w * ax + (1.0 - w) * bx, w * ay + (1.0 - w) * by, w * az + (1.0 - w) * bz
-    return ax, ay, az
+    """Generic response (3,) of an element with the normal n, either way, that moves in the direction u; z up.
+
+    With f_i = even_i + odd_i in n, that of -n is even_i - odd_i: so their mean with the weights (1 + b) / 2 and
+    (1 - b) / 2 is (b even_1 + odd_1) n + (even_2 + b odd_2) u + (even_3 + b odd_3) g.
+    """
+    x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
+    b = min(1.0, max(-1.0, x2 / UPRIGHT))
+    even1, odd1 = cubic(x1, x2, x3, F1)
+    even2, odd2 = cubic(x1, x2, x3, F2)
+    even3, odd3 = cubic(x1, x2, x3, F3)
+    f1, f2, f3 = b * even1 + odd1, even2 + b * odd2, even3 + b * odd3
+    return f1 * nx + f2 * ux, f1 * ny + f2 * uy, f1 * nz + f2 * uz - f3
 
 
 def cubic(x1, x2, x3, c):
-    """Polynomial with the coefficients c (20,)."""
-    f = c[0] + x1 * (c[1] + x1 * (c[4] + x1 * c[10])) + x2 * (c[2] + x2 * (c[5] + x2 * c[11]))
-    f += x3 * (c[3] + x3 * (c[6] + x3 * c[12]))
-    f += x1 * x2 * (c[7] + x2 * c[13] + x1 * c[14]) + x2 * x3 * (c[8] + x3 * c[15] + x2 * c[16])
-    return f + x3 * x1 * (c[9] + x1 * c[17] + x3 * c[18] + x2 * c[19])
+    """Polynomial with the coefficients c (20,), in two parts: even and odd in x2 and x3 together."""
+    even = c[0] + x1 * (c[1] + x1 * (c[4] + x1 * c[10])) + x2 * x2 * (c[5] + x1 * c[13])
+    even += x3 * (x3 * (c[6] + x1 * c[18]) + x2 * (c[8] + x1 * c[19]))
+    odd = x2 * (c[2] + x1 * (c[7] + x1 * c[14]) + x2 * x2 * c[11]) + x3 * (c[3] + x1 * (c[9] + x1 * c[17]))
+    return even, odd + x3 * (x3 * (x3 * c[12] + x2 * c[15]) + x2 * x2 * c[16])
 
 
 def alpha(nx, ny, nz, ux, uy, uz):
-    """Generic response (3,) of an element with normal n that moves in the direction u."""
+    """Generic response (3,) by the polynomials as published, of an element with normal n that moves in direction u."""
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
-    f1, f2, f3 = cubic(x1, x2, x3, F1), cubic(x1, x2, x3, F2), cubic(x1, x2, x3, F3)
+    f1, f2, f3 = (sum(cubic(x1, x2, x3, c)) for c in (F1, F2, F3))
     return f1 * nx + f2 * ux, f1 * ny + f2 * uy, f1 * nz + f2 * uz - f3
 
 
