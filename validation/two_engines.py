@@ -18,68 +18,23 @@ from typing import Any
 HERE = Path(__file__).parents[1]
 sys.path[:0] = [str(HERE), str(HERE / "examples" / "mujoco")]
 
-import exudyn as exu
 import hexapod
 import mujoco
 import numpy as np
-from exudyn.rigidBodyUtilities import InertiaCuboid
 from numpy.typing import NDArray
 
-from granular_contact import Box, GranularBed, Rft3d
 from granular_contact.config import load_scenario
-from granular_contact.mujoco import MujocoBed
 from granular_contact.run import run
 from granular_contact.scene import Scene, build
 from validation.chains import chain
+from validation.falling_box import FallingBox, order
 from validation.peers import mujoco_hexapod
 from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
 from validation.tables import machine, markdown
 
 Array = NDArray[np.float64]
-SAND = Rft3d(1600.0, 0.5, 0.3)
-PLATE, THROWN = (0.12, 0.08, 0.01), [0.4, 0.1, -0.8, 1.0, 3.0, 0.5]  # m; m/s and rad/s
+PLATE = FallingBox((0.12, 0.08, 0.01), 0.03, (0.4, 0.1, -0.8, 1.0, 3.0, 0.5))
 FALL, STRIKE, STRIDE, WALK = 0.12, 0.04, 1.0, 2.0  # s
-
-
-def plate_there(steps: int) -> Array:
-    """Place (3,) m of the plate at the end, by Exudyn."""
-    mbs = exu.SystemContainer().AddSystem()
-    body = mbs.CreateRigidBody(
-        inertia=InertiaCuboid(2700.0, PLATE),
-        referencePosition=[0, 0, 0.03],
-        initialVelocity=THROWN[:3],
-        initialAngularVelocity=THROWN[3:],
-        gravity=[0, 0, -9.81],
-        nodeType=exu.NodeType.RotationEulerParameters,
-    )
-    bed = GranularBed(mbs, SAND, 0.0, up=(0, 0, 1))
-    bed.add_body(body, Box(PLATE))
-    bed.attach()
-    mbs.Assemble()
-    settings = exu.SimulationSettings()
-    settings.solution.file.write = False
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = FALL, steps
-    settings.timeIntegration.newton.useModifiedNewton = True
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.7
-    settings.timeIntegration.verboseMode = 0
-    mbs.SolveDynamic(settings)
-    return np.asarray(mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0.0, 0.0, 0.0]))
-
-
-def plate_here(step: float) -> Array:
-    """The same by MuJoCo."""
-    half = " ".join(str(0.5 * side) for side in PLATE)
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><option timestep="{step}"/><worldbody><body pos="0 0 0.03"><freejoint/>'
-        f'<geom name="plate" type="box" size="{half}" density="2700"/></body></worldbody></mujoco>'
-    )
-    bed, data = MujocoBed(model, SAND), mujoco.MjData(model)
-    bed.add_geoms("plate")
-    data.qvel[:] = THROWN
-    for _ in range(round(FALL / step)):
-        bed.apply(data)
-        mujoco.mj_step(model, data)
-    return data.qpos[:3].copy()
 
 
 def paths(scene: Scene, step: float, seconds: float, body: str, point: Array) -> Array:
@@ -164,11 +119,6 @@ def drift(step: float) -> float:
     return 1e6 * (heights[0] - heights[1]) / 3.0
 
 
-def order(steps: list[float], errors: list[float]) -> float:
-    """Slope of the errors."""
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
-
-
 def main() -> int:
     """Print the tables; 0 when orders are near one, speeds agree and robots stand, else 1."""
     quick = "--quick" in sys.argv
@@ -184,8 +134,8 @@ def motions(quick: bool) -> bool:
     steps, strides = [4e-4, 2e-4, 1e-4], [2e-3, 1e-3, 5e-4, 2.5e-4]
     if not quick:
         strides += [1.25e-4, 6.25e-5]
-    place = plate_there(600 if quick else 2400)
-    plate = [1e3 * float(np.linalg.norm(plate_here(step) - place)) for step in steps]
+    place = PLATE.by_exudyn(FALL, 600 if quick else 2400)
+    plate = [1e3 * float(np.linalg.norm(PLATE.by_mujoco(FALL, step) - place)) for step in steps]
     links = chain_errors(steps)
     legs, far = hexapod_errors(strides, 5e-4 if quick else 1e-4)
     orders = order(steps, plate), order(steps, links), order(strides, legs)

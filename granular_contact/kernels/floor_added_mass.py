@@ -8,18 +8,19 @@ Arguments as of `space_added_mass`.
 from __future__ import annotations
 
 from granular_contact.kernels import space_law as law
-from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, advance, to_world
-from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, advance
+from granular_contact.kernels.compiled import part
+from granular_contact.kernels.facets_added_mass import add_turned
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.memory import clear, copy, room1, room2
 from granular_contact.kernels.memory import rows as some_of
-from granular_contact.kernels.space_added_mass import begin, follow, turned
+from granular_contact.kernels.space_added_mass import begin, follow
 from granular_contact.kernels.space_bodies import DEEPEST, bound
 
 TRIAL = 1e-6  # m/s
 
 
-@kernel(nogil=True)
+@part
 def act(
     bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, clock, poses, then, seen, turn,
     arms, wrench, added,
@@ -42,9 +43,10 @@ def resist(
     wrench, added,
 ):  # fmt: skip
     """As `space_added_mass.resist`."""
-    W, ahead, lower, near = room2(TERMS, 6), room2(6, 3), room2(6, 3), room1(2)
+    W, ahead, lower, near, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room1(2), room2(6, 6)
     for b in range(bodies.shape[0]):
-        at = of_bed[b]
+        at, some = of_bed[b], False
+        clear(inertia)
         for c in range(bodies[b].first, bodies[b].last):
             if not active[c]:
                 continue
@@ -67,15 +69,19 @@ def resist(
                 law.forces(E, A, inner[c], ahead, ground, medium[0], W)
                 for k in range(6):
                     wrench[at, k] += W[0, k]
-                weigh(step * (slope - W[0, 2]) / TRIAL, E, poses[at], turn, arms[at], added[at])
+                weigh(step * (slope - W[0, 2]) / TRIAL, E, poses[at], inertia)
+                some = True
+        if some:
+            add_turned(inertia, poses[at], turn, arms[at], added[at])
 
 
 @part
-def weigh(mass, E, pose, turn, arm, added):
-    """Add a mass (kg) that is felt along the vertical to the inertia of a body, at the middle of an element's rows."""
+def weigh(mass, E, pose, inertia):
+    """Add a mass (kg) that is felt along the vertical to the inertia of a body, at the middle of an element's rows.
+
+    Frame of the body, upper triangle, as of `facets_added_mass`.
+    """
     n, x, y, z = 1.0 / E.shape[0], 0.0, 0.0, 0.0
     for i in range(E.shape[0]):
         x, y, z = x + n * E[i, 0], y + n * E[i, 1], z + n * E[i, 2]
-    rx, ry, rz = turned(pose, x, y, z)
-    x, y, z = to_world(turn, rx, ry, rz)
-    add_inertia(mass, turn[2, 0], turn[2, 1], turn[2, 2], x + arm[0], y + arm[1], z + arm[2], added)
+    add_inertia(mass, pose[2, 0], pose[2, 1], pose[2, 2], x, y, z, inertia)

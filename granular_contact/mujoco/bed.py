@@ -94,8 +94,6 @@ class MujocoBed:
             from granular_contact.bed.space.load import SpatialLoad
 
             self.load: Any = SpatialLoad(medium, surface, up=self.up, **options, floor=floor)
-            if any(one.scatters for one in self.load.media):
-                raise ValueError("medium: has scatter, which in space is for runs in Exudyn; allowed is none")
             self.turn: Vector = self.load.turn
         else:
             along = _unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ self.up) * self.up)

@@ -12,6 +12,7 @@ from support_runs import ROOT
 
 from granular_contact import Albert, Floor, Layer, LeeMarghitu, Poncelet, Rft, VerticalResistance
 from granular_contact.bed.contact_lines import Body, outline, polyline
+from granular_contact.laws.scatter import Scatter
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 from granular_contact.mujoco import MujocoBed  # noqa: E402
@@ -41,57 +42,26 @@ def test_the_energy_that_a_body_loses_is_the_work_of_the_sand(name: str) -> None
     assert kept.depth > 0.002
 
 
-def exudyn_motion(seconds: float, medium: Any, floor: Floor | None) -> np.ndarray:
-    """Where the box of `BOX` that `thrown` throws is after a time, in the other engine."""
-    exu = pytest.importorskip("exudyn")
-    from exudyn.rigidBodyUtilities import InertiaCuboid
-
-    from granular_contact import Box, GranularBed
-
-    sides, mbs = (0.1, 0.08, 0.06), exu.SystemContainer().AddSystem()
-    body = mbs.CreateRigidBody(
-        inertia=InertiaCuboid(2700.0, sides),
-        referencePosition=[0, 0, 0.1],
-        initialVelocity=[0.5, 0.2, -1.0],
-        initialAngularVelocity=[1.0, 2.0, 3.0],
-        gravity=[0, 0, -GRAVITY],
-        nodeType=exu.NodeType.RotationEulerParameters,
-    )
-    bed = GranularBed(mbs, medium, 0.0, up=(0, 0, 1), floor=floor)
-    bed.add_body(body, Box(sides))
-    bed.attach()
-    mbs.Assemble()
-    settings = exu.SimulationSettings()
-    settings.solution.file.write = False
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = seconds, 400
-    settings.timeIntegration.newton.useModifiedNewton = True
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.7
-    settings.timeIntegration.verboseMode = 0
-    mbs.SolveDynamic(settings)
-    return np.asarray(mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0.0, 0.0, 0.0]))
-
-
 BEDS: dict[str, tuple[Any, Floor | None]] = {
     "sand": (SAND, None),
     "layers and a floor": ((Layer(SAND, 0.0, 0.006), Layer(Rft(zeta=3.0), 0.006)), Floor(-0.012, 2e6, 0.3)),
+    "scattering": (SAND.model_copy(update={"scatter": Scatter(0.5, 0.02, 1)}), None),
 }
 
 
 @pytest.mark.parametrize("name", BEDS)
 def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(name: str) -> None:
+    pytest.importorskip("exudyn")
+    from validation.falling_box import FallingBox, order
+
     medium, floor = BEDS[name]
-    steps = np.array([2e-4, 1e-4, 5e-5])
-    errors = []
-    there = exudyn_motion(0.1, medium, floor)
-    for step in steps:
-        model = model_of(step=float(step))
-        data, bed = thrown(model), MujocoBed(model, medium, floor=floor)
-        bed.add_geoms("box")
-        go(model, data, bed, 0.1)
-        errors.append(float(np.linalg.norm(data.qpos[:3] - there)))
-    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert 0.8 < order < 1.3, errors
+    box = FallingBox((0.1, 0.08, 0.06), 0.1, (0.5, 0.2, -1.0, 1.0, 2.0, 3.0), medium, floor)
+    steps, there = [2e-4, 1e-4, 5e-5], box.by_exudyn(0.1, 400)
+    errors = [float(np.linalg.norm(box.by_mujoco(0.1, step) - there)) for step in steps]
+    assert 0.8 < order(steps, errors) < 1.3, errors
     assert errors[0] < 2.5e-3 * 0.1  # of the way
+    if name == "scattering":  # which matters more
+        assert np.linalg.norm(box.in_medium(SAND).by_mujoco(0.1, 2e-4) - there) > 20 * errors[-1]
 
 
 @pytest.mark.parametrize("geom", ["box", "ball"])
