@@ -225,8 +225,7 @@ def _in(layer: Layer | None, line: ContactLine, gravity: float) -> NDArray[np.vo
     record = line.record.copy()
     if layer is not None:
         medium = layer.medium
-        if medium.scatter is not None:
-            medium.scatter.fill(record, medium.terms, medium.dynamic)
+        medium.fill_scatter(record)
         if gravity > 0.0 and record["radius"] > 0.0:
             record["behind"] = getattr(medium, "wheel_drop", 0.0) / gravity
         record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom

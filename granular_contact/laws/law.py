@@ -20,20 +20,20 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, field_serializer
+from pydantic import Field, field_serializer, model_validator
 
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.kinds import WORDS, Kind
-from granular_contact.laws.scatter import Scatter
+from granular_contact.laws.scatter import MeasuredScatter, Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
-from granular_contact.values.strict import OrNull, Text
+from granular_contact.values.strict import Listed, OrNull, Text, listed, refusal
 
 if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
     from numpy.typing import NDArray
 
-ABOUT = ("name", "validity", "source", "standing", "provenance", "scatter")
+ABOUT = ("name", "validity", "source", "standing", "provenance", "scatter", "measured_scatter")
 
 
 class Law(Coefficients):
@@ -56,6 +56,8 @@ class Law(Coefficients):
     validity: Validity = Field(NOT_STATED, alias="range")
     scatter: Scatter | None = None
     """null: none."""
+    measured_scatter: Annotated[tuple[MeasuredScatter, ...], Listed] = ()
+    """What was measured of it, by names that `scatter: {measured: ...}` takes."""
     law: str
 
     equation: ClassVar[str]
@@ -108,7 +110,26 @@ class Law(Coefficients):
     @property
     def scatters(self) -> bool:
         """Whether its static resistance scatters."""
-        return self.scatter is not None and self.scatter.relative > 0.0
+        return self.scatter is not None and self.scatter.relative != 0.0
+
+    @model_validator(mode="after")
+    def _measured(self) -> Law:
+        asked = self.scatter.measured if self.scatter is not None else None
+        names = [one.name for one in self.measured_scatter]
+        if asked is not None and asked not in names:
+            known = f"allowed is {listed(names)}"
+            if not names:
+                known = "no scatter was measured in this medium; allowed are relative and length_m"
+            raise refusal([(("scatter", "measured"), f"got {asked}, {known}")])
+        return self
+
+    def fill_scatter(self, record: Any, in_space: bool = False) -> None:
+        """Write its scatter, if it has any, into the record (1,) of a run or the records of clusters."""
+        if self.scatter is None:
+            return
+        record["scatter"], record["grain"] = self.scatter.numbers(self.measured_scatter, in_space)
+        record["seed"] = self.scatter.seed
+        record["static"] = sum(1 << i for i, term in enumerate(self.terms) if term not in self.dynamic)
 
     @property
     def shear_grows(self) -> bool:

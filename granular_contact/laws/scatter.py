@@ -1,16 +1,36 @@
-"""Scatter of a medium's static resistance: how much, over which length; its equations are in `kernels.scatter`."""
+"""Scatter of a medium's static resistance: how much, over which length; its equations are in `kernels.scatter`.
+
+What is measured is how much the force on a body scatters, not the resistance of a piece as long as a grain. Pieces that
+differ from grain to grain make a body's force scatter by s sqrt(L / B), B its length in the plane, and by s L / B in
+space, B the root of its area: so a medium that holds measured forces with the sizes of their bodies gives s. L is a few
+grains; where s would be more than USUAL a longer L, with USUAL for s, makes the force scatter as measured [ours].
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from granular_contact.laws.coefficients import Coefficients
-from granular_contact.values.strict import Positive
+from granular_contact.values.strict import LocalFault, Positive, Text, refusal
 
 MOST = 0.5  # of kernels.scatter, which is not loaded for a config
 SEEDS = 2**53
+FEW_GRAINS, USUAL = 3e-3, 0.4  # m, -
+
+
+class MeasuredScatter(Coefficients):
+    """How much a measured force scattered."""
+
+    name: Text
+    force: Annotated[float, Field(gt=0, lt=1)]
+    """Its standard deviation over its mean."""
+    size: Positive = Field(alias="size_m")
+    """Of the body: along its surface in the sand; in space the root of the area there."""
+    standing: Text
+    """What it was measured on, and what it rests on."""
 
 
 class Scatter(Coefficients):
@@ -20,14 +40,33 @@ class Scatter(Coefficients):
     scatters less. 0: none at all, bit by bit.
     """
 
-    relative: Annotated[float, Field(ge=0, le=MOST)]
-    length: Positive = Field(alias="length_m")
-    """Over which xi changes, along the way and along the body: a few grains."""
+    relative: Annotated[float, Field(ge=0, le=MOST)] | None = None
+    """null: as `measured` says."""
+    length: Positive | None = Field(None, alias="length_m")
+    """Over which xi changes, along the way and along the body: a few grains; null: as `measured` says."""
     seed: Annotated[int, Field(ge=0, lt=SEEDS)] = 1
+    measured: Text | None = None
+    """Both numbers from a force that was measured in this medium, by its name there; null: from the two above."""
 
-    def fill(self, record: object, terms: tuple[str, ...], dynamic: frozenset[str]) -> None:
-        """Write it into the record (1,) of a run; terms of the medium, and those of them that do not scatter."""
-        values = {"scatter": self.relative, "grain": self.length, "seed": self.seed}
-        values["static"] = sum(1 << i for i, term in enumerate(terms) if term not in dynamic)
-        for name, value in values.items():
-            record[name] = value  # type: ignore[index]
+    @model_validator(mode="after")
+    def _either(self) -> Scatter:
+        given = {"relative": self.relative, "length_m": self.length}
+        faults: list[LocalFault]
+        if self.measured is None:
+            words = "missing, allowed is a number, or `measured` with the name of what was measured in this medium"
+            faults = [((key,), words) for key, value in given.items() if value is None]
+        else:
+            words = "stands beside `measured`, which gives it; allowed is null"
+            faults = [((key,), words) for key, value in given.items() if value is not None]
+        if faults:
+            raise refusal(faults)
+        return self
+
+    def numbers(self, known: Sequence[MeasuredScatter], in_space: bool) -> tuple[float, float]:
+        """s, and L (m); known: what was measured in the medium."""
+        if self.relative is not None and self.length is not None:
+            return self.relative, self.length
+        one = next(one for one in known if one.name == self.measured)
+        power = 1.0 if in_space else 0.5
+        s = one.force * (one.size / FEW_GRAINS) ** power
+        return (s, FEW_GRAINS) if s <= USUAL else (USUAL, one.size * (one.force / USUAL) ** (1.0 / power))

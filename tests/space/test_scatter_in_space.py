@@ -8,9 +8,14 @@ from scipy.spatial.transform import Rotation
 from support_space import Array, load_on, state
 
 from granular_contact import Drft, Hill, Plate, VerticalResistance
+from granular_contact.bed.contact_lines import Body, polyline
+from granular_contact.bed.load import GranularLoad
 from granular_contact.config import load
 from granular_contact.errors import ConfigError
+from granular_contact.laws.law import Law
 from granular_contact.laws.scatter import Scatter
+from granular_contact.laws.static_friction import Smooth
+from granular_contact.scene.media import preset
 
 PLAIN = Drft(density=1500.0, lam=1.1, surface_drop=0.0)
 SIZE, GRAIN, SHARE = 0.06, 0.01, 0.4
@@ -29,6 +34,23 @@ def pushed(seed: int, facet: float = 0.01, steps: int = 30) -> Array:
     assert (history.power <= 0.0).all()
     found: Array = history.terms
     return found
+
+
+def pressed_in_space(medium: Law, size: float) -> float:
+    """Force (N) on a level plate that goes straight down."""
+    load, down = load_on(medium, Plate((size, size)), 0.01), np.array([0.0, 0.0, -0.1])
+    q, v = state(np.array([0.0, 0.0, -0.02]), Rotation.identity(), down, 0.0 * down)
+    load.start(q)
+    return float(load.force(q, v, np.zeros(7))[2])
+
+
+def pressed_in_plane(medium: Law, size: float) -> float:
+    """The same of a plate in the plane."""
+    load = GranularLoad(medium, 0.0, static=Smooth(1e-3))
+    load.add(polyline(Body("plate", [0, 1, 2]), [[-0.5 * size, 0.0], [0.5 * size, 0.0]], width=size, strips=30))
+    q, v = np.array([0.0, -0.02, 0.0]), np.array([0.0, -0.1, 0.0])
+    load.start(q)
+    return float(load.force(q, v, np.zeros(3))[1])
 
 
 def test_a_plate_scatters_as_its_cubes_do() -> None:
@@ -70,9 +92,23 @@ def test_laws_of_bars_and_balls_are_refused_in_a_line() -> None:
     hill = Hill(1600.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7), scatter=Scatter(0.2, 0.003))
     with pytest.raises(ValueError, match="has scatter, which in space is for laws of surfaces; allowed is none"):
         load_on(hill, Plate((0.1, 0.1)))
-    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
-    from granular_contact.mujoco import MujocoBed
 
-    model = mujoco.MjModel.from_xml_string("<mujoco><worldbody/></mujoco>")
-    with pytest.raises(ValueError, match="in space is for runs in Exudyn"):
-        MujocoBed(model, PLAIN.model_copy(update={"scatter": Scatter(0.2, 0.003)}))
+
+@pytest.mark.parametrize("in_space", [True, False])
+def test_what_was_measured_of_a_plate_comes_back(in_space: bool) -> None:
+    """Force over its mean on a level plate of 53 mm with the preset's own number, which is of the force."""
+    medium, at, size = preset("cmu_dry_sand"), [], 0.0532
+    (asked,) = (one.force for one in medium.measured_scatter if one.name == "pressed_plate")
+    for seed in range(1, 61):
+        one = medium.model_copy(update={"scatter": Scatter(measured="pressed_plate", seed=seed)})
+        at.append(pressed_in_space(one, size) if in_space else pressed_in_plane(one, size))
+    # Of 60 draws a deviation is known to 9 %.
+    assert np.std(at) / np.mean(at) == pytest.approx(asked, rel=0.35)
+
+
+def test_a_name_that_was_not_measured_is_refused_in_a_line() -> None:
+    for sand, words in (("cmu_dry_sand", "allowed is pressed_plate"), ("play_sand", "no scatter was measured")):
+        with pytest.raises(ConfigError, match=rf"medium.scatter.measured: got spade, {words}"):
+            load("pendulum", medium={"from": sand, "scatter": {"measured": "spade"}})
+    with pytest.raises(ConfigError, match=r"medium.scatter.relative: stands beside `measured`"):
+        load("pendulum", medium={"from": "cmu_dry_sand", "scatter": {"measured": "turning_wheel", "relative": 0.1}})

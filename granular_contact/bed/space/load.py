@@ -173,8 +173,8 @@ class SpatialLoad(GranularLoad):
             return
         columns = [self.table.columns(index, one.body.name) for one in sets]
         batch = SpatialBatch(sets, *met, self.turn, columns, **options)
-        if medium is not None and medium.scatter is not None and medium.scatters:
-            medium.scatter.fill(batch.clusters, medium.terms, medium.dynamic)
+        if medium is not None and medium.scatters:
+            medium.fill_scatter(batch.clusters, in_space=True)
         self.batches.append(batch)
         self.met.append(medium)
 

@@ -27,7 +27,7 @@ def cases(scenario: Scenario, count: int, first: int | None = None, name: str = 
     """
     several = isinstance(scenario.medium, tuple)
     at = {f"medium.{i}" if several else "medium": one for i, one in enumerate(scenario.media)}
-    scattering = {key: one.scatter for key, one in at.items() if one.scatter is not None and one.scatter.relative > 0.0}
+    scattering = {key: one.scatter for key, one in at.items() if one.scatter is not None and one.scatters}
     if not scattering:
         words = "is missing, or its relative is 0, so that all runs would be the same; give one, as "
         example = "--set 'medium.scatter={relative: 0.15, length_m: 0.003}'"
