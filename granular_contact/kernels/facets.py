@@ -70,6 +70,11 @@ def inertia(nx, ny, nz, vx, vy, vz, side, m):
     raise NotImplementedError
 
 
+def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
+    """Tractions (6,) of a law that says all of them by itself, on one facet; see `space_law.facets`."""
+    raise NotImplementedError
+
+
 @part(inline=True)
 def lead(B, n, m, U):
     """Fill U (4, LANES): the directions u in which a law sees facets move, and the shares g s of their static force."""
@@ -142,6 +147,35 @@ def static_facets(B, n, m):
     for row in range(3):
         for k in range(n):
             B[CONSTANT + row, k] = 0.0
+
+
+@part
+def own_facets(B, n, m):
+    """Tractions of a law with a `force`; arguments and result as of `space_law.facets`."""
+    for k in range(n):
+        (
+            B[GROWING, k],
+            B[GROWING + 1, k],
+            B[GROWING + 2, k],
+            B[CONSTANT, k],
+            B[CONSTANT + 1, k],
+            B[CONSTANT + 2, k],
+        ) = force(
+            B[Z, k],
+            B[N, k],
+            B[N + 1, k],
+            B[N + 2, k],
+            B[V, k],
+            B[V + 1, k],
+            B[V + 2, k],
+            B[E, k],
+            B[E + 1, k],
+            B[E + 2, k],
+            B[SPREAD, k],
+            B[ONE_SIDE, k],
+            B[SHEAR, k],
+            m,
+        )
 
 
 @part

@@ -27,7 +27,10 @@ from granular_contact.kernels.planar_friction import radial_return
 
 FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress", "traction")
 # See `space_joining`.
-IN_SPACE = ("facet_stress", "facet_traction", "facet_inertia", "bar_force", "bar_cap", "space_ball_force")
+IN_SPACE = (
+    *("facet_stress", "facet_traction", "facet_inertia", "facet_force"),
+    *("bar_force", "bar_cap", "space_ball_force"),
+)
 PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
 FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
 _called: set[FunctionType] = set()

@@ -1,8 +1,8 @@
 """A law in plain Python -> what kernels call in space; beside `joining`, and loaded by what lies in space alone.
 
 Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` and `facet_traction` give its own for
-any direction, `facet_inertia` a second term beside a stress. Laws of bars have `bar_force` and, if they know one,
-`bar_cap`; those of balls `space_ball_force`.
+any direction, `facet_inertia` a second term beside a stress, `facet_force` all by itself. Laws of bars have `bar_force`
+and, if they know one, `bar_cap`; those of balls `space_ball_force`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ KINDS: dict[str, tuple[Any, Any]] = {
 METHODS = {"bar": {"bar_force": "bar", "bar_cap": "cap"}, "ball": {"space_ball_force": "ball"}, "surface": {}}
 
 NEEDED = {
-    "surface": ("stress", "facet_stress", "facet_traction"),
+    "surface": ("stress", "facet_stress", "facet_traction", "facet_force"),
     "bar": ("bar_force",),
     "ball": ("space_ball_force",),
 }
@@ -86,6 +86,10 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
 
 def _of_facets(owner: Any, dtype: np.dtype) -> Any:
     """What fills the tractions of a block, by what a law gives."""
+    if hasattr(owner, "facet_force"):
+        let_call_others(owner.facet_force)
+        law.provide(facets.force, "m", dtype)(owner.facet_force)
+        return facets.own_facets
     if hasattr(owner, "facet_traction"):
         let_call_others(owner.facet_traction)
         law.provide(facets.traction, "m", dtype)(owner.facet_traction)

@@ -103,7 +103,7 @@ class InSpace:
 
     @staticmethod
     def facet_force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
-        """Traction of the floor, z being the depth below it; as `kernels.space_law.facet`."""
+        """Traction of the floor, z being the depth below it; as `kernels.facets.force`."""
         return 0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * vz), 0.0, 0.0, 0.0
 
     @staticmethod
