@@ -89,6 +89,10 @@ def _show(spec: Law) -> None:
 def _value(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_value(part)}" for key, part in value.items())
+    if isinstance(value, list):
+        return "\n".join(map(_value, value)) or "none"
+    if isinstance(value, str):
+        return value
     return "-" if value is None else f"{value:g}"
 
 

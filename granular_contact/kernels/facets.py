@@ -10,9 +10,10 @@ centroid. With the corners d_i and their depths z_i, over a triangle of area A
 Only what leads is loaded. With the direction of motion u at the centroid and s, by how much n . u differs from there to
 a corner, a facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1): the share of it that leads where a body turns,
 and the fading in of `plates` where it does not. Of a body that rests, with bristles below their yield, the faces beside
-it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches PRESSED of
-the yield displacement before the face is loaded as a whole [ours]. A ball that slides along slowly has up to 1 % less
-resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has all.
+it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches `pressed`, a
+part of the yield displacement, before the face is loaded as a whole [ours]. A ball that slides along slowly has up to
+1 % less resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has
+all.
 
 Facets are treated in blocks: `gather` fills one with those of a cluster that are immersed and may lead, the law fills
 its tractions in one call, and the forces are added up. What a law needs of a facet stands in columns of the block, one
@@ -31,7 +32,7 @@ from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.memory import room2
-from granular_contact.kernels.plates import EDGE, PRESSED
+from granular_contact.kernels.plates import EDGE
 from granular_contact.kernels.scatter import facet_factor
 from granular_contact.kernels.space_friction import stretched
 
@@ -104,7 +105,7 @@ def lead(B, n, m, U):
     for k in range(n):
         s, one = Q[3, k] * Q[4, k] * B[SPREAD, k], Q[4, k]
         along = B[N, k] * U[0, k] + B[N + 1, k] * U[1, k] + B[N + 2, k] * U[2, k]
-        g = min(1.0, max(0.0, (along + s) / (max(EDGE, PRESSED * rest * one) + 2.0 * s)))
+        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
         U[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
 
 

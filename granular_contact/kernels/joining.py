@@ -32,7 +32,8 @@ IN_SPACE = (
     *("bar_force", "bar_cap", "space_ball_force"),
 )
 PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
-FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8")]
+# Constants of `friction`, and what n . q reaches before an element of a surface is loaded as a whole, see `plates`.
+FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
 _called: set[FunctionType] = set()
 
 

@@ -26,7 +26,6 @@ from __future__ import annotations
 import math
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.kernels.planar_friction import drive, mobilised
 
@@ -55,7 +54,7 @@ def leading(tx, ty, qx, qy, side, m):
     """Factor g in [0, 1] of an element of an outline along t, at q; 1 on a thin plate (side 0)."""
     if side == 0:
         return 1.0
-    edge = max(EDGE * math.sqrt(qx * qx + qy * qy), PRESSED * (m.v_eps if m.friction == SMOOTH else m.u_y))
+    edge = max(EDGE * math.sqrt(qx * qx + qy * qy), m.pressed)
     return min(1.0, max(0.0, side * (tx * qy - ty * qx) / edge))
 
 

@@ -80,6 +80,8 @@ class Law(Coefficients):
         ValueError
             A coefficient that the source leaves open was not given.
         """
+        from granular_contact.kernels.plates import PRESSED
+
         if self.lacking:
             got = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
             raise ValueError(f"{got}: got None, allowed is the number of your case: its source does not state it")
@@ -87,6 +89,7 @@ class Law(Coefficients):
         for name, value in self.numbers(abs(gravity)).items():
             record[name] = value
         static.fill(record)
+        record["pressed"] = PRESSED * (record["u_y"] + record["v_eps"])  # one of them is 0
         return record
 
     @classmethod

@@ -10,7 +10,7 @@ import pytest
 from support_mujoco import BOX, GRAVITY, SAND, energy, go, model_of, thrown
 from support_runs import ROOT
 
-from granular_contact import Albert, Floor, Layer, LeeMarghitu, Poncelet, Rft, VerticalResistance
+from granular_contact import Albert, Floor, Layer, LeeMarghitu, Poncelet, Rft, VerticalResistance, preset
 from granular_contact.bed.contact_lines import Body, outline, polyline
 from granular_contact.laws.scatter import Scatter
 
@@ -115,6 +115,21 @@ def test_a_robot_walks_as_far_with_steps_of_two_milliseconds(hexapod: Any) -> No
         far.append(data.qpos[0])
     assert far[1] > 0.2
     assert far[0] == pytest.approx(far[1], rel=0.02)
+
+
+@pytest.mark.parametrize("step", [1e-3, 2e-3, 4e-3])
+def test_what_was_dropped_on_round_legs_comes_to_rest(step: float) -> None:
+    """Faces of the legs' sides rest beside their bristles' yield: whether they are loaded must not go to and fro."""
+    leg = '<geom name="leg_{0}" type="capsule" fromto="0 {1} 0 0 {1} -0.06" size="0.012"/>'
+    trunk = '<geom name="trunk" type="box" size="0.08 0.05 0.02" density="800"/>'
+    model = model_of(trunk + leg.format("left", 0.06) + leg.format("right", -0.06), step=step, place="0 0 0.08")
+    bed, data = MujocoBed(model, preset("rft3d_sand")), mujoco.MjData(model)
+    bed.add_geoms("trunk|leg_.*")
+    go(model, data, bed, 0.6)
+    before = data.qpos.copy()
+    go(model, data, bed, 0.2)
+    np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-7)
+    assert bed.of(data).force[2] == pytest.approx(9.81 * model.body_mass.sum(), rel=1e-6)
 
 
 def test_a_box_on_a_slope_is_held() -> None:
