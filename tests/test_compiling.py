@@ -84,7 +84,7 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     with announced(told.append, "a sum"):
         assert told == []
         kernel(1.0)
-        assert told == ["compiling a sum, once in an installation: 2 to 10 s, or half a minute if it is the first"]
+        assert told == ["compiling a sum, once in an installation: 2 to 20 s, or half a minute if it is the first"]
         kernel(1)
         assert len(told) == 1
     spent = seconds() - before
@@ -118,7 +118,7 @@ def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_pat
     first, second = (in_a_process(code, cache) for _ in range(2))
     words = (
         "compiling the law lee_marghitu for round bars, once in an installation: "
-        "2 to 10 s, or half a minute if it is the first\n"
+        "2 to 20 s, or half a minute if it is the first\n"
     )
     assert (first.stderr, second.stderr) == (words, "")
     assert [" s of compiling, once" in done.stdout for done in (first, second)] == [True, False]

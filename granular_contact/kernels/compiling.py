@@ -41,7 +41,7 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
         def on_start(self, event: Any) -> None:  # noqa: ARG002
             if not self.told:
                 self.told = True
-                say(f"compiling {what}, once in an installation: 2 to 10 s, or half a minute if it is the first")
+                say(f"compiling {what}, once in an installation: 2 to 20 s, or half a minute if it is the first")
             if self.depth == 0:
                 self.begin = time.perf_counter()
             self.depth += 1
