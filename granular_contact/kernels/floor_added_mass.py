@@ -8,13 +8,13 @@ Arguments as of `space_added_mass`.
 from __future__ import annotations
 
 from granular_contact.kernels import space_law as law
-from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, advance
+from granular_contact.kernels.added_mass import STEP, add_inertia, advance
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.facets_added_mass import add_turned
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.memory import clear, copy, room1, room2
 from granular_contact.kernels.memory import rows as some_of
-from granular_contact.kernels.space_added_mass import begin, follow
+from granular_contact.kernels.space_added_mass import begin_or_follow, middle
 from granular_contact.kernels.space_bodies import DEEPEST, bound
 
 TRIAL = 1e-6  # m/s
@@ -26,14 +26,10 @@ def act(
     arms, wrench, added,
 ):  # fmt: skip
     """As `space_added_mass.act`; ground (4,): the floor."""
-    step = clock[STEP]
-    if clock[BEGINS] > 0.0:
-        begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen)
-    elif clock[PASSED] > 0.0:
-        follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen)
+    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen)
     resist(
-        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, step, turn, arms,
-        wrench, added,
+        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, clock[STEP],
+        turn, arms, wrench, added,
     )  # fmt: skip
 
 
@@ -45,18 +41,20 @@ def resist(
     """As `space_added_mass.resist`."""
     W, ahead, lower, near, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room1(2), room2(6, 6)
     for b in range(bodies.shape[0]):
-        at, some = of_bed[b], False
-        clear(inertia)
+        at, near_floor, some = of_bed[b], False, False
         for c in range(bodies[b].first, bodies[b].last):
             if not active[c]:
                 continue
-            advance(poses[at], then[at], step, ahead)
+            if not near_floor:
+                advance(poses[at], then[at], step, ahead)
+                copy(lower, ahead)
+                lower[3, 2] -= step * TRIAL
+                lower[4, 2] -= TRIAL
+                clear(inertia)
+                near_floor = True
             bound(clusters[c], ahead, ground, near)
             if near[DEEPEST] <= 0.0:
                 continue
-            copy(lower, ahead)
-            lower[3, 2] -= step * TRIAL
-            lower[4, 2] -= TRIAL
             s, e = clusters[c].first, clusters[c].last
             for i in range(s, e - rows + 1):
                 E, A = some_of(elements, i, rows), some_of(anchors, i, rows)
@@ -81,7 +79,5 @@ def weigh(mass, E, pose, inertia):
 
     Frame of the body, upper triangle, as of `facets_added_mass`.
     """
-    n, x, y, z = 1.0 / E.shape[0], 0.0, 0.0, 0.0
-    for i in range(E.shape[0]):
-        x, y, z = x + n * E[i, 0], y + n * E[i, 1], z + n * E[i, 2]
+    x, y, z = middle(E)
     add_inertia(mass, pose[2, 0], pose[2, 1], pose[2, 2], x, y, z, inertia)

@@ -29,16 +29,21 @@ def act(
     bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, clock, poses, then, seen,
     turn, arms, wrench, added,
 ):  # fmt: skip
-    """One step of elements of a medium: `begin` or `follow`, as the clock (3,) says, and `resist`."""
-    step = clock[STEP]
-    if clock[BEGINS] > 0.0:
-        begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen)
-    elif clock[PASSED] > 0.0:
-        follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen)
+    """One step of elements of a medium: `begin` or `follow`, and `resist`."""
+    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen)
     resist(
-        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then, step,
-        turn, arms, wrench, added,
+        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then,
+        clock[STEP], turn, arms, wrench, added,
     )  # fmt: skip
+
+
+@part
+def begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen):
+    """`begin` or `follow`, as the clock (3,) says."""
+    if clock[BEGINS] > 0.0:
+        begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, clock[STEP], seen)
+    elif clock[PASSED] > 0.0:
+        follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
 
 
 @part
@@ -144,11 +149,7 @@ def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, inertia):
 
     Frame of the body, upper triangle, as of `facets_added_mass`; pose: where the step begins.
     """
-    n = 1.0 / E.shape[0]
-    bx, by, bz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(E.shape[0]):
-        bx, by, bz = bx + n * E[i, 0], by + n * E[i, 1], bz + n * E[i, 2]
-        ax, ay, az = ax + n * A[i, 0], ay + n * A[i, 1], az + n * A[i, 2]
+    (bx, by, bz), (ax, ay, az) = middle(E), middle(A)
     w, v = ahead[5], ahead[4]
     rx, ry, rz = turned(ahead, bx, by, bz)
     vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
@@ -168,6 +169,15 @@ def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, inertia):
     share = 0.0 if bristle.friction == SMOOTH else min(1.0, bristle.u_y / h) if h > 0.0 else 1.0
     growth = step * (share * step + tau) * length(fx, fy, fz)
     add_point(growth / q, bx, by, bz, inertia)
+
+
+@part
+def middle(rows):
+    """Mean of the places (m) in the first three columns of rows."""
+    n, x, y, z = 1.0 / rows.shape[0], 0.0, 0.0, 0.0
+    for i in range(rows.shape[0]):
+        x, y, z = x + n * rows[i, 0], y + n * rows[i, 1], z + n * rows[i, 2]
+    return x, y, z
 
 
 @part

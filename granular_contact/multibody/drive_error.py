@@ -28,7 +28,7 @@ def drive_warnings(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[Accu
             continue
         beside = float((force[[top - 1, top + 1]] / greatest).max()) if greatest else 1.0
         if 1.0 - beside > ALONE and abs(greatest) < (1.0 - 1e-9) * drive.limit:
-            unit = "N" if next(j for j in scene.joints if j.name == drive.joint).kind == "slider" else "N m"
+            unit = "N" if scene.joint(drive.joint).kind == "slider" else "N m"
             said = f"the greatest force of the drive of {drive.joint}, {abs(greatest):.3g} {unit}, is that of one step"
             said += f" alone, {share(1.0 - beside)} above those beside it: it is not resolved"
             yield AccuracyWarning(f"{said}; {remedy(scene)}")

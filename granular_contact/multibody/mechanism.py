@@ -29,10 +29,6 @@ def label(body: str) -> str:
     return f"{first}_body" if first == "tip" else first
 
 
-def _joint(scene: Scene, name: str) -> Joint:
-    return next(joint for joint in scene.joints if joint.name == name)
-
-
 # ---- columns ----
 
 
@@ -53,7 +49,7 @@ def drive_columns(scene: Scene, driven: Driven) -> series.Series:
     """Torque or force, and power of every drive."""
     columns: series.Series = {}
     for name, drive in driven.items():
-        hinge = _joint(scene, name).kind == "hinge"
+        hinge = scene.joint(name).kind == "hinge"
         columns |= series.drive(name, hinge, drive.force, drive.power, in_space=scene.in_space)
     return columns
 
@@ -82,7 +78,7 @@ def drive_forces(motion: Kinematics) -> Driven:
     """What every drive did."""
     found, reacting, time = {}, reactions(motion), motion.trajectory.time
     for drive in motion.scene.drives:
-        s, rate = motion.coordinate(_joint(motion.scene, drive.joint))
+        s, rate = motion.coordinate(motion.scene.joint(drive.joint))
         if drive.kind == "motion":
             found[drive.joint] = reacting[drive.joint].driving(time, rate)
             continue
@@ -165,7 +161,7 @@ def drives(motion: Kinematics, driven: Driven) -> dict[str, dict[str, float]]:
     """Torque or force, rate, power and work of every drive, by its joint."""
     found = {}
     for name, drive in driven.items():
-        joint = _joint(motion.scene, name)
+        joint = motion.scene.joint(name)
         rate = motion.coordinate(joint)[1]
         found[name] = drive_numbers(motion.trajectory.time, drive, rate, turns=joint.kind == "hinge")
     return found
@@ -177,7 +173,7 @@ def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
     periods = [one for drive in scene.drives if (one := period(drive.signal)) is not None]
     if not periods or max(periods) > (1.0 + 1e-9) * min(periods):
         return None
-    torques = [drive.force for name, drive in driven.items() if _joint(scene, name).kind == "hinge"]
+    torques = [drive.force for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
     powers = [drive.power for drive in driven.values()]
     weight = scene.mass * abs(scene.gravity)
     return stride_numbers(time, motion.common_center[0][:, 0], powers, torques, weight, periods[0])
@@ -185,5 +181,5 @@ def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
 
 def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
     """Greatest torque (N m) that any drive of a hinge gives at any step; nothing where none is driven."""
-    torques = [drive.largest for name, drive in driven.items() if _joint(scene, name).kind == "hinge"]
+    torques = [drive.largest for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
     return {"largest_drive_torque_Nm": max(torques)} if torques else {}

@@ -50,18 +50,20 @@ def reactions(motion: Kinematics) -> dict[str, Reaction]:
     drives = [drive for drive in motion.scene.drives if drive.kind == "motion"]
     if not drives:
         return {}
+    asked = _asked(drives, motion.trajectory.time)
     inverse = _inverse(motion.trajectory.mass)
-    forces, inertias = (np.concatenate(part) for part in zip(*_parts(motion, drives, inverse), strict=True))
+    forces, inertias = (np.concatenate(part) for part in zip(*_parts(motion, drives, asked, inverse), strict=True))
     told = motion.trajectory.multipliers
     # A multiplier pulls the constraint back; the drive pushes along the coordinate.
     forces = -np.column_stack([told[drive.joint] for drive in drives]) - forces
-    joints = {joint.name: joint for joint in motion.scene.joints}
-    rates = np.column_stack([motion.coordinate(joints[drive.joint])[1] for drive in drives])
-    prescribed = _Prescribed(motion.trajectory.time, drives, rates, forces, inertias)
+    rates = np.column_stack([motion.coordinate(motion.scene.joint(drive.joint))[1] for drive in drives])
+    prescribed = _Prescribed(motion.trajectory.time, drives, asked, rates, forces, inertias)
     return {drive.joint: prescribed.reaction(i) for i, drive in enumerate(drives)}
 
 
-def _parts(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> Iterator[tuple[Vector, Vector]]:
+def _parts(
+    motion: Kinematics, drives: Sequence[Drive], asked: Vector, inverse: Vector
+) -> Iterator[tuple[Vector, Vector]]:
     """What `_excess` finds, of so many instants at a time that their rows find room."""
     t = motion.whole
     each = max(1, AT_ONCE // (4 * len(motion.scene.joints) * t.q.shape[1]))
@@ -69,16 +71,16 @@ def _parts(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> Iter
         rows = slice(first, first + each)
         a = None if t.a is None else t.a[rows]
         piece = replace(t, time=t.time[rows], q=t.q[rows], v=t.v[rows], a=a)
-        yield _excess(type(motion)(motion.system, piece), drives, inverse)
+        yield _excess(type(motion)(motion.system, piece), drives, asked[rows], inverse)
 
 
-def _excess(motion: Kinematics, drives: Sequence[Drive], inverse: Vector) -> tuple[Vector, Vector]:
+def _excess(motion: Kinematics, drives: Sequence[Drive], asked: Vector, inverse: Vector) -> tuple[Vector, Vector]:
     """What multipliers (n, d) have too much, and inertia (n, d, d) that the prescribed accelerations meet."""
-    constraints, joints = motion.constraints, {joint.name: joint for joint in motion.scene.joints}
-    moved = [constraints.moved(joints[drive.joint]) for drive in drives]
-    rows = together([*moved, *(constraints.held(joint) for joint in joints.values())])
+    constraints, scene = motion.constraints, motion.scene
+    moved = [constraints.moved(scene.joint(drive.joint)) for drive in drives]
+    rows = together([*moved, *(constraints.held(joint) for joint in scene.joints)])
     off = np.einsum("nkm,nm->nk", rows.J, motion.accelerations) + rows.c
-    off[:, : len(drives)] -= _asked(drives, motion.trajectory.time)
+    off[:, : len(drives)] -= asked
     used = np.flatnonzero(rows.J.any(axis=(0, 1)))
     J = rows.J[:, :, used]
     A = J @ inverse[np.ix_(used, used)] @ J.transpose(0, 2, 1)
@@ -104,18 +106,14 @@ def _inverse(mass: Any) -> Vector:
 
 @dataclass(frozen=True)
 class _Prescribed:
-    """Motions with rates (n, d) and forces (n, d) at instants (n,) s, and the inertia (n, d, d) that they meet."""
+    """Motions: prescribed accelerations, rates and forces (n, d) at instants (n,) s, and the inertia (n, d, d) met."""
 
     time: Vector
     drives: Sequence[Drive]
+    asked: Vector
     rates: Vector
     forces: Vector
     inertias: Vector
-
-    @cached_property
-    def asked(self) -> Vector:
-        """Prescribed accelerations (n, d)."""
-        return _asked(self.drives, self.time)
 
     def reaction(self, i: int) -> Reaction:
         """Of one of them."""
@@ -126,15 +124,20 @@ class _Prescribed:
         mean = 0.5 * (force[1:] + force[:-1] + np.sum((inertia[1:] + inertia[:-1]) * more, axis=1))
         return Reaction(force, mean, self._jumps(i, force - np.sum(inertia * asked, axis=1)))
 
+    @cached_property
+    def _around(self) -> tuple[Vector, list[Vector]]:
+        """When (k,) s any of the accelerations jumps, and all of them (k, d) before and after it."""
+        every = {jerk for drive in self.drives for jerk in jerks(drive.signal)}
+        at = np.array(sorted(jerk for jerk in every if self.time[0] < jerk <= self.time[-1]))
+        return at, [_asked(self.drives, at + side).reshape(len(at), len(self.drives)) for side in (-AROUND, AROUND)]
+
     def _jumps(self, i: int, rest: Vector) -> Vector:
         """Force and power (k, 2) before and after each jump; rest (n,): of the force, without its inertia."""
-        t = self.time
-        at = [jerk for drive in self.drives for jerk in jerks(drive.signal) if t[0] < jerk <= t[-1]]
-        rate = np.array([self.drives[i].signal.rate(jerk) for jerk in at])
+        t, (at, sides) = self.time, self._around
+        rate = np.array([self.drives[i].signal.rate(jerk) for jerk in at.tolist()])
         inertia = np.column_stack([np.interp(at, t, of) for of in self.inertias[:, i].T])
         found = []
-        for side in (-AROUND, AROUND):
-            asked = _asked(self.drives, np.array(at) + side).reshape(inertia.shape)
+        for asked in sides:
             force = np.interp(at, t, rest) + np.sum(inertia * asked, axis=1)
             found.append(np.column_stack([force, force * rate]))
         return np.concatenate(found)

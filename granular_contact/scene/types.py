@@ -300,6 +300,10 @@ class Scene:
         """Body of this name."""
         return next(body for body in self.bodies if body.name == name)
 
+    def joint(self, name: str) -> Joint:
+        """Joint of this name."""
+        return next(joint for joint in self.joints if joint.name == name)
+
     def radius(self, body: RigidBody) -> float:
         """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints."""
         joints = [c.child_point for c in self.joints if c.child == body.name]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +47,7 @@ class Folder:
 
     path: Path
     kind: str
+    _tables: dict[str, tuple[list[str], Rows]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def has(self, name: str) -> bool:
         """Whether there is a file of this name."""
@@ -66,7 +67,12 @@ class Folder:
         return found
 
     def table(self, name: str) -> tuple[list[str], Rows]:
-        """Head and rows of a CSV file; numbers as numbers, empty cells as None."""
+        """Head and rows of a CSV file, which is read once; numbers as numbers, empty cells as None."""
+        if name not in self._tables:
+            self._tables[name] = self._table(name)
+        return self._tables[name]
+
+    def _table(self, name: str) -> tuple[list[str], Rows]:
         faults: list[Fault] = []
         table = table_of(self._text(name), str(self.path / name), faults)
         if table is not None:
