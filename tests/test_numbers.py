@@ -201,7 +201,7 @@ def test_chosen_steps_give_the_numbers_of_fixed_steps(name: str) -> None:
         runs.append(run_and_motion(scenario))
         assert runs[-1][0].status.code in FINISHED
     (fixed, motion), (chosen, _) = runs
-    way, speed = 4.0 * ACCURACY * motion.way, float(motion.speeds.max())
+    way, speed = 4.0 * ACCURACY * motion.path_length, float(motion.speeds.max())
     exact, got = numbers(fixed.summary), numbers(chosen.summary)
     assert got.keys() == exact.keys()
     energy = 4.0 * ACCURACY * max(abs(value) for key, value in exact.items() if key.endswith("_J"))

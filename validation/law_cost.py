@@ -21,7 +21,7 @@ import numpy as np
 from granular_contact import preset
 from granular_contact.kernels import batches, kinematics
 from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.law import RUN
+from granular_contact.kernels.law import LINE
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
 from validation.laws import every_medium
@@ -33,7 +33,7 @@ MOST = 1.5
 
 def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     """A force call, and a tangent call, on a rigid body in a medium."""
-    run = np.zeros(1, RUN)
+    run = np.zeros(1, LINE)
     run["width"], run["mass"] = 0.00635, 0.07
     geometry = kinematics.rigid_stations(np.array([[-0.1, 0.0], [0.1, 0.0]]), STRIPS)
     if "ball" in medium.takes:

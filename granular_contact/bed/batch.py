@@ -15,7 +15,7 @@ from granular_contact.kernels.entry import entry
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.kinematics import SPATIAL
 from granular_contact.kernels.lines import FIRST
-from granular_contact.kernels.ways import COLUMNS
+from granular_contact.kernels.path_length import COLUMNS
 from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
@@ -25,9 +25,9 @@ class Batch:
     """Lines in one medium, computed in one call.
 
     records: of each line, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns: for
-    each line, where its numbers stand in a history row, see `history.HistoryTable`; ways: whether those of the stations
-    are counted, see `kernels.ways`. anchors (stations, 2 or 6) m: the friction state; active (lines,): the lines that
-    may touch the surface in this step; proximity: see `kernels.batches`.
+    each line, where its numbers stand in a history row, see `history.HistoryTable`; paths: whether path lengths of the
+    stations are counted, see `kernels.path_length`. anchors (stations, 2 or 6) m: the friction state; active (lines,):
+    the lines that may touch the surface in this step; proximity: see `kernels.batches`.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class Batch:
         profile: Vector,
         medium: NDArray[np.void],
         columns: Sequence[Vector],
-        ways: bool = False,
+        paths: bool = False,
     ) -> None:
         self.lines = lines
         self.profile, self._own = profile, medium
@@ -47,7 +47,7 @@ class Batch:
         self.records = np.concatenate(list(records), dtype=records[0].dtype)
         sizes = [(len(line.stations), len(line.coordinates)) for line in lines]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
-        self.anchors = np.zeros((len(self.geometry), COLUMNS if ways else 2))
+        self.anchors = np.zeros((len(self.geometry), COLUMNS if paths else 2))
         self.work = kernels.work(self.ends, self.anchors)
         self.proximity = np.zeros((len(lines), 3))
         self.active = np.ones(len(lines), dtype=bool)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.errors import SceneError, scene_error
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.kernels import kinematics, spatial
-from granular_contact.kernels.law import RUN
+from granular_contact.kernels.law import LINE
 from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
@@ -175,7 +175,7 @@ def _on(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, An
 
 
 def _record(kind: Kind, fields: dict[str, Any]) -> NDArray[np.void]:
-    record = np.zeros(1, RUN)
+    record = np.zeros(1, LINE)
     for name, value in fields.items():
         record[name] = value
     if kind in ("round", "ball"):  # the width of a plate or an outline is normal to the plane

@@ -103,11 +103,11 @@ class GranularLoad:
             acting = [line for line in self.lines if line.kind in kinds]
             if acting:
                 columns = [self.table.columns(index, line.body) for line in acting]
-                records, ways = (
+                records, paths = (
                     [_in(layer, line, self.gravity) for line in acting],
-                    layer is not None and layer.medium.keeps_ways,
+                    layer is not None and layer.medium.needs_path_length,
                 )
-                self.batches.append(Batch(acting, records, profile, medium, columns, ways))
+                self.batches.append(Batch(acting, records, profile, medium, columns, paths))
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
     def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:

@@ -2,7 +2,7 @@
 
 A plate that is pressed in at a given speed, or a wheel that turns at a given slip, needs no integration: at every depth
 the medium's force follows from the pose and the velocity alone, if its resistance is fully mobilised (also shear that
-builds up over a way, as Janosi and Hanamoto's). All poses are copies of the body side by side in one load, so that a
+builds up over a path, as Janosi and Hanamoto's). All poses are copies of the body side by side in one load, so that a
 curve of 200 points is one compiled call.
 """
 
@@ -143,7 +143,7 @@ def _copy(line: ContactLine, places: NDArray[np.int64], away: float) -> ContactL
 
 
 def _mobilised(layer: Layer, scatter: Scatter | None) -> Layer:
-    """A layer whose shear needs no way to build up, and whose resistance scatters as said, or is its mean."""
+    """A layer whose shear needs no path to build up, and whose resistance scatters as said, or is its mean."""
     medium = layer.medium
     plain: dict[str, object] = {"scatter": scatter} if scatter is not medium.scatter else {}
     if medium.shear_grows:

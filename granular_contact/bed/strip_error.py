@@ -85,10 +85,10 @@ def travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
     off = np.empty(kicks.shape)
     times, factors = steps.tolist(), fade.tolist()
     for i, column in enumerate(kicks.T.tolist()):  # plain numbers: arrays of one or three cost ten times as much
-        velocity, way, ways = 0.0, 0.0, []
+        velocity, path, paths = 0.0, 0.0, []
         for step, kick, factor in zip(times, column, factors, strict=True):
             velocity = velocity * factor + kick
-            way += step * velocity
-            ways.append(way)
-        off[:, i] = ways
+            path += step * velocity
+            paths.append(path)
+        off[:, i] = paths
     return float(np.sqrt(np.max(np.sum(off * off, axis=1), initial=0.0)))

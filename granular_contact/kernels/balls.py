@@ -1,6 +1,6 @@
 """A ball in the medium: one force at its centre, by a law of its depth and velocity.
 
-For the kernels of runs it is a strip of no length: two stations, both at its centre; the first takes the force.
+For the kernels of lines it is a strip of no length: two stations, both at its centre; the first takes the force.
 """
 
 from __future__ import annotations
@@ -9,25 +9,25 @@ from granular_contact.kernels import law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.memory import clear, room2
+from granular_contact.kernels.path_length import path_length
 from granular_contact.kernels.scatter import factor
 from granular_contact.kernels.surface import height
-from granular_contact.kernels.ways import path
 
 
 @part
-def ball_forces(P, V, anchors, run, profile, medium, F, totals):
+def ball_forces(P, V, anchors, line, profile, medium, F, totals):
     """`law.forces` of a ball."""
     clear(F)
     x, y = P[0, 0], P[0, 1]
-    z = height(profile, x)[0] - y + run.drop
+    z = height(profile, x)[0] - y + line.drop
     if z <= 0.0:
         return
     f = room2(TERMS, 2)
     clear(f)
-    law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], run, medium, f)
-    share = factor(path(P, anchors, 0), run.place, run.width, run) if run.scatter > 0.0 else 1.0
+    law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], line, medium, f)
+    share = factor(path_length(P, anchors, 0), line.place, line.width, line) if line.scatter > 0.0 else 1.0
     for term in range(TERMS):
-        k = share if (run.static >> term) & 1 else 1.0
+        k = share if (line.static >> term) & 1 else 1.0
         fx, fy = k * f[term, 0], k * f[term, 1]
         F[0, 0] += fx
         F[0, 1] += fy

@@ -12,7 +12,7 @@ is paid once for hundreds of bodies. Arguments that they share:
     geometry            stations of all lines, one after another
     lines               (lines,) records of `law`
     profile, medium     see `kernels.lines`; medium (1,)
-    anchors             (stations, 2) m, the friction state; (stations, 6) with the ways of `ways`
+    anchors             (stations, 2) m, the friction state; (stations, 6) with those of `path_length`
     room, body          to work in, see `work`
 """
 

@@ -1,9 +1,9 @@
 """Facets of a surface: triangles, each with one state of motion, one bristle and the part of it that is immersed.
 
-A row of `elements`: centroid (m), greatest way from it to a corner (m), normal, area (m^2), two of the corners from the
-centroid (m), side (see `space_law.facet`). A traction of a law is a stress per depth times the depth, and a stress that
-has no depth in it; over the immersed part of a facet both are integrated exactly, with the state of motion at its
-centroid. With the corners d_i and their depths z_i, over a triangle of area A
+A row of `elements`: centroid (m), greatest distance from it to a corner (m), normal, area (m^2), two of the corners
+from the centroid (m), side (see `space_law.facet`). A traction of a law is a stress per depth times the depth, and a
+stress that has no depth in it; over the immersed part of a facet both are integrated exactly, with the state of motion
+at its centroid. With the corners d_i and their depths z_i, over a triangle of area A
 
     int z dA = A mean(z_i),      int z d dA = A (sum z_i sum d_i + sum z_i d_i) / 12.
 
@@ -38,8 +38,8 @@ from granular_contact.kernels.space_friction import stretched
 
 COLUMNS = 15
 SIDE = 14
-SHEARED, PATH, LAST = 3, 4, 5  # columns of anchors, see `ways`; the last three are a place
-WAYS = 8  # of columns, where a medium scatters
+SHEARED, PATH, LAST = 3, 4, 5  # columns of anchors, see `path_length`; the last three are a place
+WITH_PATH = 8  # of columns, where a medium scatters
 
 # A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
 LANES = 32
@@ -197,15 +197,15 @@ def along_square(x, y, z, nx, ny, nz):
 
 
 @part
-def count_way(anchors, i, x, y, z, nx, ny, nz, immersed):
-    """Count the way of an anchor to (x, y, z) m, before it goes there; the shear displacement, as in `ways`."""
+def count_shear(anchors, i, x, y, z, nx, ny, nz, immersed):
+    """Add to the shear displacement before an anchor goes to (x, y, z) m, as in `path_length`."""
     dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
     anchors[i, SHEARED] = anchors[i, SHEARED] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
 
 
 @part
-def path(anchors, i, x, y, z):
-    """Way (m) of a facet with its middle at (x, y, z) m, since the start."""
+def path_length(anchors, i, x, y, z):
+    """Path length (m) of a facet with its middle at (x, y, z) m, since the start."""
     dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
     return anchors[i, PATH] + math.sqrt(dx * dx + dy * dy + dz * dz)
 
@@ -350,8 +350,8 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         if anchors.shape[1] > 3:
             B[SHEAR, n] = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
         if anchors.shape[1] > PATH:
-            way = path(anchors, i, x0 + rx, y0 + ry, z0 + rz)
-            k = facet_factor(way, bx, by, bz, elements[i, 7], cluster)
+            path = path_length(anchors, i, x0 + rx, y0 + ry, z0 + rz)
+            k = facet_factor(path, bx, by, bz, elements[i, 7], cluster)
             B[FIRST, n] = k if cluster.static & 1 else 1.0
             B[SECOND, n] = k if cluster.static & 2 else 1.0
         n += 1
@@ -406,7 +406,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         z = ground[0] + ground[1] * px + ground[2] * py - pz
         deepest = z + max(za, zb, -za - zb)
         if anchors.shape[1] > PATH:
-            anchors[i, PATH] = path(anchors, i, px, py, pz)
+            anchors[i, PATH] = path_length(anchors, i, px, py, pz)
             anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = px, py, pz
         row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
@@ -420,5 +420,5 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
                 R[1, 0] * E[4] + R[1, 1] * E[5] + R[1, 2] * E[6],
                 R[2, 0] * E[4] + R[2, 1] * E[5] + R[2, 2] * E[6],
             )
-            count_way(anchors, i, px, py, pz, nx, ny, nz, deepest > 0.0)
+            count_shear(anchors, i, px, py, pz, nx, ny, nz, deepest > 0.0)
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz

@@ -1,4 +1,4 @@
-"""What kernels take for a medium: its law, and the way in which it acts on lines of a kind."""
+"""What kernels take for a medium: its law, and how it acts on lines of a kind."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from granular_contact.kernels.balls import ball_forces
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAWS, record_of
 from granular_contact.kernels.lines import force
+from granular_contact.kernels.path_length import count_path, count_shear
 from granular_contact.kernels.scatter import scattered
 from granular_contact.kernels.strips import distributed_forces, resultant_forces
-from granular_contact.kernels.ways import count_shear, count_way
 from granular_contact.kernels.wheels import lowering
 
 
@@ -24,29 +24,29 @@ def line_forces(P, V, anchors, line, profile, medium, F, totals):
 
 
 def medium_record(
-    own: np.ndarray, runs: np.ndarray | None = None, ways: bool = True, bodies: bool = True
+    own: np.ndarray, lines: np.ndarray | None = None, paths: bool = True, bodies: bool = True
 ) -> np.ndarray:
     """Record (1,) of `law.LAW` for a law's own record (1,), with what its lines ask for.
 
-    runs: their records, None of any; ways: whether those of stations are counted; bodies: whether lines are on bodies,
-    by whose coordinates `lines` moves them.
+    lines: their records, None of any; paths: whether path lengths of stations are counted; bodies: whether lines are on
+    bodies, by whose coordinates `lines` moves them.
     """
 
     def asked(field: str) -> bool:
-        return runs is None or bool(np.any(runs[field] > 0))
+        return lines is None or bool(np.any(lines[field] > 0))
 
     if "ball_force" in LAWS[own.dtype]:
         found = {"forces": ball_forces}
     else:
         found = {"forces": line_forces if asked("resultant") else distributed_forces}
-        if ways:
+        if paths:
             found["count_shear"] = count_shear
         if asked("scatter"):
             found["scattered"] = scattered
         if asked("behind"):
             found["lowering"] = lowering
-    if ways:
-        found["count_way"] = count_way
+    if paths:
+        found["count_path"] = count_path
     if bodies:
         found["line_force"] = force
     return record_of(own, found)

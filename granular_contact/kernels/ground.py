@@ -1,9 +1,9 @@
 """The surface in space: height and rise at a place, as a plane that elements near it see.
 
 ground (4,): height (m) of a plane above the origin, its rise per length along x and y, and by how much a depth may grow
-with a way. A map of heights adds, from MAP on, its cell (m), the place x, y of its first point (m), its numbers of rows
-and columns, and the heights (m) above the plane, row by row; ground[3] is then that of its steepest place. Between its
-points the map is that of Catmull and Rom, with a rise that does not jump; beyond its edge it goes on level.
+with a distance. A map of heights adds, from MAP on, its cell (m), the place x, y of its first point (m), its numbers of
+rows and columns, and the heights (m) above the plane, row by row; ground[3] is then that of its steepest place. Between
+its points the map is that of Catmull and Rom, with a rise that does not jump; beyond its edge it goes on level.
 """
 
 from __future__ import annotations

@@ -27,18 +27,18 @@ from granular_contact.kernels.kinematics import STATION
 
 TERMS = 3
 
-# A run: width (m) is the diameter of a round section or a ball, or the width of a plate normal to the plane. side: 0
-# where both faces can lead, else the outward normal of an outline lies to the left (+1) or right (-1) of its direction.
-# turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 where they are straight, else
-# they are chords of one circle. drop (m): how far below its stations a run reaches, the radius of a ball; beside (m):
-# how far to their sides in the plane, half the width of a round section or a ball; mass (kg): of a ball. layered: the
-# medium lies between the depths top and bottom (m) only. j0, j1 (m): shear displacement of the medium at the ends of
-# the strip that is in work, infinite where nothing keeps count of it, see `ways`. Of a wheel radius (m) is that of its
-# rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first strip and to its left,
-# and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a medium that scatters
-# (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the length, place (m) where
-# the run begins, seed a whole number, and static has the bits of the terms that scatter.
-RUN = np.dtype(
+# A contact line: width (m) is the diameter of a round section or a ball, or the width of a plate normal to the plane.
+# side: 0 where both faces can lead, else the outward normal of an outline lies to the left (+1) or right (-1) of its
+# direction. turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 where they are
+# straight, else they are chords of one circle. drop (m): how far below its stations it reaches, the radius of a ball;
+# beside (m): how far to their sides in the plane, half the width of a round section or a ball; mass (kg): of a ball.
+# layered: the medium lies between the depths top and bottom (m) only. j0, j1 (m): shear displacement of the medium at
+# the ends of the strip that is in work, infinite where nothing keeps count of it, see `path_length`. Of a wheel radius
+# (m) is that of its rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first
+# strip and to its left, and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a
+# medium that scatters (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the
+# length, place (m) where the line begins, seed a whole number, and static has the bits of the terms that scatter.
+LINE = np.dtype(
     [
         ("width", "f8"),
         ("side", "f8"),
@@ -70,25 +70,25 @@ SIZE = 64  # numbers of a law's record, at most
 # Addresses of compiled functions, 0 where there is none, and a copy of the law's own record.
 FUNCTIONS = (
     *("forces", "strip_force", "cap_force", "ball_force", "drag_anchor"),
-    *("line_force", "count_shear", "count_way", "scattered", "lowering"),
+    *("line_force", "count_shear", "count_path", "scattered", "lowering"),
 )
 LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), ("own", "f8", (SIZE,))])
 
-_RUN, _NUMBER = from_dtype(RUN), types.float64
+_LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
 _STATIONS = types.Array(from_dtype(STATION), 1, "C")
 OWN = None  # where a law's function takes its own record
 _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
-    "forces": ((*[_VECTORS] * 3, _RUN, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
-    "strip_force": ((*[_NUMBER] * 14, _RUN, OWN, _ENDS), types.none),
-    "cap_force": ((*[_NUMBER] * 4, _RUN, OWN, _ENDS), types.none),
-    "ball_force": ((*[_NUMBER] * 5, _RUN, OWN, _PAIR), types.none),
+    "forces": ((*[_VECTORS] * 3, _LINE, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
+    "strip_force": ((*[_NUMBER] * 14, _LINE, OWN, _ENDS), types.none),
+    "cap_force": ((*[_NUMBER] * 4, _LINE, OWN, _ENDS), types.none),
+    "ball_force": ((*[_NUMBER] * 5, _LINE, OWN, _PAIR), types.none),
     "drag_anchor": ((*[_NUMBER] * 4, OWN), types.UniTuple(_NUMBER, 2)),
-    "line_force": ((_ROW, _ROW, _STATIONS, _RUN, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
-    "count_shear": ((_VECTORS, _VECTORS, types.intp, _RUN), types.none),
-    "count_way": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
-    "scattered": ((_ENDS, _VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, _RUN), types.none),
-    "lowering": ((_VECTORS, _VECTORS, types.intp, _RUN), _NUMBER),
+    "line_force": ((_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
+    "count_shear": ((_VECTORS, _VECTORS, types.intp, _LINE), types.none),
+    "count_path": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
+    "scattered": ((_ENDS, _VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, _LINE), types.none),
+    "lowering": ((_VECTORS, _VECTORS, types.intp, _LINE), _NUMBER),
 }
 
 
@@ -133,48 +133,48 @@ def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
     return builder.gep(at, [cgutils.intp_t(layout.fields[field][1])])  # type: ignore[index]
 
 
-_forces, _strip, _cap, _ball, _anchor, _line, _shear, _way, _scattered, _lowering = (
+_forces, _strip, _cap, _ball, _anchor, _line, _shear, _path, _scattered, _lowering = (
     caller(name, *_SIGNATURES[name], LAW) for name in FUNCTIONS
 )
 
 
 @part
-def forces(P, V, anchors, run, profile, medium, F, totals):
-    """Fill F (n, 2) N with the forces at the stations of a run and add to totals (TERMS, 3).
+def forces(P, V, anchors, line, profile, medium, F, totals):
+    """Fill F (n, 2) N with the forces at the stations of a contact line and add to totals (TERMS, 3).
 
-    P (n, 2) m, V (n, 2) m/s: positions and velocities of the stations, world frame, y up; anchors (n, 2) m; run and
+    P (n, 2) m, V (n, 2) m/s: positions and velocities of the stations, world frame, y up; anchors (n, 2) m; line and
     medium records; profile as in `surface`. totals: of each term the resultant F_x, F_y and the moment about the world
     origin (N m, counter-clockwise).
     """
-    _forces(medium, (P, V, anchors, run, profile, F, totals))
+    _forces(medium, (P, V, anchors, line, profile, F, totals))
 
 
 @part
-def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, medium, f):
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, medium, f):
     """Add the forces on the part of a strip between xi = a and xi = b, as end forces of the strip, to f[term, end, xy].
 
     Forces in N. a < b in [0, 1]: the part that lies in the medium, so that no depth there is negative; z0, z1 end
     depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); stretch of the bristles at both ends
-    (m), see `friction`; run record; medium record. Depth, velocity and stretch vary linearly along the strip.
+    (m), see `friction`; line record; medium record. Depth, velocity and stretch vary linearly along the strip.
     """
-    _strip(medium, (a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, f))
+    _strip(medium, (a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, f))
 
 
 @part
-def cap_force(cx, cy, vx, vy, run, medium, f):
+def cap_force(cx, cy, vx, vy, line, medium, f):
     """Add the force on a free end face at end 1 of a strip, which moves with (vx, vy), to f[term, 1, xy] (N)."""
     if medium.cap_force != 0:
-        _cap(medium, (cx, cy, vx, vy, run, f))
+        _cap(medium, (cx, cy, vx, vy, line, f))
 
 
 @part
-def ball_force(z, vx, vy, ex, ey, run, medium, f):
+def ball_force(z, vx, vy, ex, ey, line, medium, f):
     """Add the force at the centre of a ball to f[term, xy] (N).
 
-    z depth of its lowest point (m, positive); velocity (m/s) and stretch of the bristle (m) at its centre; run.width is
-    its diameter.
+    z depth of its lowest point (m, positive); velocity (m/s) and stretch of the bristle (m) at its centre; line.width
+    is its diameter.
     """
-    _ball(medium, (z, vx, vy, ex, ey, run, f))
+    _ball(medium, (z, vx, vy, ex, ey, line, f))
 
 
 @part
@@ -190,41 +190,41 @@ def line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, 
 
 
 @part
-def count_shear(P, anchors, i, run, medium):
-    """`ways.count_shear`, where the medium keeps ways."""
-    _shear(medium, (P, anchors, i, run))
+def count_shear(P, anchors, i, line, medium):
+    """`path_length.count_shear`, where the medium keeps count of it."""
+    _shear(medium, (P, anchors, i, line))
 
 
 @part
-def count_way(P, anchors, i, x, y, immersed, medium):
-    """`ways.count_way`, where the medium keeps ways."""
-    _way(medium, (P, anchors, i, x, y, immersed))
+def count_path(P, anchors, i, x, y, immersed, medium):
+    """`path_length.count_path`, where the medium keeps count of it."""
+    _path(medium, (P, anchors, i, x, y, immersed))
 
 
 @part
-def scattered(f, P, anchors, i, place, length, run, medium):
+def scattered(f, P, anchors, i, place, length, line, medium):
     """`scatter.scattered`, where the medium scatters."""
-    _scattered(medium, (f, P, anchors, i, place, length, run))
+    _scattered(medium, (f, P, anchors, i, place, length, line))
 
 
 @part
-def lowering(P, V, i, run, medium):
-    """`wheels.lowering`, where the run is of a wheel behind which the surface is lowered."""
-    return _lowering(medium, (P, V, i, run))
+def lowering(P, V, i, line, medium):
+    """`wheels.lowering`, where the line is of a wheel behind which the surface is lowered."""
+    return _lowering(medium, (P, V, i, line))
 
 
 LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: compiled functions of a law, by their names in LAW
 
 
-def record_of(own: np.ndarray, ways: dict[str, Any]) -> np.ndarray:
-    """Record (1,) of LAW for a law's own record (1,) and compiled ways to apply it; compiles what is not yet.
+def record_of(own: np.ndarray, forms: dict[str, Any]) -> np.ndarray:
+    """Record (1,) of LAW for a law's own record (1,) and compiled forms of it; compiles what is not yet.
 
     Raises
     ------
     TypeError
         The law has too many numbers.
     """
-    return filled(own, LAWS[own.dtype] | ways, LAW, _SIGNATURES)
+    return filled(own, LAWS[own.dtype] | forms, LAW, _SIGNATURES)
 
 
 def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatures: dict[str, Any]) -> np.ndarray:

@@ -10,18 +10,18 @@ from granular_contact.kernels.immersion import immersed_interval
 
 
 @part
-def inside(z0, z1, run):
+def inside(z0, z1, line):
     """Part (a, b) of a strip with end depths z0, z1 (m) that lies in the medium; (0, 0) when none does."""
-    if not run.layered:
+    if not line.layered:
         return immersed_interval(z0, z1)
     low, high = min(z0, z1), max(z0, z1)
-    if high <= run.top or low >= run.bottom or high <= 0.0:
+    if high <= line.top or low >= line.bottom or high <= 0.0:
         return 0.0, 0.0
     a, b = 0.0, 1.0
-    if low < run.top:
-        cut = (run.top - z0) / (z1 - z0)
+    if low < line.top:
+        cut = (line.top - z0) / (z1 - z0)
         a, b = (cut, b) if z0 < z1 else (a, cut)
-    if high > run.bottom:
-        cut = (run.bottom - z0) / (z1 - z0)
+    if high > line.bottom:
+        cut = (line.bottom - z0) / (z1 - z0)
         a, b = (a, cut) if z0 < z1 else (cut, b)
     return a, b

@@ -6,7 +6,7 @@ Arguments that they share:
     line        record of `law`
     profile     (k, 2) corners of the surface, see `surface`
     medium      record of `law`
-    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 6) with the ways of `ways`
+    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 6) with those of `path_length`
     P, V, F     (n, 2) room for positions, velocities and forces of the stations; more columns are not used
     totals      (TERMS, 3), see `law`
 
@@ -23,12 +23,12 @@ import numpy as np
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.kinematics import scatter, spacing, stations
-from granular_contact.kernels.law import RUN, TERMS, count_way, drag_anchor, forces, line_force
+from granular_contact.kernels.law import LINE, TERMS, count_path, drag_anchor, forces, line_force
 from granular_contact.kernels.memory import clear, piece, room2, rows
+from granular_contact.kernels.path_length import start
 from granular_contact.kernels.surface import height
-from granular_contact.kernels.ways import start
 
-__all__ = ["DEPTH", "FIRST", "LEFT", "LOWEST", "RIGHT", "RUN", "SPEED", "TIME"]
+__all__ = ["DEPTH", "FIRST", "LEFT", "LINE", "LOWEST", "RIGHT", "SPEED", "TIME"]
 
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
 # speed (m/s), the least height and the least and greatest x (m) that they reach; then by how much the power (W) and the
@@ -49,7 +49,7 @@ def drag_anchors(P, anchors, line, profile, m):
         if before or here or after:
             x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
         if anchors.shape[1] > 2:
-            count_way(P, anchors, i, x, y, here, m)
+            count_path(P, anchors, i, x, y, here, m)
         anchors[i, 0], anchors[i, 1] = x, y
         before, here = here, after
 
@@ -59,7 +59,7 @@ def release(P, anchors, m):
     """Put every anchor at its station."""
     for i in range(P.shape[0]):
         if anchors.shape[1] > 2:
-            count_way(P, anchors, i, P[i, 0], P[i, 1], False, m)
+            count_path(P, anchors, i, P[i, 0], P[i, 1], False, m)
         anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
 
 

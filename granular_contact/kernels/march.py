@@ -57,7 +57,7 @@ def finish(t, h, C, s, w, control, rows, counts, watch):
         write_row(due, y, s, w, rows[counts[ROWS]])
         counts[ROWS] += 1
         due = counts[ROWS] * control.interval
-    if w.runs.shape[0] == 0:
+    if w.lines.shape[0] == 0:
         return
     inside(C, 1.0, y)
     if watch[TOUCHED] == 0.0 and middle(y[:m], w)[2]:

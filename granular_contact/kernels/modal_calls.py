@@ -13,14 +13,14 @@ import numpy as np
 from numba import from_dtype, types
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.law import LAW, RUN, address_of, caller
+from granular_contact.kernels.law import LAW, LINE, address_of, caller
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
 from granular_contact.kernels.pendulum import PENDULUM
 
 _ROW, _ROWS = (types.Array(types.float64, n, "C") for n in (1, 2))
 _RECORDS = {name: types.Array(from_dtype(dtype), 1, "C") for name, dtype in zip(
-    ("pendulum", "geometry", "runs", "medium"), (PENDULUM, MODAL_STATION, RUN, LAW), strict=True
+    ("pendulum", "geometry", "lines", "medium"), (PENDULUM, MODAL_STATION, LINE, LAW), strict=True
 )}  # fmt: skip
 _STARTS = types.Array(types.int64, 1, "C")
 _KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS}

@@ -1,4 +1,4 @@
-"""Granular force on the modal pendulum: all its runs of strips, as generalised forces.
+"""Granular force on the modal pendulum: all its contact lines, as generalised forces.
 
 The laws of `kernels` are used as they are. Under the true sign they too see a bristle: one of yield displacement 1 and
 no damping, whose anchor is put where its stretch is the direction wanted (`aim`).
@@ -19,15 +19,15 @@ from granular_contact.kernels.modal import modal_scatter, modal_stations
 class World(NamedTuple):
     """What the kernels of the modal pendulum read.
 
-    pendulum: (1,) record of `pendulum`; geometry: stations of all runs, one after another; starts: (runs + 1,) first
-    station of each run; runs: (runs,) records of `kernels.law`; profile: (k, 2) of `kernels.surface`; medium: (1,)
+    pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
+    station of each line; lines: (lines,) records of `kernels.law`; profile: (k, 2) of `kernels.surface`; medium: (1,)
     record of the law; anchors: (stations, 2) m.
     """
 
     pendulum: Any
     geometry: Any
     starts: Any
-    runs: Any
+    lines: Any
     profile: Any
     medium: Any
     anchors: Any
@@ -59,7 +59,7 @@ def load(q, v, sigma, w, totals, Q):
     for term in range(totals.shape[0]):
         for i in range(3):
             totals[term, i] = 0.0
-    for r in range(w.runs.shape[0]):
+    for r in range(w.lines.shape[0]):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
         anchors = w.anchors[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
@@ -67,22 +67,22 @@ def load(q, v, sigma, w, totals, Q):
         modal_stations(q, v, geometry, P, V)
         if pendulum.true_sign:
             aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
-        forces(P, V, anchors, w.runs[r], w.profile, w.medium[0], F, totals)
+        forces(P, V, anchors, w.lines[r], w.profile, w.medium[0], F, totals)
         modal_scatter(q, geometry, P, F, Q)
 
 
 @part
 def drag(q, v, w):
     """Let the anchors follow after an accepted step."""
-    for r in range(w.runs.shape[0]):
+    for r in range(w.lines.shape[0]):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
         modal_stations(q, v, geometry, P, V)
-        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.runs[r], w.profile, w.medium[0])
+        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.lines[r], w.profile, w.medium[0])
 
 
 @kernel
 def rest(q, geometry, anchors):
-    """Put the anchors (n, 2) m of a run where its stations are: no bristle is stretched."""
+    """Put the anchors (n, 2) m of a line where its stations are: no bristle is stretched."""
     modal_stations(q, np.zeros_like(q), geometry, anchors, np.empty_like(anchors))

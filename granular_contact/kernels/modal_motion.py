@@ -25,7 +25,7 @@ def rates(y, s, w, sigma, totals, dy):
     q, v = y[:m], y[m : 2 * m]
     f, Q = np.empty(m), np.zeros(m)
     own_forces(q, v, w.pendulum[0], f)
-    if w.runs.shape[0] > 0:
+    if w.lines.shape[0] > 0:
         for c in range(s.shape[0]):
             sigma[c] = s[c]
         if w.pendulum[0].true_sign:

@@ -9,10 +9,10 @@ The bristle of `friction`, in the plane: with the stretch p - anchor and the vel
 u is the direction that the law sees as that of the motion, s the share of its static force that is mobilised. Along a
 strip q varies linearly between the bristles at its two stations, as e and v do, and u and s follow from it. The
 anchor is dragged along the line of the bristle so that |p - anchor| <= u_y (radial return of perfect plasticity), and
-within the step h the bristle is no longer than that either: p - anchor is the way of the whole step, which points where
-the body went in the middle of it, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At rest
-nothing moves, and the force is continuous in p and v. A law whose force is not along -u has no potential inside the
-yield surface, so that one closed path there may return up to u_y times its force; sliding always takes energy.
+within the step h the bristle is no longer than that either: p - anchor is the path of the whole step, which points
+where the body went in the middle of it, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At
+rest nothing moves, and the force is continuous in p and v. A law whose force is not along -u has no potential inside
+the yield surface, so that one closed path there may return up to u_y times its force; sliding always takes energy.
 
 Lengths are plain square roots: what `hypot` does for numbers near the ends of their range takes longer than the law.
 """

@@ -18,7 +18,7 @@ circles beside it; so n . q reaches PRESSED of the yield displacement before an 
 A law whose stress is another function of the depth gives it as a `traction`, which is integrated by three Gauss points:
 of a stress z^1.3 from the surface down that leaves an error of 0.05 % in the one strip that pierces it.
 
-A strip of a curved line turns by the angle `turn` of the run: its tangent is that of the arc, and its depth as well.
+A strip of a curved line turns by the angle `turn` of the line: its tangent is that of the arc, and its depth as well.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def stress(tx, ty, ux, uy, m):
 def traction(z, tx, ty, ux, uy, width, side, j, m):
     """Stress (p_x, p_y, s_x, s_y) Pa of the first and of the second term of a law, at a depth z > 0 (m).
 
-    On an element along t that moves in the direction u, unit vectors; width (m) and side as of a run; j (m): shear
-    displacement, see `ways`.
+    On an element along t that moves in the direction u, unit vectors; width (m) and side as of a line; j (m): shear
+    displacement, see `path_length`.
     """
     raise NotImplementedError
 
@@ -74,7 +74,7 @@ def tangent_at(tx, ty, turn, xi):
 
 
 @part
-def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
     """Add the static term to f[STATIC]; arguments as in `law.strip_force`."""
     length = math.sqrt(cx * cx + cy * cy)
     if length == 0.0:  # has no surface
@@ -82,10 +82,10 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
     tx, ty = cx / length, cy / length
     q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
     q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
-    t0x, t0y = tangent_at(tx, ty, run.turn, 0.0)
-    t1x, t1y = tangent_at(tx, ty, run.turn, 1.0)
+    t0x, t0y = tangent_at(tx, ty, line.turn, 0.0)
+    t1x, t1y = tangent_at(tx, ty, line.turn, 1.0)
     c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
-    bulge = 0.5 * run.turn * length * tx  # of the arc below its chord (m), times xi (1 - xi)
+    bulge = 0.5 * line.turn * length * tx  # of the arc below its chord (m), times xi (1 - xi)
     for start, end in ((a, c), (c, b)):
         if start == end:
             continue
@@ -93,13 +93,13 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
             xi = start + (end - start) * gauss
             qx, qy = (1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y
             ux, uy, share = mobilised(qx, qy, m)
-            sx, sy = tangent_at(tx, ty, run.turn, xi)
-            share *= leading(sx, sy, qx, qy, run.side, m)
+            sx, sy = tangent_at(tx, ty, line.turn, xi)
+            share *= leading(sx, sy, qx, qy, line.side, m)
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue
             sx, sy = stress(sx, sy, ux, uy, m)
-            k = 0.5 * (end - start) * run.width * length * share * z
+            k = 0.5 * (end - start) * line.width * length * share * z
             f[STATIC, 0, 0] += (1.0 - xi) * k * sx
             f[STATIC, 0, 1] += (1.0 - xi) * k * sy
             f[STATIC, 1, 0] += xi * k * sx
@@ -107,7 +107,7 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, r
 
 
 @part
-def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
     """Add the terms of a law with a `traction` to f[STATIC] and f[SHEAR]; arguments as in `law.strip_force`."""
     length = math.sqrt(cx * cx + cy * cy)
     if length == 0.0:
@@ -115,10 +115,10 @@ def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y,
     tx, ty = cx / length, cy / length
     q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
     q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
-    t0x, t0y = tangent_at(tx, ty, run.turn, 0.0)
-    t1x, t1y = tangent_at(tx, ty, run.turn, 1.0)
+    t0x, t0y = tangent_at(tx, ty, line.turn, 0.0)
+    t1x, t1y = tangent_at(tx, ty, line.turn, 1.0)
     c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
-    bulge = 0.5 * run.turn * length * tx
+    bulge = 0.5 * line.turn * length * tx
     for start, end in ((a, c), (c, b)):
         if start == end:
             continue
@@ -126,14 +126,14 @@ def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y,
             xi = start + (end - start) * at
             qx, qy = (1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y
             ux, uy, share = mobilised(qx, qy, m)
-            sx, sy = tangent_at(tx, ty, run.turn, xi)
-            share *= leading(sx, sy, qx, qy, run.side, m)
+            sx, sy = tangent_at(tx, ty, line.turn, xi)
+            share *= leading(sx, sy, qx, qy, line.side, m)
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue
-            j = (1.0 - xi) * run.j0 + xi * run.j1
-            px, py, sx, sy = traction(z, sx, sy, ux, uy, run.width, run.side, j, m)
-            k = weight * (end - start) * run.width * length * share
+            j = (1.0 - xi) * line.j0 + xi * line.j1
+            px, py, sx, sy = traction(z, sx, sy, ux, uy, line.width, line.side, j, m)
+            k = weight * (end - start) * line.width * length * share
             for e, n in ((0, (1.0 - xi) * k), (1, xi * k)):
                 f[STATIC, e, 0] += n * px
                 f[STATIC, e, 1] += n * py

@@ -1,9 +1,9 @@
 """Scatter of the static resistance from place to place: grains are no continuum.
 
-The static terms of a strip are times 1 + s xi. xi is a smooth random function of the way w of the strip (`ways`) and of
-its place along the line that it is on, so that neighbours share it; it is no function of time, so that a run with one
-seed converges with its steps as any other. On a lattice of cells of the length L, the grain, in w and in place, stand
-values of +1 or -1; between them
+The static terms of a strip are times 1 + s xi. xi is a smooth random function of the path length w of the strip
+(`path_length`) and of its place along the line that it is on, so that neighbours share it; it is no function of time,
+so that a run with one seed converges with its steps as any other. On a lattice of cells of the length L, the grain, in
+w and in place, stand values of +1 or -1; between them
 
     xi = sum_ij a_i b_j r_ij,      a = (1 - q, q) / sqrt((1 - q)^2 + q^2),    q = t^2 (3 - 2 t),    t in [0, 1),
 
@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.ways import path
+from granular_contact.kernels.path_length import path_length
 
 MOST = 0.5
 GOLDEN, FIRST, SECOND = (np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB))
@@ -47,10 +47,10 @@ def weights(t):
 
 
 @part
-def xi(seed, way, place):
-    """Random function in [-2, 2] of a way and a place, both in grains."""
-    i, j = math.floor(way), math.floor(place)
-    a0, a1 = weights(way - i)
+def xi(seed, path, place):
+    """Random function in [-2, 2] of a path length and a place, both in grains."""
+    i, j = math.floor(path), math.floor(place)
+    a0, a1 = weights(path - i)
     b0, b1 = weights(place - j)
     i, j = int(i), int(j)
     return a0 * (b0 * value(seed, i, j) + b1 * value(seed, i, j + 1)) + a1 * (
@@ -59,15 +59,15 @@ def xi(seed, way, place):
 
 
 @part
-def factor(way, place, length, run):
-    """What the static terms of a strip are multiplied by; its way, the place of its middle and its length (m)."""
-    s = run.scatter if length <= run.grain else run.scatter * math.sqrt(run.grain / length)
-    return 1.0 + s * xi(int(run.seed), way / run.grain, place / run.grain)
+def factor(path, place, length, line):
+    """What the static terms of a strip are multiplied by; path, place of its middle and length (m) of the strip."""
+    s = line.scatter if length <= line.grain else line.scatter * math.sqrt(line.grain / length)
+    return 1.0 + s * xi(int(line.seed), path / line.grain, place / line.grain)
 
 
 @part
-def facet_factor(way, x, y, z, area, cluster):
-    """What the static terms of a facet are multiplied by; its way (m), its middle in the frame of its body (m), m^2.
+def facet_factor(path, x, y, z, area, cluster):
+    """What the static terms of a facet are multiplied by; path (m), its middle in the frame of its body (m), m^2.
 
     Facets whose middles lie in one cube of the size of a grain share it: they stay there, so that nothing jumps.
     """
@@ -75,17 +75,17 @@ def facet_factor(way, x, y, z, area, cluster):
     s = cluster.scatter if area <= size * size else cluster.scatter * size / math.sqrt(area)
     cube = math.floor(x / size) * ALONG + math.floor(y / size) * ACROSS + math.floor(z / size) * UPWARD
     cube += cluster.body * BODY
-    i, seed = math.floor(way / size), int(cluster.seed)
-    a0, a1 = weights(way / size - i)
+    i, seed = math.floor(path / size), int(cluster.seed)
+    a0, a1 = weights(path / size - i)
     return 1.0 + s * (a0 * value(seed, i, cube) + a1 * value(seed, i + 1, cube))
 
 
 @part
-def scattered(f, P, anchors, i, place, length, run):
+def scattered(f, P, anchors, i, place, length, line):
     """Multiply the static terms of the end forces f[term, end, xy] of strip i; place and length as of `factor`."""
-    share = factor(0.5 * (path(P, anchors, i) + path(P, anchors, i + 1)), place, length, run)
+    share = factor(0.5 * (path_length(P, anchors, i) + path_length(P, anchors, i + 1)), place, length, line)
     for term in range(f.shape[0]):
-        if (run.static >> term) & 1:
+        if (line.static >> term) & 1:
             for end in range(2):
                 for xy in range(2):
                     f[term, end, xy] *= share

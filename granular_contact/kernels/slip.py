@@ -30,10 +30,10 @@ NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
 def middle(q, w):
     """Run and place along its stations of the middle of the immersed segment, and whether there is any.
 
-    Of several immersed runs the last counts, the flexible link; if none is, the deepest station.
+    Of several immersed lines the last counts, the flexible link; if none is, the deepest station.
     """
-    run, place, deepest = 0, 0.0, -np.inf
-    for r in range(w.runs.shape[0] - 1, -1, -1):
+    line, place, deepest = 0, 0.0, -np.inf
+    for r in range(w.lines.shape[0] - 1, -1, -1):
         geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
         n = geometry.shape[0]
         P, V = np.empty((n, 2)), np.empty((n, 2))
@@ -46,8 +46,8 @@ def middle(q, w):
             return r, halfway(P, first, last), True
         for i in range(n):
             if Z[i] > deepest:
-                run, place, deepest = r, float(i), Z[i]
-    return run, place, False
+                line, place, deepest = r, float(i), Z[i]
+    return line, place, False
 
 
 @part

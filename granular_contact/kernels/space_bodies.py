@@ -306,9 +306,9 @@ def update_active(bodies, clusters, elements, anchors, active, ground, poses, pr
 
 @part
 def release(elements, anchors, cluster, pose, anew):
-    """Put the anchors of a cluster where its elements are; anew: their ways begin here, too.
+    """Put the anchors of a cluster where its elements are; anew: their paths begin here, too.
 
-    The way through the air counts in a straight line, so that it does not matter when what flies became active.
+    The path through the air counts in a straight line, so that it does not matter when what flies became active.
     """
     for i in range(cluster.first, cluster.last):
         E = elements[i]

@@ -5,9 +5,9 @@ Kernels work in the frame of the bed, with z up: its origin is that of the world
 
 pose (6, 3): the rotation R of a body, row by row, then the position of its reference point (m), its velocity (m/s) and
 angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
-and by how much a depth may grow with a way, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the moment
-about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; (n, 4) with
-the shear displacement of `ways`; (n, 8) with the whole way (m) and the place (m) at the end of the last step, too.
+and by how much a depth may grow with a distance, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the
+moment about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; (n, 4) with the
+shear displacement of `path_length`; (n, 8) with the path length (m) and the place (m) at the end of the last step, too.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def facets(B, n, medium):
     Of what grows with depth the stress per depth N/m^3, of the rest the stress Pa. What is told of a facet: z > 0 mean
     depth (m) of what is immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its
     centroid; spread (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0 is
-    loaded, n pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `ways`.
+    loaded, n pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`.
     """
     _facets(medium, (B, n))
 

@@ -1,8 +1,8 @@
 """From the motion of a line of stations to the granular forces on it, in two forms.
 
-Between two neighbouring stations of a run lies a straight strip. `distributed` integrates a law along every strip.
-`resultant` is the source paper's form: the immersed part is one straight piece that moves with the velocity of its
-middle, and the whole force acts there. Arguments are those of `law.forces`.
+Between two neighbouring stations of a contact line lies a straight strip. `distributed` integrates a law along every
+strip. `resultant` is the source paper's form: the immersed part is one straight piece that moves with the velocity of
+its middle, and the whole force acts there. Arguments are those of `law.forces`.
 """
 
 from __future__ import annotations
@@ -35,47 +35,47 @@ def collect(f, i, P, F, totals):
 
 
 @part
-def distributed_forces(P, V, anchors, run, profile, medium, F, totals):
+def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
     """Integrate the law strip by strip."""
     f, length = room3(TERMS, 2, 2), 0.0
     clear(F)
     last = P.shape[0] - 1
-    run.j0, run.j1, place = np.inf, np.inf, run.place
+    line.j0, line.j1, place = np.inf, np.inf, line.place
     z1 = depth(profile, P[0, 0], P[0, 1])
-    if run.behind > 0.0:
-        z1 -= law.lowering(P, V, 0, run, medium)
+    if line.behind > 0.0:
+        z1 -= law.lowering(P, V, 0, line, medium)
     for i in range(last):
         z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
-        if run.behind > 0.0:
-            z1 -= law.lowering(P, V, i + 1, run, medium)
-        if run.scatter > 0.0:
+        if line.behind > 0.0:
+            z1 -= law.lowering(P, V, i + 1, line, medium)
+        if line.scatter > 0.0:
             cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
             length = math.sqrt(cx * cx + cy * cy)
             place += length
-        a, b = inside(z0, z1, run)
+        a, b = inside(z0, z1, line)
         if a == b:
             continue
         clear(f)
         if anchors.shape[1] > 2:
-            law.count_shear(P, anchors, i, run, medium)
+            law.count_shear(P, anchors, i, line, medium)
         law.strip_force(
             a, b, z0, z1, P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1], V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1],
             P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],
-            P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], run, medium, f,
+            P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], line, medium, f,
         )  # fmt: skip
-        if run.scatter > 0.0:
-            law.scattered(f, P, anchors, i, place - 0.5 * length, length, run, medium)
+        if line.scatter > 0.0:
+            law.scattered(f, P, anchors, i, place - 0.5 * length, length, line, medium)
         collect(f, i, P, F, totals)
-    if run.cap and z1 > 0.0 and (not run.layered or run.top < z1 <= run.bottom):
+    if line.cap and z1 > 0.0 and (not line.layered or line.top < z1 <= line.bottom):
         clear(f)
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
-        law.cap_force(cx, cy, V[last, 0], V[last, 1], run, medium, f)
+        law.cap_force(cx, cy, V[last, 0], V[last, 1], line, medium, f)
         collect(f, last - 1, P, F, totals)
 
 
 @part
 def immersed_segment(Z):
-    """First and last immersed point of a run with depths Z (n,) m as positions i + xi along its stations.
+    """First and last immersed point of a line with depths Z (n,) m as positions i + xi along its stations.
 
     (0, 0) when none is immersed.
     """
@@ -117,7 +117,7 @@ def at(A, position):
 
 
 @part
-def resultant_forces(P, V, anchors, run, profile, medium, F, totals):
+def resultant_forces(P, V, anchors, line, profile, medium, F, totals):
     """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
     clear(F)
     Z = np.empty(P.shape[0])
@@ -138,9 +138,9 @@ def resultant_forces(P, V, anchors, run, profile, medium, F, totals):
     clear(f)
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
     z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
-    law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, run, medium, f)
-    if run.cap and Z[-1] > 0.0:
-        law.cap_force(x1 - x0, y1 - y0, vx, vy, run, medium, f)
+    law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, line, medium, f)
+    if line.cap and Z[-1] > 0.0:
+        law.cap_force(x1 - x0, y1 - y0, vx, vy, line, medium, f)
     xi = middle - i
     for term in range(TERMS):
         for xy in range(2):

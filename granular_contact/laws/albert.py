@@ -36,9 +36,9 @@ class Albert(Law):
         return {"eta_h_g_rho": self.eta_h * gravity * self.density}
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
         """Add the horizontal term; arguments as in `kernels.law.strip_force`."""
-        k = m.eta_h_g_rho * run.width
+        k = m.eta_h_g_rho * line.width
         kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[0])
 
     @staticmethod

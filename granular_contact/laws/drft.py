@@ -53,7 +53,7 @@ class Drft(Law):
     stress = staticmethod(Rft.stress)
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
         """Add the static and the inertial term; arguments as in `kernels.law.strip_force`."""
         z0, z1 = z0 - m.delta_h, z1 - m.delta_h
         low, high = kernels.immersion.immersed_interval(z0, z1)
@@ -61,8 +61,8 @@ class Drft(Law):
         length = math.sqrt(cx * cx + cy * cy)
         if a >= b or length == 0.0:
             return
-        kernels.plates.static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f)
-        inertial_force(a, b, cx / length, cy / length, v0x, v0y, v1x, v1y, m.lam_rho * run.width * length, run, f)
+        kernels.plates.static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f)
+        inertial_force(a, b, cx / length, cy / length, v0x, v0y, v1x, v1y, m.lam_rho * line.width * length, line, f)
 
     @staticmethod
     def facet_inertia(nx, ny, nz, vx, vy, vz, side, m):
@@ -77,19 +77,19 @@ def pressure(w, lam_rho):
     return lam_rho * w * abs(w)
 
 
-def inertial_force(a, b, tx, ty, v0x, v0y, v1x, v1y, k, run, f):
+def inertial_force(a, b, tx, ty, v0x, v0y, v1x, v1y, k, line, f):
     """Add the inertial term to f[INERTIAL]; t unit tangent of the chord, k = lam rho b |c| (kg/m)."""
-    t0x, t0y = kernels.plates.tangent_at(tx, ty, run.turn, 0.0)
-    t1x, t1y = kernels.plates.tangent_at(tx, ty, run.turn, 1.0)
+    t0x, t0y = kernels.plates.tangent_at(tx, ty, line.turn, 0.0)
+    t1x, t1y = kernels.plates.tangent_at(tx, ty, line.turn, 1.0)
     c = kernels.immersion.sign_change(a, b, t0x * v0y - t0y * v0x, t1x * v1y - t1y * v1x)
     for start, end in ((a, c), (c, b)):
         if start == end:
             continue
         for gauss in (kernels.immersion.GAUSS_LOW, kernels.immersion.GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            sx, sy = kernels.plates.tangent_at(tx, ty, run.turn, xi)
+            sx, sy = kernels.plates.tangent_at(tx, ty, line.turn, xi)
             w = sx * ((1.0 - xi) * v0y + xi * v1y) - sy * ((1.0 - xi) * v0x + xi * v1x)
-            if run.side * w < 0.0:
+            if line.side * w < 0.0:
                 continue
             density = 0.5 * (end - start) * pressure(w, k)
             f[INERTIAL, 0, 0] += (1.0 - xi) * density * sy

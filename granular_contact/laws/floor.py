@@ -69,7 +69,7 @@ class OnStrips:
     constants = ("stiffness", "damping")  # N/m^2, s/m
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
         """Add the end forces of a strip; z0, z1 are depths below the floor, else as in `kernels.law.strip_force`."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (v0y + v1y))
         k = m.stiffness * share * math.sqrt(cx * cx + cy * cy)
@@ -90,9 +90,9 @@ class OnBalls:
     drag_anchor = staticmethod(OnStrips.drag_anchor)
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, run, m, f):
+    def ball_force(z, vx, vy, ex, ey, line, m, f):
         """Add the force of a ball, z being the depth of its lowest point below the floor; as in `kernels.law`."""
-        f[0, 1] += m.stiffness * run.width * z * max(0.0, 1.0 - m.damping * vy)
+        f[0, 1] += m.stiffness * line.width * z * max(0.0, 1.0 - m.damping * vy)
 
 
 class InSpace:

@@ -49,10 +49,10 @@ class Hill(Law):
         }
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
         """Add the vertical term; arguments as in `kernels.law.strip_force`."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
-        k, scale = factor(run.width, m)
+        k, scale = factor(line.width, m)
         kernels.bar_statics.vertical_force(
             a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f[0]
         )  # fmt: skip

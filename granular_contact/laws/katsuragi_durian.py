@@ -1,6 +1,6 @@
 """Medium of Katsuragi and Durian (2007): k z + m v^2 / d1 on a ball of mass m.
 
-The mass is that of the ball itself; the run has it.
+The mass is that of the ball itself; the contact line has it.
 """
 
 from __future__ import annotations

@@ -106,8 +106,8 @@ class Law(Coefficients):
         return [field.alias or name for name, field in fields if field.is_required() and getattr(self, name) is None]
 
     @property
-    def keeps_ways(self) -> bool:
-        """Whether its forces need how far a surface has moved in the medium, see `kernels.ways`."""
+    def needs_path_length(self) -> bool:
+        """Whether its forces need path lengths or shear displacements, see `kernels.path_length`."""
         return self.shear_grows or self.scatters
 
     @property
@@ -127,7 +127,7 @@ class Law(Coefficients):
         return self
 
     def fill_scatter(self, record: Any, in_space: bool = False) -> None:
-        """Write its scatter, if it has any, into the record (1,) of a run or the records of clusters."""
+        """Write its scatter, if it has any, into the record (1,) of a contact line or the records of clusters."""
         if self.scatter is None:
             return
         record["scatter"], record["grain"] = self.scatter.numbers(self.measured_scatter, in_space)

@@ -37,9 +37,9 @@ class VerticalResistance(Coefficients):
     lam: float = Field(alias="lambda", ge=0, le=5)
     """`lambda` in YAML."""
 
-    def numbers(self, way: str) -> dict[str, float]:
+    def numbers(self, direction: str) -> dict[str, float]:
         """Constants of a law in one direction of motion, plunge or withdraw."""
-        return {f"eta_{way}": self.eta_v, f"lam_{way}": self.lam}
+        return {f"eta_{direction}": self.eta_v, f"lam_{direction}": self.lam}
 
 
 class LeeMarghitu(Law):
@@ -86,9 +86,9 @@ class LeeMarghitu(Law):
         }
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):
-        """Add the three force terms; arguments as in `kernels.law.strip_force`, run.width is the diameter d."""
-        d = run.width
+    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+        """Add the three force terms; arguments as in `kernels.law.strip_force`, line.width is the diameter d."""
+        d = line.width
         drag, horizontal, vertical = factors(d, m)
         if drag != 0.0:
             drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, drag, f[DRAG])
@@ -116,12 +116,12 @@ class LeeMarghitu(Law):
         )  # fmt: skip
 
     @staticmethod
-    def cap_force(cx, cy, vx, vy, run, m, f):
+    def cap_force(cx, cy, vx, vy, line, m, f):
         """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
         length = math.hypot(cx, cy)
         if length == 0.0:  # looks nowhere
             return
-        k = face(run.width, m) * abs(cx / length * vx + cy / length * vy)
+        k = face(line.width, m) * abs(cx / length * vx + cy / length * vy)
         f[DRAG, 1, 0] -= k * vx
         f[DRAG, 1, 1] -= k * vy
 

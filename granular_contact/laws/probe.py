@@ -40,15 +40,15 @@ class Probe:
 def force(medium: Law, probe: Probe, velocity: Vector, gravity: float = 9.81) -> Vector:
     """Force x, y (N) of each term, (terms, 2), on a body that moves steadily with a velocity (2,) m/s, y up."""
     from granular_contact.kernels import probe as kernel
-    from granular_contact.kernels.law import RUN, TERMS
+    from granular_contact.kernels.law import LINE, TERMS
 
-    run = np.zeros(1, RUN)
-    run["width"], run["side"] = probe.width, probe.side
+    line = np.zeros(1, LINE)
+    line["width"], line["side"] = probe.width, probe.side
     if probe.ball is not None:
-        run["drop"], run["mass"] = 0.5 * probe.width, probe.ball
+        line["drop"], line["mass"] = 0.5 * probe.width, probe.ball
     F, totals = np.zeros((2, 2)), np.zeros((TERMS, 3))
     V = np.tile(np.asarray(velocity, float), (2, 1))
-    kernel.probe(probe.points, V, probe.points.copy(), run, LEVEL, medium.record(STEADY, gravity), F, totals)
+    kernel.probe(probe.points, V, probe.points.copy(), line, LEVEL, medium.record(STEADY, gravity), F, totals)
     terms: Vector = totals[: len(medium.terms), :2]
     return terms
 

@@ -99,7 +99,7 @@ class Rft3d(Law):
 
 
 def response(nx, ny, nz, ux, uy, uz):
-    """Generic response (3,) of an element with the normal n, either way, that moves in the direction u; z up.
+    """Generic response (3,) of an element with the normal n, of either sign, that moves in the direction u; z up.
 
     With f_i = even_i + odd_i in n, that of -n is even_i - odd_i: so their mean with the weights (1 + b) / 2 and
     (1 - b) / 2 is (b even_1 + odd_1) n + (even_2 + b odd_2) u + (even_3 + b odd_3) g.

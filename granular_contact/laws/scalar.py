@@ -4,7 +4,7 @@
 
 with the direction u and the share s of `planar_friction`. Bingham has F0 and b; Poncelet F0 and c; Allen et al. all
 three; the linear static law k with p = 1; Tsimring and Volfson c, k and p; Katsuragi and Durian k, p = 1 and
-c = m / d1, with the mass m of the ball in the run and d1 given (m) or as a multiple of the diameter.
+c = m / d1, with the mass m of the ball and d1 given (m) or as a multiple of the diameter.
 
 What does not grow with depth by itself grows from nothing to its full value over the first SHALLOW diameters [ours], so
 that the force is continuous at the touch.
@@ -37,9 +37,9 @@ class ScalarLaw(Law):
         return {"p": 1.0, "quadratic": len(self.terms) - 1.0, **self.own()}
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, run, m, f):
+    def ball_force(z, vx, vy, ex, ey, line, m, f):
         """Add the force of a ball to f[term, xy]; arguments as in `kernels.law.ball_force`."""
-        static, viscous, quadratic = resistance(z, math.hypot(vx, vy), run, m)
+        static, viscous, quadratic = resistance(z, math.hypot(vx, vy), line, m)
         qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
         ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
         static *= share
@@ -65,14 +65,14 @@ class ScalarLaw(Law):
             f[last, k] -= quadratic * v
 
 
-def resistance(z, speed, run, m):
+def resistance(z, speed, line, m):
     """Resistance at a depth z (m): bound of the static part (N), and factors of the velocity (N s/m) in the others."""
-    there = min(1.0, z / (SHALLOW * run.width))  # of the terms without depth
+    there = min(1.0, z / (SHALLOW * line.width))  # of the terms without depth
     static = there * m.F0 + (m.k * z if m.p == 1.0 else m.k * z**m.p)
-    return static, there * m.b, there * coefficient(run, m) * speed
+    return static, there * m.b, there * coefficient(line, m) * speed
 
 
-def coefficient(run, m):
+def coefficient(line, m):
     """Coefficient c (kg/m) of the quadratic term."""
-    d1 = m.d1 + m.d1_per_diameter * run.width
-    return m.c + (run.mass / d1 if d1 > 0.0 else 0.0)
+    d1 = m.d1 + m.d1_per_diameter * line.width
+    return m.c + (line.mass / d1 if d1 > 0.0 else 0.0)

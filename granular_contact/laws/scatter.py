@@ -34,7 +34,7 @@ class MeasuredScatter(Coefficients):
 
 
 class Scatter(Coefficients):
-    """The static resistance times (1 + s xi), xi a random function of the way of each strip, the same for neighbours.
+    """The static resistance times (1 + s xi), xi a random function of the path of each strip, the same for neighbours.
 
     relative: the standard deviation s on a piece no longer than `length`; a whole body, on which pieces differ,
     scatters less. 0: none at all, bit by bit.
@@ -43,7 +43,7 @@ class Scatter(Coefficients):
     relative: Annotated[float, Field(ge=0, le=MOST)] | None = None
     """null: as `measured` says."""
     length: Positive | None = Field(None, alias="length_m")
-    """Over which xi changes, along the way and along the body: a few grains; null: as `measured` says."""
+    """Over which xi changes, along the path and along the body: a few grains; null: as `measured` says."""
     seed: Annotated[int, Field(ge=0, lt=SEEDS)] = 1
     measured: Text | None = None
     """Both numbers from a force that was measured in this medium, by its name there; null: from the two above."""

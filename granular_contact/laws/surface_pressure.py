@@ -4,9 +4,9 @@
 
 on what goes into the medium: the outside of an outline where n . u > 0, either face of a thin plate. The pressure acts
 against n, the shear against the part of the motion along the surface, no more than Mohr and Coulomb allow. Bekker and
-Wong put these stresses on the rim of a wheel. The shear displacement j of Janosi and Hanamoto is the way that the
-bristles of a surface were dragged along it since it got into the medium (`kernels.ways`). They give no law for a
-surface that turns back: here all ways add up and the shear opposes the motion, whichever way it goes [ours], so that
+Wong put these stresses on the rim of a wheel. The shear displacement j of Janosi and Hanamoto is the path that the
+bristles of a surface were dragged along it since it got into the medium (`kernels.path_length`). They give no law for a
+surface that turns back: here all paths add up and the shear opposes the motion, whatever its direction [ours], so that
 nothing is given back.
 
 The stresses do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface: there both

@@ -12,7 +12,7 @@ from granular_contact.bed.contact_lines import Body
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.of_scene import lines_of, load_of
 from granular_contact.kernels.kinematics import STATION
-from granular_contact.kernels.law import LAW, RUN
+from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.tree import BODY, motion
 from granular_contact.kernels.tree_load import Forest
 from granular_contact.multibody.system import RigidHandle, System
@@ -109,7 +109,7 @@ def _sand(load: GranularLoad | None) -> tuple[NDArray[Any], ...]:
     """The fields of `Forest` from active to proximity."""
     if load is None:
         flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
-        nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, STATION), np.zeros(0, RUN)
+        nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, STATION), np.zeros(0, LINE)
         medium, work = np.zeros(1, LAW), (np.zeros((0, 2)), np.zeros((7, 0, 2)), np.zeros((0, 0)))
         return np.zeros(0, dtype=bool), *nothing, flat, medium, *work, np.zeros((0, 3), np.int64), np.zeros((0, 3))
     (batch,) = load.batches  # of one medium on bodies of one kind, or the scene was refused

@@ -151,7 +151,7 @@ def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
     jump = np.abs(first[:, 1:] - last[:, :-1]).sum(axis=1)
     if link.free:
         jump = np.maximum(jump, np.abs(last[:, -1]))
-    path = max(motion.way, motion.scene.least_path)
+    path = max(motion.path_length, motion.scene.least_path)
     size = float(jump.max()) * length**2
     if size > ROUGH_BEAM * path:
         more = min(elements * int(np.ceil(np.sqrt(size / path / ROUGH_BEAM) + 1.0)), 1024)

@@ -142,7 +142,7 @@ class Kinematics:
         return moment
 
     @property
-    def way(self) -> float:
+    def path_length(self) -> float:
         """Length (m) of the path of the fastest point."""
         return float(accumulate(self.trajectory.time, self.speeds)[-1])
 

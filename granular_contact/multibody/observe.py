@@ -115,7 +115,7 @@ def stop(motion: Kinematics, touch: Touch) -> Stop | None:
 
 def _never_stops(motion: Kinematics) -> bool:
     """Whether a stop means nothing: of what is driven, and of what did not move."""
-    return bool(motion.scene.drives) or motion.way <= motion.scene.least_path
+    return bool(motion.scene.drives) or motion.path_length <= motion.scene.least_path
 
 
 def _stop_about(motion: Kinematics, pivot: Joint, after: slice) -> Stop | None:

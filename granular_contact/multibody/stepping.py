@@ -6,8 +6,8 @@ Smooth motion. The scheme lets a vary over the step as its coefficient beta says
 be 1/6. So positions are off by |beta - 1/6| h^2 |a_1 - a_0| (Zienkiewicz and Xie, 1991). Velocities are off by
 h^3 a''/12, which adds up over the steps to h^2 a'/12 = h |a_1 - a_0| / 12. The speed with which both put positions off
 is held below accuracy v with the speed v, or accuracy V / SLOWED where that is more: positions are then off by no more
-than about `accuracy` times the way. With V in place of v a body that goes on turning or sliding slowly after its impact
-would keep, all that time, an error that is small beside the speed of the impact only.
+than about `accuracy` times the path length. With V in place of v a body that goes on turning or sliding slowly after
+its impact would keep, all that time, an error that is small beside the speed of the impact only.
 
 Jumps of the force (a flat touch, a bristle that is stretched in 5 us). Nothing tells when in the step it came, and the
 scheme gives it half of the step: velocities are off by up to h |J| / 2. J is what the change a_1 - a_0 has of the

@@ -41,7 +41,7 @@ def strip_error(observer: Kinematics, moments: bool = False) -> float:
             (body,) = scene.rigid
             center, _ = observer.center(body.name)
             error = max(error, ROLLING * by_moment(t.load, pace, center, body.inertia, scene.radius(body)))
-    return error / max(observer.way, scene.least_path)
+    return error / max(observer.path_length, scene.least_path)
 
 
 def finer(observer: Kinematics) -> Scene | None:

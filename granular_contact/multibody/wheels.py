@@ -14,7 +14,7 @@ from granular_contact.results.energy import accumulate
 from granular_contact.scene.types import Vector, Wheel
 
 STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
-STEADY = 0.5  # the last part of the way, over which means are taken
+STEADY = 0.5  # the last part of the path, over which means are taken
 
 
 def _wheels(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
@@ -28,8 +28,8 @@ def _wheels(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
 def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
     """Histories (n,) of each wheel that the medium acts on, by its label.
 
-    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m, counter-clockwise). x, v, rim: way
-    (m) and speed (m/s) of the axle and speed of the rim, to the right or as it rolls to the right.
+    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m, counter-clockwise). x, v, rim:
+    path (m) and speed (m/s) of the axle and speed of the rim, to the right or as it rolls to the right.
     """
     found, bed = {}, motion.scene.bed
     for name, wheel in _wheels(motion):
@@ -62,7 +62,7 @@ def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Serie
         words = {
             "slip": f"slip of {name}: 1 - v / (r omega) where its rim is faster than its axle, else r omega / v - 1",
             "sinkage_m": f"depth of the lowest point of the rim of {name} below the surface",
-            "drawbar_pull_N": f"force of the medium on {name}, ahead the way that it goes",
+            "drawbar_pull_N": f"force of the medium on {name}, ahead in the direction of travel",
             "load_N": f"force of the medium on {name}, upward",
             "torque_Nm": f"torque about its axle that the medium takes from {name}, clockwise positive",
         }
@@ -75,14 +75,14 @@ def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Serie
 
 
 def wheel_numbers(time: Vector, histories: Mapping[str, Mapping[str, Vector]]) -> dict[str, Any]:
-    """Means over the last half of the way of each wheel: of the first under `wheel`, of others under their labels.
+    """Means over the last half of the path of each wheel: of the first under `wheel`, of others under their labels.
 
     efficiency: work of the pull over work of the torque there; None where the wheel is braked or does not pull.
     """
     numbers = {}
     for i, (name, one) in enumerate(histories.items()):
-        way = accumulate(time, np.maximum(np.abs(one["v"]), np.abs(one["omega"])))
-        start = float(np.interp((1.0 - STEADY) * way[-1], way, time)) if way[-1] > 0.0 else float(time[0])
+        path = accumulate(time, np.maximum(np.abs(one["v"]), np.abs(one["omega"])))
+        start = float(np.interp((1.0 - STEADY) * path[-1], path, time)) if path[-1] > 0.0 else float(time[0])
 
         def mean(values: Vector, start: float = start) -> float:
             total = accumulate(time, values)

@@ -40,7 +40,7 @@ class March:
         self.allowed = method.rtol * np.concatenate([lengths, lengths * model.speed / model.reach])
         self.control = np.zeros(1, kernels.CONTROL)
         self.control["end"], self.control["interval"] = solver.end_time_s, solver.step_s
-        bristles = len(self.world.runs) > 0 and not self.true_sign
+        bristles = len(self.world.lines) > 0 and not self.true_sign
         self.control["longest"] = solver.step_s if bristles else LONGEST * solver.step_s
         self.control["reach"], self.control["rest_speed"] = model.reach, solver.rest_speed_m_s
         self.control["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import modal_calls, modal_motion, slip
 from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.law import LAW, RUN
+from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import World
 from granular_contact.kernels.pendulum import PENDULUM
@@ -21,24 +21,24 @@ STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 
 
 def world(reduced: Model) -> World:
-    """Mass properties, and stations, runs and medium of all that can reach the surface."""
+    """Mass properties, and stations, lines and medium of all that can reach the surface."""
     scene = reduced.scene
-    geometry, runs = [np.zeros(0, MODAL_STATION)], [np.zeros(0, RUN)]
+    geometry, lines = [np.zeros(0, MODAL_STATION)], [np.zeros(0, LINE)]
     for bar in reduced.bars:
         if not _reaches(reduced, bar):
             continue
         places = bar.places(bar.strips + 1)
-        stations, run = np.zeros(len(places), MODAL_STATION), np.zeros(1, RUN)
+        stations, line = np.zeros(len(places), MODAL_STATION), np.zeros(1, LINE)
         stations["along"], stations["across"] = places.T
         stations["phi"][:, : reduced.method.modes] = reduced.shapes(bar, places)
         stations["pivot"] = reduced.view.pivot
-        run["width"] = bar.diameter
-        run["cap"], run["resultant"] = scene.load.end_cap and bar.free, scene.load.form == "resultant"
+        line["width"] = bar.diameter
+        line["cap"], line["resultant"] = scene.load.end_cap and bar.free, scene.load.form == "resultant"
         geometry.append(stations)
-        runs.append(run)
+        lines.append(line)
     starts = np.cumsum([len(stations) for stations in geometry])
     record = _pendulum(reduced)
-    record["true_sign"] = reduced.method.static == "true_sign" and len(runs) > 1
+    record["true_sign"] = reduced.method.static == "true_sign" and len(lines) > 1
     parts = {"rates": modal_motion.rates}
     if record["true_sign"]:
         parts |= {"margins": modal_motion.margins, "hold": slip.hold}
@@ -47,10 +47,10 @@ def world(reduced: Model) -> World:
     medium = np.zeros(1, LAW)
     if scene.media:
         own = scene.media[0].record(static, scene.gravity)
-        medium = medium_record(own, np.concatenate(runs), ways=False, bodies=False)
+        medium = medium_record(own, np.concatenate(lines), paths=False, bodies=False)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors = np.zeros((starts[-1], 2))
-    return World(record, np.concatenate(geometry), starts, np.concatenate(runs), profile, medium, anchors)
+    return World(record, np.concatenate(geometry), starts, np.concatenate(lines), profile, medium, anchors)
 
 
 def _pendulum(reduced: Model) -> NDArray[np.void]:

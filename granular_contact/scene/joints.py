@@ -29,7 +29,7 @@ def joints_of(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[str,
         child, child_frame = homes[joint.child]
         if child == parent:
             continue
-        assert child is not None  # closures the wrong way round are refused before
+        assert child is not None  # closures with child and parent swapped are refused before
         pin = layout.frames[joint.child].world(point(joint.child_point_m))
         # The points of a slider stay where they are on their bodies; elsewhere both are the pin.
         at = pin if not isinstance(joint, schema.SliderClosure) else _origin(layout, joint)

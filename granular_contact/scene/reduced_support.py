@@ -38,7 +38,7 @@ def _media(scene: Scene) -> Iterator[str]:
         yield "its bed is not level, or has several media or a stiff floor"
     true_sign = isinstance(scene.method, Reduced) and scene.method.static == "true_sign"
     for medium in scene.media:
-        if medium.keeps_ways:
+        if medium.needs_path_length:
             yield f"{medium.name} scatters, or its shear grows with the path, which the engine alone keeps count of"
         if true_sign and not medium.by_component:
             yield f"the law of {medium.name} has no sign of each component of the velocity for static: true_sign"

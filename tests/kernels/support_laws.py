@@ -82,7 +82,7 @@ class Strip:
 
 
 def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0) -> NDArray[np.void]:
-    run = np.zeros(1, law.RUN)
+    run = np.zeros(1, law.LINE)
     run["width"], run["side"], run["mass"], run["turn"] = width, side, mass, turn
     run["j0"], run["j1"] = np.inf, np.inf  # the medium is sheared as far as it can be
     return run

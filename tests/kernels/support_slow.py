@@ -148,7 +148,7 @@ def medium(law: LeeMarghitu = TWO_WAYS, static: Elastoplastic | Smooth = TRUE_SI
 
 
 def run_record(link: Link, cap: bool = False, resultant: bool = False) -> NDArray[np.void]:
-    run = np.zeros(1, lines.RUN)
+    run = np.zeros(1, lines.LINE)
     run["width"], run["cap"], run["resultant"] = link.diameter, cap, resultant
     return run
 

@@ -19,7 +19,7 @@ U_Y = 1e-5
 PLASTIC = medium(static=Elastoplastic(U_Y, 0.0))[0]
 DAMPED = medium(static=Elastoplastic(U_Y, 1e-3))[0]
 SMOOTH = medium(static=Smooth(1e-3))[0]
-RUN, LEVEL = np.zeros(1, lines.RUN)[0], np.zeros((1, 2))
+LINE, LEVEL = np.zeros(1, lines.LINE)[0], np.zeros((1, 2))
 
 
 def direction(stretch: float, v: float, m: np.void) -> float:
@@ -165,7 +165,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
     for i, x in enumerate(path):
         P = P0 + np.array([x, 0.0])
         force[i] = kernel(P, V, link, record, anchors)[0][:, 0].sum()
-        lines.drag_anchors(P, anchors, RUN, LEVEL, medium_record(record)[0])
+        lines.drag_anchors(P, anchors, LINE, LEVEL, medium_record(record)[0])
     # Closed expression of the bound, round-off (stretches of 1e-5 m next to positions of 1e-2 m: 1e-13).
     assert np.abs(force).max() == pytest.approx(bound, rel=1e-11)
     done = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(path)))
@@ -180,7 +180,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
 def test_anchors_are_free_above_the_surface() -> None:
     P = np.array([[0.0, 0.2], [0.1, 0.1], [0.2, -0.1]])
     anchors = np.full((3, 2), 0.5)
-    lines.drag_anchors(P, anchors, RUN, LEVEL, medium_record(medium(static=Elastoplastic(U_Y, 0.0)))[0])
+    lines.drag_anchors(P, anchors, LINE, LEVEL, medium_record(medium(static=Elastoplastic(U_Y, 0.0)))[0])
     # The first is where its station is: no strip beside it is in the sand. The upper end of the strip that pierces the
     # surface is dragged along as its lower end is; round-off of 0.1 m.
     np.testing.assert_allclose(anchors, [P[0], P[1] + U_Y, P[2] + U_Y], atol=1e-15)

@@ -117,7 +117,7 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     q = bent_beam() if q is None else q
     v, n = rng.uniform(-1, 1, size), len(geometry)
     P, V = place(geometry, q, v)
-    run, anchors = np.zeros(1, lines.RUN), P.copy()
+    run, anchors = np.zeros(1, lines.LINE), P.copy()
     run["width"], surface = 0.01, float(P[:, 1].mean())
     F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, surface), medium(TWO_WAYS, TRUE_SIGN))
     out, row = np.zeros(size), np.zeros(lines.FIRST + 13)

@@ -15,7 +15,7 @@ LEVEL = np.array([[0.0, 0.0]])
 
 
 def layered(top: float, bottom: float, width: float = 0.01) -> np.ndarray:
-    run = np.zeros(1, law.RUN)
+    run = np.zeros(1, law.LINE)
     run["width"], run["layered"], run["top"], run["bottom"] = width, True, top, bottom
     return run
 
@@ -32,7 +32,7 @@ BOUNDS = ((0.0, 0.01), (0.01, 0.03), (0.03, np.inf))
 
 
 def whole_and_layers(medium: object, P: Array, V: Array, anchors: Array) -> tuple[Array, Array]:
-    record, whole = medium.record(SOFT, G), np.zeros(1, law.RUN)
+    record, whole = medium.record(SOFT, G), np.zeros(1, law.LINE)
     whole["width"] = 0.01
     layers = sum(forces(P, V, anchors, layered(*bounds), record) for bounds in BOUNDS)
     return forces(P, V, anchors, whole, record), layers

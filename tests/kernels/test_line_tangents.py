@@ -95,7 +95,7 @@ def step(q: Array, fq: float, fv: float) -> float:
 
 
 def run_of(resultant: bool, ball: bool = False) -> np.ndarray:
-    run = np.zeros(1, law.RUN)
+    run = np.zeros(1, law.LINE)
     run["width"], run["resultant"], run["cap"] = 0.008, resultant, not ball
     if ball:
         run["width"], run["drop"], run["mass"] = 0.0254, 0.0127, MASS

@@ -114,7 +114,7 @@ def _line(rng: Random, kind: str) -> Array:
 
 
 def run_record(rng: Random, kind: str, plain: bool = False) -> Record:
-    run = np.zeros(1, law.RUN)
+    run = np.zeros(1, law.LINE)
     run["width"] = rng.uniform(0.003, 0.05)
     if kind == "ball":
         run["drop"], run["mass"] = 0.5 * run["width"], rng.uniform(0.01, 1.0)

@@ -159,7 +159,7 @@ def rolled(medium: Law, bound: str) -> tuple[tuple[float, float], ...]:
 
 def _balance(medium: Law, bound: str, one: Rolling) -> tuple[float, float]:
     def force(depth: float) -> Vector:
-        if medium.keeps_ways:
+        if medium.needs_path_length:
             return _with_history(medium, bound, one, depth)
         speed, rate = np.array([[one.forward, 0.0]]), np.array([-one.rim / BOUNDS[bound][0]])
         return wheel(bound).force(np.array([depth]), speed, rate, [Layer(medium)])[0]

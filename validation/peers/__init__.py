@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.immersion import immersed_interval
-from granular_contact.kernels.law import RUN, drag_anchor, strip_force
+from granular_contact.kernels.law import LINE, drag_anchor, strip_force
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic
 
@@ -48,7 +48,7 @@ ROOT_INERTIA = (  # RB1 and RB2 about the pivot, kg m^2
     + CLAMP_MASS * (CLAMP_CENTRE**2 + CLAMP_LENGTH**2 / 12.0 + CLAMP_DIAMETER**2 / 16.0)
 )
 
-BAR = np.zeros(1, RUN)
+BAR = np.zeros(1, LINE)
 BAR["width"] = DIAMETER
 BAR = BAR[0]
 SAND_LAW = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1))

@@ -25,7 +25,7 @@ class SpatialBatch:
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
     (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
-    (rows, 3) m: the friction state, with `ways` more columns, see `kernels.space_law`; layer: depths (m) that the
+    (rows, 3) m: the friction state, with `paths` more columns, see `kernels.space_law`; layer: depths (m) that the
     medium lies between, None if it fills the bed; active (clusters,): what may touch the surface in this step; poses,
     proximity: see `kernels.space_bodies`.
     """
@@ -38,7 +38,7 @@ class SpatialBatch:
         ground: Vector,
         turn: Vector,
         columns: Sequence[NDArray[np.int64]],
-        ways: int = 0,
+        paths: int = 0,
         layer: tuple[float, float] | None = None,
     ) -> None:
         self.ground, self.turn, self._layer = ground, turn, layer
@@ -57,7 +57,7 @@ class SpatialBatch:
         self.bodies = _bodies(self._groups)
         coordinates = np.concatenate([np.asarray(group[0].body.coordinates, np.int64) for group in self._groups])
         self.places = np.column_stack([coordinates, coordinates])
-        self.anchors = np.zeros((len(self.elements), 3 + ways))
+        self.anchors = np.zeros((len(self.elements), 3 + paths))
         self.active = np.ones(len(self.clusters), dtype=bool)
         self.poses = np.zeros((len(self.bodies), 6, 3))
         self.proximity = np.zeros((len(self.bodies), 3))

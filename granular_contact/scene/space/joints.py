@@ -35,7 +35,7 @@ def joints_of(
         child, child_frame = homes.get(joint.child, fixed)
         if child == parent:
             continue
-        assert child is not None  # closures the wrong way round are refused before
+        assert child is not None  # closures with child and parent swapped are refused before
         turn, at_child = joint_frame(joint, placed)
         # The points of a slider stay where they are on their bodies; elsewhere both are the same.
         at_parent = at_child
