@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -67,6 +68,7 @@ class Batch:
         """Take other coefficients of the same law, as its own record (1,); what is compiled and placed stays."""
         self._own = own
         self.medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
+        self.forget()
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
@@ -115,6 +117,10 @@ class Batch:
         ever = [line for line, depth in zip(self.lines, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0]
         return {(line.body, line.kind, float(line.record["width"][0])) for line in ever}
 
+    def forget(self) -> None:
+        """Forces found so far are those of another state, of which kernels cannot know."""
+        self.work[1][:] = np.nan
+
     def state(self) -> tuple[NDArray[Any], ...]:
         """What accepted steps change."""
         return self.anchors, self.proximity, self.active
@@ -124,6 +130,12 @@ class Batch:
         """Depth (lines,) m of the deepest station of each line where it was accepted last."""
         return self.proximity[:, kernels.DEEPEST]
 
-    def approach(self) -> list[tuple[float, float]]:
-        """Of each line after `accept`: depth of its deepest station (m), greatest speed of one downward (m/s)."""
-        return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]
+    def soonest(self) -> float:
+        """Time (s) after `accept` until the first of the lines above the surface may touch it; infinite of none."""
+        return soonest(self.proximity, kernels.DEEPEST, kernels.APPROACH)
+
+
+def soonest(proximity: Vector, deepest: int, approach: int) -> float:
+    """Least height over speed of what is above the surface and comes nearer; columns of depth (m) and speed (m/s)."""
+    lines = proximity.tolist()
+    return min((-one[deepest] / one[approach] for one in lines if one[deepest] < 0.0 < one[approach]), default=math.inf)

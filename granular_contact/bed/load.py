@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -214,10 +215,9 @@ class GranularLoad:
         """The last entry of the history, at no more than the cost of one."""
         return self.table.last()
 
-    def approach(self) -> Iterator[tuple[float, float]]:
-        """Of each line in each medium, where it was accepted last: its depth (m), and its speed downward (m/s)."""
-        for batch in self.batches:
-            yield from batch.approach()
+    def soonest(self) -> float:
+        """Time (s) after the last accepted step until something above the surface may touch it; infinite of nothing."""
+        return min((batch.soonest() for batch in self.batches), default=math.inf)
 
 
 def _in(layer: Layer | None, line: ContactLine, gravity: float) -> NDArray[np.void]:

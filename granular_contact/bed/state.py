@@ -52,3 +52,4 @@ def restore_batches(batches: Sequence[Batch], states: Sequence[BatchState]) -> N
     for batch, kept in zip(batches, states, strict=True):
         for array, old in zip(batch.state(), kept, strict=True):
             array[:] = old
+        batch.forget()

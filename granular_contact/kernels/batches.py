@@ -14,6 +14,9 @@ is paid once for hundreds of bodies. Arguments that they share:
     profile, medium     see `kernels.lines`; medium (1,)
     anchors             (stations, 2) m, the friction state; (stations, 6) with those of `path_length`
     room, body          to work in, see `work`
+
+Forces that `force` found for a line stay in `room` and `body` with the coordinates that they belong to. A step mostly
+ends where the last forces were asked for, and then `accept` takes them from there: they are not computed again.
 """
 
 from __future__ import annotations
@@ -31,12 +34,16 @@ from granular_contact.kernels.memory import clear, piece, room2, rows
 # depth so far (m).
 DEEPEST, APPROACH, EVER = 0, 1, 2
 BLOCK = 6  # rows of `body` before a line's tangent
+KEPT = 3  # rows at the end of `body` for each line: coordinates and rates of its last forces, and their totals
 
 
 def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
-    """Room for the longest line: seven times for its stations, and rows for its coordinates and its tangent."""
-    stations, coordinates = np.max(np.diff(ends, axis=0), axis=0, initial=0)
-    return np.zeros((7, stations, anchors.shape[1])), np.zeros((BLOCK + coordinates, coordinates))
+    """Room for all lines: seven times for their stations, and rows for coordinates, a tangent and what is kept."""
+    coordinates = int(np.max(np.diff(ends[:, 1]), initial=0))
+    lines = len(ends) - 1
+    return np.zeros((7, *anchors.shape)), np.full(
+        (BLOCK + coordinates + KEPT * lines, max(coordinates, 3 * TERMS)), np.nan
+    )
 
 
 @part
@@ -46,6 +53,30 @@ def gather(system_q, system_v, reference, places, q, v):
         at = places[i, 0]
         q[i] = system_q[at] + reference[at]
         v[i] = system_v[at]
+
+
+@part
+def keep(body, row, q, v, totals):
+    """Keep the totals of forces found at q and v."""
+    for i in range(q.shape[0]):
+        body[row, i], body[row + 1, i] = q[i], v[i]
+    for term in range(TERMS):
+        for k in range(3):
+            body[row + 2, 3 * term + k] = totals[term, k]
+
+
+@part
+def recall(body, row, q, v, totals):
+    """Whether the last forces were found at q and v, with their totals; they are not known any more from then on."""
+    known = True
+    for i in range(q.shape[0]):
+        known = known and body[row, i] == q[i] and body[row + 1, i] == v[i]
+    if known:
+        for term in range(TERMS):
+            for k in range(3):
+                totals[term, k] = body[row + 2, 3 * term + k]
+    body[row, 0] = np.nan
+    return known
 
 
 @kernel
@@ -62,10 +93,13 @@ def force(
         q, v, f = piece(body, 0, m), piece(body, 1, m), piece(body, 2, m)
         gather(system_q, system_v, reference, rows(places, c, m), q, v)
         clear(f)
+        clear(totals)
         line_force(
             q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
-            piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), totals, f,
+            rows(piece(room, 0, s + n), s, n), rows(piece(room, 1, s + n), s, n), rows(piece(room, 2, s + n), s, n),
+            totals, f,
         )  # fmt: skip
+        keep(body, body.shape[0] - KEPT * (lines.shape[0] - r), q, v, totals)
         for i in range(m):
             out[places[c + i, 1]] += f[i]
 
@@ -89,7 +123,7 @@ def tangent(
         clear(block)
         one.tangent(
             q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
-            piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), rows(body, 2, 4), fq, fv, block,
+            piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), rows(body, 2, 4), fq, fv, block,
         )  # fmt: skip
         for i in range(m):
             for j in range(m):
@@ -112,10 +146,11 @@ def accept(
         c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
         q, v = piece(body, 0, m), piece(body, 1, m)
         gather(system_q, system_v, reference, rows(places, c, m), q, v)
+        known = recall(body, body.shape[0] - KEPT * (lines.shape[0] - r), q, v, totals)
         proximity[r, DEEPEST], proximity[r, APPROACH] = one.accept(
             q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
-            piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), room, totals, piece(body, 2, m), row, columns[r],
-            begins,
+            rows(piece(room, 0, s + n), s, n), rows(piece(room, 1, s + n), s, n), rows(piece(room, 2, s + n), s, n),
+            room, totals, piece(body, 2, m), row, columns[r], begins, known,
         )  # fmt: skip
         proximity[r, EVER] = max(proximity[r, EVER], proximity[r, DEEPEST])
 

@@ -126,15 +126,16 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
 
 
 @part
-def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, out, row, columns, begins):
+def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, out, row, columns, begins, known):
     """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
 
     room (7, n, columns of anchors) and out (m,) to work in; begins: whether a motion begins here instead, without any
-    stretched bristle. Returns the line's depth (m, negative above the surface) and the greatest speed at which a
-    station approaches the surface (m/s).
+    stretched bristle. known: whether P, V, F and totals are those of this state already. Returns the line's depth (m,
+    negative above the surface) and the greatest speed at which a station approaches the surface (m/s).
     """
-    clear(totals)
-    line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)
+    if not known:
+        clear(totals)
+        line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)
     deepest, speed = -np.inf, 0.0
     for i in range(P.shape[0]):
         surface, slope = height(profile, P[i, 0])
@@ -142,10 +143,13 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
         deepest = max(deepest, z)
         speed = max(speed, abs(V[i, 1]) + abs(slope * V[i, 0]))
         if z > 0.0:
-            row[SPEED] = max(row[SPEED], math.sqrt(V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]))
+            square = V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]
+            if square > row[SPEED] * row[SPEED]:
+                row[SPEED] = math.sqrt(square)
             row[LOWEST] = min(row[LOWEST], P[i, 1] - line.drop)
-            beside = line.beside * upright(P, i)
-            row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0] - beside), max(row[RIGHT], P[i, 0] + beside)
+            if P[i, 0] - line.beside < row[LEFT] or P[i, 0] + line.beside > row[RIGHT]:
+                beside = line.beside * upright(P, i)
+                row[LEFT], row[RIGHT] = min(row[LEFT], P[i, 0] - beside), max(row[RIGHT], P[i, 0] + beside)
     row[DEPTH] = max(row[DEPTH], deepest)
     if begins:
         start(P, anchors)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import doctest
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import granular_contact.bed
 from granular_contact import preset
+from granular_contact.bed import state
 from granular_contact.bed.contact_lines import Body, ball, outline, polyline
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError
@@ -53,6 +55,43 @@ def test_force_on_a_pushed_plate_is_that_of_the_law(angle: float) -> None:
     np.testing.assert_allclose(wrench[:2], expected, rtol=1e-9, atol=1e-9)
     assert (expected[1] > 0.1) == (angle != 0.0)
     np.testing.assert_allclose(load.history.bodies[-1, 0, :2], wrench[:2], rtol=1e-12)
+
+
+def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it() -> None:
+    """Forces found at the end of a step are taken for it, but not those of another state, anchor or coefficient."""
+
+    def accepted(asked: bool) -> list[np.ndarray]:
+        load = GranularLoad(SAND, 0.0, static=Elastoplastic(1e-3, 1e-3))
+        load.add(polyline(Body("plate", [0, 1, 2]), PLATE, width=SIZE))
+        pose, velocity = np.array([0.0, -0.01, 0.3]), np.array([0.02, -SPEED, 1.0])
+        load.start(pose)
+        load.accept(0.0, pose, velocity)
+        before, rows = state.state(load), []
+
+        def end(t: float, way: float, ask: float | None) -> None:
+            """A step to `way` down, with forces asked for at `ask` where any are."""
+            for at in (ask, None if ask is None else way) if asked else ():
+                if at is not None:
+                    load.force(pose - [0.0, at, 0.0], velocity, np.zeros(3))
+                    load.tangent(pose - [0.0, 0.5 * at, 0.0], velocity, 1.0, 1.0)
+            load.accept(t, pose - [0.0, way, 0.0], velocity)
+            rows.extend([load.table.row.copy(), load.batches[0].anchors.copy()])
+
+        end(1e-3, 4e-4, 4e-4)  # found at its end, and known
+        end(2e-3, 9e-4, 6e-4)
+        if asked:
+            load.force(pose - [0.0, 3e-3, 0.0], velocity, np.zeros(3))
+        state.restore(load, before)  # other anchors
+        end(1e-3, 3e-3, None)
+        if asked:
+            load.force(pose - [0.0, 4e-3, 0.0], velocity, np.zeros(3))
+        softer = preset("poppy_seeds_close")
+        load.renew([replace(load.layers[0], medium=softer)], Elastoplastic(1e-3, 1e-3), 9.81)
+        end(2e-3, 4e-3, None)
+        return rows
+
+    for ours, theirs in zip(accepted(True), accepted(False), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
 
 
 def test_work_of_a_level_plate_is_that_of_a_force_that_grows_with_the_depth() -> None:

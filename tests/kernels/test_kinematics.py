@@ -126,7 +126,7 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     lines.force(q, v, *args, totals_too, out)
     columns = lines.FIRST + np.array([0, 1, 10])
     work = np.zeros((7, n, 2)), totals_too, np.zeros(size)
-    depth, speed = lines.accept(q, v, *args, *work, row, columns, False)
+    depth, speed = lines.accept(q, v, *args, *work, row, columns, False, False)
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
     assert row[lines.FIRST] == pytest.approx(out @ v, rel=1e-12)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.bed.batch import soonest
 from granular_contact.bed.space.elements import Elements
 from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
@@ -133,9 +134,12 @@ class SpatialBatch:
         ]
         return {(one.body.name, one.kind, one.size) for group in ever for one in group}
 
-    def approach(self) -> list[tuple[float, float]]:
-        """Of each body after `accept`: bounds of its greatest depth (m) and of the greatest speed of a point (m/s)."""
-        return [(float(depth), float(speed)) for depth, speed in self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]]]
+    def soonest(self) -> float:
+        """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
+        return soonest(self.proximity, kernels.DEEPEST, kernels.APPROACH)
+
+    def forget(self) -> None:
+        """As of `batch.Batch`: in space no forces are kept."""
 
     def state(self) -> tuple[NDArray[Any], ...]:
         """What accepted steps change."""
