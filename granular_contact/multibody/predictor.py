@@ -17,6 +17,7 @@ Nothing else changes: the equations that a step solves, and when they count as s
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import exudyn as exu
@@ -25,7 +26,6 @@ import numpy as np
 from granular_contact.scene.types import Vector
 
 PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
-SECOND = 2  # iteration from which on changes are kept: the first one is that of the prediction
 START = exu.ConfigurationType.StartOfStep
 
 
@@ -52,9 +52,10 @@ class Predictor:
         patience: tuple[float, float] | None = None,
     ) -> None:
         self.solver, self.lever, self.tolerances, self.patience = solver, lever, tolerances, patience
-        # Accelerations that the iteration under way began with; those that the one before led to, with multipliers; its
-        # change, in m/s2.
-        self._from = self._led = self._multipliers = self._change = np.zeros(0)
+        self._go_on: Callable[..., Any] | None = None  # compiled
+        self._arguments: tuple[Any, ...] = ()  # of the step under way
+        self._multipliers = np.zeros(0)
+        self._kept = np.zeros((3, 0))
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
         """Before the residual of an iteration of the step to t (s)."""
@@ -63,43 +64,46 @@ class Predictor:
             self.solver.newton.absoluteTolerance = min(greatest, least * EASING ** (iteration + 1 - PATIENT))
         if discontinuous:
             return
-        if iteration:
-            if self.lever is not None:
-                self._go_on(mbs.systemData, self.lever, iteration)
-            return
+        if not iteration:
+            self._begin(mbs.systemData)
+        elif self._go_on is not None:
+            self._go_on(*self._arguments, iteration)
+
+    def _begin(self, data: Any) -> None:
+        """Begin a step, or another try of one, with what the last one ended with."""
+        solver = self.solver
+        step = solver.it.currentStepSize
         if self.patience is not None:
-            self.solver.newton.absoluteTolerance = self.patience[0]
+            solver.newton.absoluteTolerance = self.patience[0]
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
-            step = self.solver.it.currentStepSize
-            self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
-        data = mbs.systemData
-        self._move(data, data.GetODE2Coordinates_tt(START, copy=False))
-        data.GetAECoordinates(copy=False)[:] = data.GetAECoordinates(START, copy=False)
+            solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
+        q, v, a = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False), _accelerations(data)
+        multipliers = data.GetAECoordinates(copy=False)
+        # With an acceleration further by one go so much of a coordinate and its rate, as the scheme says.
+        of_q = step * step * solver.newmarkBeta * (1.0 - solver.alphaF) / (1.0 - solver.alphaM)
+        of_v = of_q * solver.newmarkGamma / (step * solver.newmarkBeta)
+        before = data.GetODE2Coordinates_tt(START, copy=False)
+        q += of_q * before
+        v += of_v * before
+        a += before
+        multipliers[:] = data.GetAECoordinates(START, copy=False)
+        if self.lever is not None:
+            if self._go_on is None:
+                self._compile(q, multipliers)
+            self._arguments = q, v, a, multipliers, self.lever, self._kept, self._multipliers, of_q, of_v
 
-    def _move(self, data: Any, further: Vector) -> None:
-        """Add to the accelerations at the end of the step; coordinates and rates follow as the scheme says."""
-        solver = self.solver
-        step, inertia = solver.it.currentStepSize, (1.0 - solver.alphaM) / (1.0 - solver.alphaF)
-        moved = further * (step * step * solver.newmarkBeta / inertia)
-        data.GetODE2Coordinates(copy=False)[:] += moved
-        data.GetODE2Coordinates_t(copy=False)[:] += moved * (solver.newmarkGamma / (step * solver.newmarkBeta))
-        data.GetODE2Coordinates_tt(copy=False)[:] += further
+    def _compile(self, q: Vector, multipliers: Vector) -> None:
+        from granular_contact.kernels import anderson
+        from granular_contact.kernels.entry import entry
 
-    def _go_on(self, data: Any, lever: Vector, iteration: int) -> None:
-        """Go on from where the last two iterations led to, once there are two."""
-        led = data.GetODE2Coordinates_tt()
-        if iteration < SECOND:
-            self._from = led
-            return
-        multipliers, change = data.GetAECoordinates(), lever * (led - self._from)
-        self._from = led
-        if iteration > SECOND:
-            bend = change - self._change
-            size = bend.dot(bend)
-            back = -min(1.0, max(-1.0, bend.dot(change) / size)) if size > 0.0 else 0.0
-            further = back * (led - self._led)
-            self._move(data, further)
-            data.GetAECoordinates(copy=False)[:] += back * (multipliers - self._multipliers)
-            self._from = led + further
-        self._led, self._multipliers, self._change = led, multipliers, change
+        self._kept, self._multipliers = np.zeros((3, len(q))), np.zeros(len(multipliers))
+        q = np.zeros_like(q)
+        given = q, q, q, self._multipliers, q, self._kept, self._multipliers, 0.0, 0.0, 0
+        self._go_on = entry(anderson.go_on, *given)
+
+
+def _accelerations(data: Any) -> Vector:
+    """Of the present state, in the engine's own memory."""
+    found: Vector = data.GetODE2Coordinates_tt(copy=False)
+    return found

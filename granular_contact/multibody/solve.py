@@ -97,7 +97,7 @@ class Solve:
                 if unresolved(scene)
                 else Predictor(
                     self.solver,
-                    None if scene.links else self.recorder.lever,
+                    self.recorder.lever if self._goes_round() else None,
                     tolerances(scene, self.simulation),
                     patience(scene, self.simulation),
                 )
@@ -114,6 +114,10 @@ class Solve:
             self._run(self._begin)
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
+
+    def _goes_round(self) -> bool:
+        """Whether iterations of Newton's method may go to and fro, so that they are led on by those before."""
+        return not self.system.scene.links and (self.system.bed is not None or bool(self.system.loads))
 
     def _run(self, part: Callable[[], bool]) -> None:
         """Do a part of the solve and keep how it ended, with the time that it took."""
