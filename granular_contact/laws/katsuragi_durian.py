@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.laws.scalar import ScalarLaw
-from granular_contact.values.strict import NotNegative, Positive, refusal
+from granular_contact.values.strict import Faults, NotNegative, Positive
 
 LENGTHS = ("drag_length", "drag_length_per_diameter")
 
@@ -44,10 +44,9 @@ class KatsuragiDurian(ScalarLaw):
             "d1_per_diameter": self.drag_length_per_diameter or 0.0,
         }
 
-    @model_validator(mode="after")
-    def _one_length(self) -> KatsuragiDurian:
+    def _faults(self) -> Faults:
+        yield from super()._faults()
         given = (self.drag_length is not None) + (self.drag_length_per_diameter is not None)
         if given != 1:
             got = "both" if given else "neither"
-            raise refusal([((), f"got {got} of drag_length_m and drag_length_diameters; exactly one is allowed")])
-        return self
+            yield (), f"got {got} of drag_length_m and drag_length_diameters; exactly one is allowed"

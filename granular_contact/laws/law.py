@@ -20,14 +20,14 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import Field, field_serializer
 
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.scatter import MeasuredScatter, Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
-from granular_contact.values.strict import Listed, OrNull, Text, listed, refusal
+from granular_contact.values.strict import Faults, Listed, OrNull, Text, listed
 
 if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
@@ -115,16 +115,14 @@ class Law(Coefficients):
         """Whether its static resistance scatters."""
         return self.scatter is not None and self.scatter.relative != 0.0
 
-    @model_validator(mode="after")
-    def _measured(self) -> Law:
+    def _faults(self) -> Faults:
         asked = self.scatter.measured if self.scatter is not None else None
         names = [one.name for one in self.measured_scatter]
         if asked is not None and asked not in names:
             known = f"allowed is {listed(names)}"
             if not names:
                 known = "no scatter was measured in this medium; allowed are relative and length_m"
-            raise refusal([(("scatter", "measured"), f"got {asked}, {known}")])
-        return self
+            yield ("scatter", "measured"), f"got {asked}, {known}"
 
     def fill_scatter(self, record: Any, in_space: bool = False) -> None:
         """Write its scatter, if it has any, into the record (1,) of a contact line or the records of clusters."""
@@ -156,6 +154,7 @@ class Law(Coefficients):
 
     def model_post_init(self, context: Any, /) -> None:
         """Name a medium without a name after its law."""
+        super().model_post_init(context)
         if self.name is None:
             self.__dict__["name"] = self.law
 

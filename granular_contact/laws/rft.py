@@ -21,11 +21,11 @@ import math
 from functools import lru_cache
 from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.law import Law
-from granular_contact.values.strict import Positive, refusal
+from granular_contact.values.strict import Faults, Positive
 
 # The coefficients were measured on Earth. Stresses that come from friction grow in proportion to gravity [ours].
 MEASURED_AT = 9.81
@@ -45,14 +45,12 @@ class RftCoefficients(Coefficients):
     C_11: float
     D10: float
 
-    @model_validator(mode="after")
-    def _resist(self) -> RftCoefficients:
+    def _faults(self) -> Faults:
         """A medium can't push an element along: looked at every 5 degrees of it and 10 of its motion."""
         power, beta, gamma = _greatest_power(*(getattr(self, name) for name in type(self).model_fields))
         if power > 1e-9 * max(map(abs, (self.A00, self.B01, self.C01))):
             where = f"an element at beta {beta} deg that moves at gamma {gamma} deg"
-            raise refusal([((), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion")])
-        return self
+            yield (), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion"
 
     def numbers(self, zeta: float, gravity: float) -> dict[str, float]:
         """Zeta times the coefficients as CONSTANTS (N/m3)."""

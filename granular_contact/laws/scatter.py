@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.laws.coefficients import Coefficients
-from granular_contact.values.strict import LocalFault, Positive, Text, refusal
+from granular_contact.values.strict import Faults, Positive, Text
 
 MOST = 0.5  # of kernels.scatter, which is not loaded for a config
 SEEDS = 2**53
@@ -48,19 +48,14 @@ class Scatter(Coefficients):
     measured: Text | None = None
     """Both numbers from a force that was measured in this medium, by its name there; null: from the two above."""
 
-    @model_validator(mode="after")
-    def _either(self) -> Scatter:
+    def _faults(self) -> Faults:
         given = {"relative": self.relative, "length_m": self.length}
-        faults: list[LocalFault]
         if self.measured is None:
             words = "missing, allowed is a number, or `measured` with the name of what was measured in this medium"
-            faults = [((key,), words) for key, value in given.items() if value is None]
+            yield from (((key,), words) for key, value in given.items() if value is None)
         else:
             words = "stands beside `measured`, which gives it; allowed is null"
-            faults = [((key,), words) for key, value in given.items() if value is not None]
-        if faults:
-            raise refusal(faults)
-        return self
+            yield from (((key,), words) for key, value in given.items() if value is not None)
 
     def numbers(self, known: Sequence[MeasuredScatter], in_space: bool) -> tuple[float, float]:
         """s, and L (m); known: what was measured in the medium."""

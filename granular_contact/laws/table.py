@@ -18,11 +18,11 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact import kernels
 from granular_contact.laws.law import Law
-from granular_contact.values.strict import Listed, LocalFault, refusal
+from granular_contact.values.strict import Faults, Listed, LocalFault
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,8 +53,8 @@ class StressTable(Law):
     takes = frozenset({"round", "flat", "outline"})
     constants = ("data", "depths", "betas", "gammas")  # address of the numbers, and how many there are of each
 
-    @model_validator(mode="after")
-    def _whole(self) -> StressTable:
+    def _faults(self) -> Faults:
+        yield from super()._faults()
         faults = [*axis_faults(self.depth, self.beta, self.gamma)]
         count = len(self.depth) * len(self.beta) * len(self.gamma)
         faults += [
@@ -62,16 +62,15 @@ class StressTable(Law):
             for key, values in (("stress_x_Pa", self.stress_x), ("stress_z_Pa", self.stress_z))
             if len(values) != count
         ]
-        if not faults:
-            scale = max(map(abs, (*self.stress_x, *self.stress_z)))
-            rows = [(z, b, g) for z in self.depth for b in self.beta for g in self.gamma]
-            for (z, b, g), x, up in zip(rows, self.stress_x, self.stress_z, strict=True):
-                if power(g, x, up) > MOST_DRIVING * scale:
-                    faults.append(((), driving(z, b, g, power(g, x, up))))
-                    break
+        yield from faults
         if faults:
-            raise refusal(faults)
-        return self
+            return
+        scale = max(map(abs, (*self.stress_x, *self.stress_z)))
+        rows = [(z, b, g) for z in self.depth for b in self.beta for g in self.gamma]
+        for (z, b, g), x, up in zip(rows, self.stress_x, self.stress_z, strict=True):
+            if power(g, x, up) > MOST_DRIVING * scale:
+                yield (), driving(z, b, g, power(g, x, up))
+                return
 
     def numbers(self, gravity: float) -> dict[str, float]:
         """As `Law.numbers`; gravity does not matter, the stresses are those of a place."""

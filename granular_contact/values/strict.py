@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Annotated, Any, get_args
 
@@ -21,6 +21,7 @@ _FORMS: dict[str, Any] = {"text": str, "number": int | float, "list": list | tup
 _RESOLVER: Any = yaml.resolver.Resolver()
 Path = tuple[str | int, ...]
 LocalFault = tuple[Path, str]
+Faults = Iterator[LocalFault]
 
 
 class Strict(BaseModel):
@@ -35,6 +36,15 @@ class Strict(BaseModel):
         extra="forbid",
         allow_inf_nan=False,
     )
+
+    def model_post_init(self, _context: Any, /) -> None:
+        """Refuse values that do not go together."""
+        if faults := list(self._faults()):
+            raise refusal(faults)
+
+    def _faults(self) -> Faults:
+        """What is wrong with values that are each allowed: paths below this one, and sentences."""
+        yield from ()
 
 
 def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:

@@ -6,10 +6,10 @@ import math
 from itertools import pairwise
 from typing import Annotated
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field
 
 from granular_contact.config.schema.medium import Medium
-from granular_contact.values.strict import Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
+from granular_contact.values.strict import Faults, Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
 
 STEEPEST = 60  # deg: depth is vertical, and says little of how far the surface is on steeper ground
 
@@ -66,20 +66,15 @@ class Bed(Strict):
     layers: Annotated[tuple[BedLayer, ...], Listed] = ()
     """Below the medium of the scenario, which then lies on top, from the highest to the deepest."""
 
-    @model_validator(mode="after")
-    def _fits_together(self) -> Bed:
-        faults: list[LocalFault] = []
+    def _faults(self) -> Faults:
         if self.profile_m is not None and (self.height_m is not None or self.slope_deg != 0.0):
-            faults.append((("profile_m",), "got a profile and height_m or slope_deg; one of the two is allowed"))
+            yield ("profile_m",), "got a profile and height_m or slope_deg; one of the two is allowed"
         if self.floor is not None and self.depth_m is None:
-            faults.append((("floor",), "a stiff floor needs depth_m"))
+            yield ("floor",), "a stiff floor needs depth_m"
         if self.container_x_m is not None and not self.container_x_m[0] < self.container_x_m[1]:
-            faults.append((("container_x_m",), f"got {list(self.container_x_m)}; the first must be left of the second"))
+            yield ("container_x_m",), f"got {list(self.container_x_m)}; the first must be left of the second"
         level = self.profile_m is None and self.slope_deg == 0.0
-        faults += layer_faults(self.layers, self.depth_m if level else None)
-        if faults:
-            raise refusal(faults)
-        return self
+        yield from layer_faults(self.layers, self.depth_m if level else None)
 
 
 def layer_faults(layers: tuple[BedLayer, ...], floor: float | None) -> list[LocalFault]:

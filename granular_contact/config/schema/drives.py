@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import model_validator
-
 from granular_contact.config.schema.signals import Buehler, Signal
-from granular_contact.values.strict import Listed, NotNegative, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged
 
 
-def _exactly_one(drive: Strict, names: tuple[str, ...]) -> None:
+def _exactly_one(drive: Strict, names: tuple[str, ...]) -> Faults:
     given = [name for name in names if getattr(drive, name) is not None]
     if len(given) != 1:
         got = " and ".join(given) or "none"
-        raise refusal([((), f"got {got} of {', '.join(names)}; exactly one is allowed")])
+        yield (), f"got {got} of {', '.join(names)}; exactly one is allowed"
     for name in given:
         if name != "angle_deg" and isinstance(getattr(drive, name), Buehler):
-            raise refusal([((name,), "got a buehler clock, which gives angles; allowed are the other signals")])
+            yield (name,), "got a buehler clock, which gives angles; allowed are the other signals"
 
 
 class Torque(Strict):
@@ -26,10 +24,8 @@ class Torque(Strict):
     type: Literal["torque"]
     torque_Nm: Signal
 
-    @model_validator(mode="after")
-    def _no_angle(self) -> Torque:
-        _exactly_one(self, ("torque_Nm",))
-        return self
+    def _faults(self) -> Faults:
+        return _exactly_one(self, ("torque_Nm",))
 
 
 class Force(Strict):
@@ -38,10 +34,8 @@ class Force(Strict):
     type: Literal["force"]
     force_N: Signal
 
-    @model_validator(mode="after")
-    def _no_angle(self) -> Force:
-        _exactly_one(self, ("force_N",))
-        return self
+    def _faults(self) -> Faults:
+        return _exactly_one(self, ("force_N",))
 
 
 class Motion(Strict):
@@ -55,10 +49,8 @@ class Motion(Strict):
     smooth_s: Positive | None = None
     """Time over which each jump of the rate is smoothed; null: jumps are refused."""
 
-    @model_validator(mode="after")
-    def _one_target(self) -> Motion:
-        _exactly_one(self, ("angle_deg", "position_m"))
-        return self
+    def _faults(self) -> Faults:
+        return _exactly_one(self, ("angle_deg", "position_m"))
 
 
 class HingeControl(Strict):
@@ -74,11 +66,9 @@ class HingeControl(Strict):
     limit_Nm: Positive | None = None
     """null: no limit."""
 
-    @model_validator(mode="after")
-    def _one_target(self) -> HingeControl:
-        _exactly_one(self, ("angle_deg", "rate_rad_s"))
-        _gains(self, "gain_Nm_per_rad", "rate_gain_Nm_s_per_rad", by_rate=self.rate_rad_s is not None)
-        return self
+    def _faults(self) -> Faults:
+        yield from _exactly_one(self, ("angle_deg", "rate_rad_s"))
+        yield from _gains(self, "gain_Nm_per_rad", "rate_gain_Nm_s_per_rad", by_rate=self.rate_rad_s is not None)
 
 
 class SliderControl(Strict):
@@ -94,11 +84,9 @@ class SliderControl(Strict):
     limit_N: Positive | None = None
     """null: no limit."""
 
-    @model_validator(mode="after")
-    def _one_target(self) -> SliderControl:
-        _exactly_one(self, ("position_m", "speed_m_s"))
-        _gains(self, "gain_N_per_m", "speed_gain_N_s_per_m", by_rate=self.speed_m_s is not None)
-        return self
+    def _faults(self) -> Faults:
+        yield from _exactly_one(self, ("position_m", "speed_m_s"))
+        yield from _gains(self, "gain_N_per_m", "speed_gain_N_s_per_m", by_rate=self.speed_m_s is not None)
 
 
 class External(Strict):
@@ -133,21 +121,21 @@ class External(Strict):
     limit_N: Positive | None = None
     """null: no limit."""
 
-    @model_validator(mode="after")
-    def _whole(self) -> External:
-        _exactly_one(self, tuple(TARGETS))
+    def _faults(self) -> Faults:
+        if faults := list(_exactly_one(self, tuple(TARGETS))):
+            yield from faults
+            return
         key = target(self)
         gain, rate_gain, limit = OF_TARGET[TARGETS[key]]
         others = [name for one in OF_TARGET.values() for name in one if name not in (gain, rate_gain, limit)]
         if key in ("torque_Nm", "force_N"):
             others += [gain, rate_gain, limit]
         else:
-            _gains(self, gain, rate_gain, by_rate=key in ("rate_rad_s", "speed_m_s"))
+            yield from _gains(self, gain, rate_gain, by_rate=key in ("rate_rad_s", "speed_m_s"))
         for name in others:
             if getattr(self, name):
-                raise refusal([((name,), f"got {getattr(self, name):g}, but {key} is set: allowed is nothing")])
-        _check_range(self, key)
-        return self
+                yield (name,), f"got {getattr(self, name):g}, but {key} is set: allowed is nothing"
+        yield from _range_faults(self, key)
 
 
 # Type of joint -> keys of the gains and the limit of its control.
@@ -157,22 +145,22 @@ OF_TARGET = {
 }
 
 
-def _check_range(drive: External, key: str) -> None:
+def _range_faults(drive: External, key: str) -> Faults:
     if drive.range is None:
         return
     least, most = drive.range
     if not least < most:
-        raise refusal([(("range",), f"got {least:g} to {most:g}; allowed are two numbers that grow")])
-    if not least <= getattr(drive, key) <= most:
-        raise refusal([((key,), f"got {getattr(drive, key):g}; allowed is {least:g} to {most:g}, its range")])
+        yield ("range",), f"got {least:g} to {most:g}; allowed are two numbers that grow"
+    elif not least <= getattr(drive, key) <= most:
+        yield (key,), f"got {getattr(drive, key):g}; allowed is {least:g} to {most:g}, its range"
 
 
-def _gains(drive: Strict, gain: str, rate_gain: str, *, by_rate: bool) -> None:
+def _gains(drive: Strict, gain: str, rate_gain: str, *, by_rate: bool) -> Faults:
     if by_rate and getattr(drive, gain) != 0.0:
-        raise refusal([((gain,), f"got {getattr(drive, gain):g}, but a speed is controlled: allowed is {rate_gain}")])
+        yield (gain,), f"got {getattr(drive, gain):g}, but a speed is controlled: allowed is {rate_gain}"
     needed = rate_gain if by_rate else gain
     if getattr(drive, needed) == 0.0:
-        raise refusal([((needed,), "got 0 or nothing, so the drive would do nothing; allowed is a number above 0")])
+        yield (needed,), "got 0 or nothing, so the drive would do nothing; allowed is a number above 0"
 
 
 DRIVES: dict[str, type[Strict]] = {

@@ -23,21 +23,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag
 
 from granular_contact.config.schema.sweep import DottedKeys
-from granular_contact.values.strict import (
-    Listed,
-    LocalFault,
-    Names,
-    NotNegative,
-    Positive,
-    Strict,
-    Text,
-    allow,
-    form,
-    refusal,
-)
+from granular_contact.values.strict import Faults, Listed, Names, NotNegative, Positive, Strict, Text, allow, form
 
 MOST_RUNS, MOST_STARTS = 1000, 1024
 OFFSET_RANGE = (-0.02, 0.02)  # s, of a clock of which nothing is said
@@ -53,20 +42,15 @@ class Bounds(Strict):
     scale: Literal["log", "linear"] | None = None
     """null: log where the bounds are far apart."""
 
-    @model_validator(mode="after")
-    def _start_within(self) -> Bounds:
+    def _faults(self) -> Faults:
         low, high, start = self.low, self.high, self.start
-        faults: list[LocalFault] = []
         if low is not None and high is not None and low >= high:
-            faults.append(((), f"got bounds from {low:g} to {high:g}; the first must be below the second"))
+            yield (), f"got bounds from {low:g} to {high:g}; the first must be below the second"
         elif start is not None and ((low is not None and start < low) or (high is not None and start > high)):
             bounds = f"from {'-inf' if low is None else f'{low:g}'} to {'inf' if high is None else f'{high:g}'}"
-            faults.append((("start",), f"got {start:g}, which is not within the bounds {bounds}"))
+            yield ("start",), f"got {start:g}, which is not within the bounds {bounds}"
         elif self.scale == "log" and any(one is not None and one <= 0.0 for one in (low, high, start)):
-            faults.append((("scale",), "got log, for which bounds and start must be above 0"))
-        if faults:
-            raise refusal(faults)
-        return self
+            yield ("scale",), "got log, for which bounds and start must be above 0"
 
 
 class ClockBounds(Bounds):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from granular_contact.values.strict import LocalFault, Strict, refusal
+from granular_contact.values.strict import Faults, Strict
 
 
 class JointStart(Strict):
@@ -49,17 +49,11 @@ class Initial(Strict):
     settle: bool = False
     """Start from static equilibrium under gravity, with the drives as they are at t = 0."""
 
-    @model_validator(mode="after")
-    def _is_a_start(self) -> Initial:
-        faults: list[LocalFault] = []
+    def _faults(self) -> Faults:
         if self.impact_tip_speed_m_s is not None and self.impact_speed_rad_s != 0.0:
-            message = "got both this and impact_speed_rad_s; allowed is one of them"
-            faults.append((("impact_tip_speed_m_s",), message))
+            yield ("impact_tip_speed_m_s",), "got both this and impact_speed_rad_s; allowed is one of them"
         if self.settle:
-            faults += [(path, f"got {value:g}, but settle is true: allowed is 0") for path, value in self._speeds()]
-        if faults:
-            raise refusal(faults)
-        return self
+            yield from [(path, f"got {value:g}, but settle is true: allowed is 0") for path, value in self._speeds()]
 
     def _speeds(self) -> list[tuple[tuple[str, ...], float]]:
         speeds: list[tuple[tuple[str, ...], float | None]] = [

@@ -13,11 +13,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, GetCoreSchemaHandler, model_validator
+from pydantic import AfterValidator, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from granular_contact.config.schema.deprecated import Renewed
-from granular_contact.values.strict import NotNegative, Point, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, refusal
 
 # The words of robotics for types of joints, and ours.
 SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
@@ -76,11 +76,9 @@ class HingeStops(Strict):
     stiffness_Nm_per_rad: Positive
     dissipation_s_per_rad: NotNegative = 0.0
 
-    @model_validator(mode="after")
-    def _in_order(self) -> HingeStops:
+    def _faults(self) -> Faults:
         if self.lower_deg >= self.upper_deg:
-            raise refusal([(("lower_deg",), f"got {self.lower_deg:g}; allowed is below upper_deg, {self.upper_deg:g}")])
-        return self
+            yield ("lower_deg",), f"got {self.lower_deg:g}; allowed is below upper_deg, {self.upper_deg:g}"
 
 
 class HingeFriction(Strict):
@@ -133,11 +131,9 @@ class SliderStops(Strict):
     stiffness_N_per_m: Positive
     dissipation_s_per_m: NotNegative = 0.0
 
-    @model_validator(mode="after")
-    def _in_order(self) -> SliderStops:
+    def _faults(self) -> Faults:
         if self.lower_m >= self.upper_m:
-            raise refusal([(("lower_m",), f"got {self.lower_m:g}; allowed is below upper_m, {self.upper_m:g}")])
-        return self
+            yield ("lower_m",), f"got {self.lower_m:g}; allowed is below upper_m, {self.upper_m:g}"
 
 
 class SliderFriction(Strict):
@@ -176,11 +172,9 @@ class Free(_Ends):
 
     type: Annotated[Literal["free"], OrSynonym()]
 
-    @model_validator(mode="after")
-    def _on_the_ground(self) -> Free:
+    def _faults(self) -> Faults:
         if self.parent != "ground":
-            raise refusal([(("parent",), f"got {self.parent!r}; a free joint has the parent ground")])
-        return self
+            yield ("parent",), f"got {self.parent!r}; a free joint has the parent ground"
 
 
 def by_name(**types: type[Strict]) -> dict[str, type[Strict]]:

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.shapes import Shape, section_faults
-from granular_contact.values.strict import (
-    Listed,
-    LocalFault,
-    NotNegative,
-    Point,
-    Positive,
-    Strict,
-    Tagged,
-    refusal,
-)
+from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Tagged
+
+_MASS = ("mass_kg", "inertia_kg_m2", "center_of_mass_m")
+
+
+def mass_faults(body: Any) -> Faults:
+    """Faults of a rigid body, in the plane or in space, whose mass is not given once."""
+    given = [name for name in _MASS if getattr(body, name) is not None]
+    if body.density_kg_m3 is not None:
+        yield from (((name,), "stands beside density_kg_m3, from which it follows; give one") for name in given)
+        if not body.shapes:
+            yield ("shapes",), "are missing; a density needs shapes, or give mass_kg and inertia_kg_m2"
+    elif not given:
+        allowed = "allowed is a density with shapes, or mass_kg and inertia_kg_m2"
+        yield ("density_kg_m3",), f"is missing, so the body has no mass; {allowed}"
+    else:
+        words = "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2"
+        yield from (((name,), words) for name in _MASS[:2] if name not in given)
 
 
 class Rigid(Strict):
@@ -32,28 +40,8 @@ class Rigid(Strict):
     """In the frame of the body; null: its origin."""
     shapes: Annotated[tuple[Shape, ...], Listed] = ()
 
-    @model_validator(mode="after")
-    def _one_source_of_mass(self) -> Rigid:
-        given = [n for n in ("mass_kg", "inertia_kg_m2", "center_of_mass_m") if getattr(self, n) is not None]
-        faults: list[LocalFault] = []
-        if self.density_kg_m3 is not None:
-            faults += [((name,), "stands beside density_kg_m3, from which it follows; give one") for name in given]
-            if not self.shapes:
-                faults.append((("shapes",), "are missing; a density needs shapes, or give mass_kg and inertia_kg_m2"))
-        else:
-            needed = ("mass_kg", "inertia_kg_m2")
-            faults += [
-                ((name,), "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2")
-                for name in needed
-                if name not in given
-            ]
-            if len(faults) == len(needed) and not given:
-                faults = [
-                    (("density_kg_m3",), "is missing; allowed is a density with shapes, or mass_kg and inertia_kg_m2")
-                ]
-        if faults:
-            raise refusal(faults)
-        return self
+    def _faults(self) -> Faults:
+        return mass_faults(self)
 
 
 class Flexible(Strict):
@@ -70,13 +58,11 @@ class Flexible(Strict):
     axial_damping_N_s: NotNegative = 0.0
     """Axial force per rate of strain."""
 
-    @model_validator(mode="after")
-    def _one_stiffness(self) -> Flexible:
+    def _faults(self) -> Faults:
         given = (self.bending_stiffness_N_m2 is not None) + (self.youngs_modulus_Pa is not None)
         if given != 1:
             got = "both" if given else "neither"
-            raise refusal([((), f"got {got} of bending_stiffness_N_m2 and youngs_modulus_Pa; exactly one is allowed")])
-        return self
+            yield (), f"got {got} of bending_stiffness_N_m2 and youngs_modulus_Pa; exactly one is allowed"
 
 
 class Link(Strict):
@@ -94,11 +80,8 @@ class Link(Strict):
     flexible: Flexible | None = None
     """null: the link is rigid."""
 
-    @model_validator(mode="after")
-    def _one_section(self) -> Link:
-        if faults := section_faults(self.diameter_m, self.width_m, self.thickness_m):
-            raise refusal(faults)
-        return self
+    def _faults(self) -> Faults:
+        return section_faults(self.diameter_m, self.width_m, self.thickness_m)
 
 
 BODIES: dict[str, type[Strict]] = {"rigid": Rigid, "link": Link}

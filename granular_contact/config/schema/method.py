@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_serializer, model_validator
 
-from granular_contact.values.strict import Strict, refusal
+from granular_contact.values.strict import Faults, Strict, refusal
 
 ENGINE, MINIMAL, REDUCED = "engine", "minimal", "reduced"
 WORDS: dict[Any, dict[str, Any]] = {ENGINE: {}, MINIMAL: {MINIMAL: {}}, REDUCED: {REDUCED: {}}}
@@ -51,11 +51,9 @@ class Method(Strict):
             raise refusal([((), f"got the text {value!r}; allowed are {allowed}")])
         return WORDS[value]
 
-    @model_validator(mode="after")
-    def _one_of_them(self) -> Method:
+    def _faults(self) -> Faults:
         if self.reduced is not None and self.minimal is not None:
-            raise refusal([((), f"got {MINIMAL} and {REDUCED}; one of them is allowed")])
-        return self
+            yield (), f"got {MINIMAL} and {REDUCED}; one of them is allowed"
 
     @model_serializer
     def _spelled(self) -> Any:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.chain import Chain, expand, names
 from granular_contact.config.schema.joints import Closure, Joint
 from granular_contact.config.schema.mechanism import Body
 from granular_contact.config.schema.structure import structure_faults
-from granular_contact.values.strict import LocalFault, Strict, Text, refusal
+from granular_contact.values.strict import Faults, Strict, Text
 
 
 class Model(Strict):
@@ -36,20 +36,15 @@ class Model(Strict):
         """Joints of the tree by name, the hinges of the chain at the end."""
         return self.joints | (expand(self.chain)[1] if self.chain is not None else {})
 
-    @model_validator(mode="after")
-    def _is_a_mechanism(self) -> Model:
-        faults: list[LocalFault] = []
+    def _faults(self) -> Faults:
         if not self.bodies and self.chain is None:
-            faults.append((("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"))
-        faults += structure_faults(
+            yield ("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"
+        yield from structure_faults(
             self.bodies,
             {name: (j.parent, j.child) for name, j in self.joints.items()},
             closures={name: (j.parent, j.child) for name, j in self.closures.items()},
             chain=None if self.chain is None else self._chain_names(self.chain),
         )
-        if faults:
-            raise refusal(faults)
-        return self
 
     @staticmethod
     def _chain_names(chain: Chain) -> tuple[str, list[str], list[str]]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag
 
 from granular_contact.config.schema.sweep import DottedKeys, ParameterRange, PathOrConfig
-from granular_contact.values.strict import LocalFault, Names, Strict, allow, form, refusal
+from granular_contact.values.strict import Faults, Names, Strict, allow, form
 
 MOST_RUNS = 100_000
 METHODS = ("cma", "differential_evolution")
@@ -33,14 +33,12 @@ class Limit(Strict):
     at_least: float | None = None
     at_most: float | None = None
 
-    @model_validator(mode="after")
-    def _limits_something(self) -> Limit:
+    def _faults(self) -> Faults:
         if self.at_least is None and self.at_most is None:
-            raise refusal([((), "got neither at_least nor at_most; one of them is needed")])
+            yield (), "got neither at_least nor at_most; one of them is needed"
         if self.at_least is not None and self.at_most is not None and self.at_least > self.at_most:
             words = f"got {self.at_most:g}, which is below at_least, {self.at_least:g}"
-            raise refusal([(("at_most",), words)])
-        return self
+            yield ("at_most",), words
 
     def excess(self, value: float) -> float:
         """How far a value is outside, relative to the limit; 0 inside."""
@@ -55,12 +53,10 @@ class Objective(Strict):
     maximise: Weights | None = None
     minimise: Weights | None = None
 
-    @model_validator(mode="after")
-    def _one_of_both(self) -> Objective:
+    def _faults(self) -> Faults:
         if (self.maximise is None) == (self.minimise is None):
             amount = "neither" if self.maximise is None else "both"
-            raise refusal([((), f"got {amount} of maximise and minimise; exactly one is allowed")])
-        return self
+            yield (), f"got {amount} of maximise and minimise; exactly one is allowed"
 
     @property
     def sense(self) -> str:
@@ -102,19 +98,14 @@ class OptimiseFile(Strict):
     """Runs between two decisions of the method; null: 12, or three times the parameters where that is more."""
     seed: Annotated[int, Field(ge=0, le=2**32 - 2)] = 0
 
-    @model_validator(mode="after")
-    def _enough_runs(self) -> OptimiseFile:
-        faults = list[LocalFault]()
+    def _faults(self) -> Faults:
         if self.evaluations < self.size + 1:
             words = f"got {self.evaluations}; the config as it is and one population need {self.size + 1}"
-            faults.append((("evaluations",), words))
+            yield ("evaluations",), words
         if len(self.parameters) < 2 and self.method == "cma":
-            faults.append((("method",), "cma needs two parameters or more; take differential_evolution"))
+            yield ("method",), "cma needs two parameters or more; take differential_evolution"
         if self.size < LEAST_TO_DIFFER and self.method == "differential_evolution":
-            faults.append((("population",), f"got {self.size}; differential_evolution needs {LEAST_TO_DIFFER} or more"))
-        if faults:
-            raise refusal(faults)
-        return self
+            yield ("population",), f"got {self.size}; differential_evolution needs {LEAST_TO_DIFFER} or more"
 
     @property
     def size(self) -> int:

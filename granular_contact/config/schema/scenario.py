@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import yaml
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.bed import Bed
 from granular_contact.config.schema.drives import Drive
@@ -19,7 +19,7 @@ from granular_contact.config.schema.signals import Signal
 from granular_contact.config.schema.wheel import WheelRun, wheel_faults
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.values.strict import Positive, Strict, Tagged, Text, refusal
+from granular_contact.values.strict import Faults, Positive, Strict, Tagged, Text
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -62,11 +62,9 @@ class Solver(Strict):
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
     """Largest residual of a step, relative to the forces of the scene."""
 
-    @model_validator(mode="after")
-    def _at_least_one_step(self) -> Solver:
+    def _faults(self) -> Faults:
         if self.step_s > self.end_time_s:
-            raise refusal([(("step_s",), f"got {self.step_s:g}, which exceeds end_time_s, {self.end_time_s:g}")])
-        return self
+            yield ("step_s",), f"got {self.step_s:g}, which exceeds end_time_s, {self.end_time_s:g}"
 
 
 class Output(Strict):
@@ -157,45 +155,25 @@ class Scenario(Strict):
             return ()
         return self.medium if isinstance(self.medium, tuple) else (self.medium,)
 
-    @model_validator(mode="after")
-    def _one_surface(self) -> Scenario:
+    def _faults(self) -> Faults:
+        yield from self._surface_faults()
+        yield from self._mechanism_faults()
+        reduced, has = self.method.reduced, self.load.friction.type
+        if self.solver.accuracy is not None and (reduced is not None or self.method.minimal is not None):
+            name = "minimal" if reduced is None else "reduced"
+            words = f"chooses the steps of the engine; with method.{name} its rtol does, and allowed is null"
+            yield ("solver", "accuracy"), words
+        if reduced is not None and reduced.static not in ("auto", "true_sign", has):
+            allowed = f"allowed are auto, true_sign and {has}"
+            words = f"got {reduced.static}, but load.friction has the type {has}: {allowed}"
+            yield ("method", "reduced", "static"), words
+
+    def _surface_faults(self) -> Faults:
         bed = self.bed
         if bed is not None and self.surface_height_m is not None and (bed.height_m, bed.profile_m) != (None, None):
-            raise refusal(
-                [(("surface_height_m",), "the bed has height_m or profile_m too; one height of the surface is allowed")]
-            )
-        return self
+            yield ("surface_height_m",), "the bed has height_m or profile_m too; one height of the surface is allowed"
 
-    @model_validator(mode="after")
-    def _fits_its_mechanism(self) -> Scenario:
-        faults = [
-            *initial_faults(self.initial, self.model),
-            *drive_faults(self.drives, self.signals, self.model),
-            *wheel_faults(self.wheel, self.model, self.drives),
-        ]
-        if faults:
-            raise refusal(faults)
-        return self
-
-    @model_validator(mode="after")
-    def _steps_of_its_method(self) -> Scenario:
-        if self.solver.accuracy is not None and (self.method.reduced is not None or self.method.minimal is not None):
-            name = "reduced" if self.method.reduced is not None else "minimal"
-            words = f"chooses the steps of the engine; with method.{name} its rtol does, and allowed is null"
-            raise refusal([(("solver", "accuracy"), words)])
-        return self
-
-    @model_validator(mode="after")
-    def _one_static_law(self) -> Scenario:
-        reduced, has = self.method.reduced, self.load.friction.type
-        if reduced is not None and reduced.static not in ("auto", "true_sign", has):
-            raise refusal(
-                [
-                    (
-                        ("method", "reduced", "static"),
-                        f"got {reduced.static}, but load.friction has the type {has}: allowed are auto, "
-                        f"true_sign and {has}",
-                    )
-                ]
-            )
-        return self
+    def _mechanism_faults(self) -> Faults:
+        yield from initial_faults(self.initial, self.model)
+        yield from drive_faults(self.drives, self.signals, self.model)
+        yield from wheel_faults(self.wheel, self.model, self.drives)

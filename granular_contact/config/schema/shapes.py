@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
-from granular_contact.values.strict import Listed, LocalFault, Point, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Faults, Listed, Point, Positive, Strict, Tagged
 
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
 
@@ -55,14 +55,12 @@ class WheelShape(_Shape):
     grousers: Grousers | None = None
     """null: none."""
 
-    @model_validator(mode="after")
-    def _has_room(self) -> WheelShape:
+    def _faults(self) -> Faults:
         teeth = self.grousers
         if teeth is not None and teeth.count * teeth.thickness_m > 0.9 * 2.0 * math.pi * self.radius_m:
             most = 0.9 * 2.0 * math.pi * self.radius_m / teeth.count
             words = f"got {teeth.thickness_m:g}; allowed is at most {most:.3g}, nine tenths of the rim over the count"
-            raise refusal([(("grousers", "thickness_m"), words)])
-        return self
+            yield ("grousers", "thickness_m"), words
 
     @property
     def effective_radius_m(self) -> float:
@@ -82,11 +80,9 @@ class _Straight(_Shape):
     start_m: Point = (0.0, 0.0)
     end_m: Point
 
-    @model_validator(mode="after")
-    def _has_a_length(self) -> _Straight:
+    def _faults(self) -> Faults:
         if self.start_m == self.end_m:
-            raise refusal([(("end_m",), f"got {list(self.end_m)}, the same as start_m; the two must differ")])
-        return self
+            yield ("end_m",), f"got {list(self.end_m)}, the same as start_m; the two must differ"
 
 
 class CylinderShape(_Straight):
@@ -105,16 +101,15 @@ class PlateShape(_Straight):
     thickness_m: Positive
 
 
-def section_faults(diameter: float | None, width: float | None, thickness: float | None) -> list[LocalFault]:
+def section_faults(diameter: float | None, width: float | None, thickness: float | None) -> Faults:
     """Faults of a section that is round, with a diameter, or rectangular, with a width and a thickness."""
     if diameter is None and width is None and thickness is None:
-        return [(("diameter_m",), "is missing; allowed is a number above 0, or else width_m and thickness_m")]
-    if diameter is not None and (width is not None or thickness is not None):
-        return [(("diameter_m",), "stands beside width_m or thickness_m; a section is round or rectangular")]
-    if diameter is None and (width is None or thickness is None):
+        yield ("diameter_m",), "is missing; allowed is a number above 0, or else width_m and thickness_m"
+    elif diameter is not None and (width is not None or thickness is not None):
+        yield ("diameter_m",), "stands beside width_m or thickness_m; a section is round or rectangular"
+    elif diameter is None and (width is None or thickness is None):
         missing = "width_m" if width is None else "thickness_m"
-        return [((missing,), "is missing; a rectangular section has width_m and thickness_m")]
-    return []
+        yield (missing,), "is missing; a rectangular section has width_m and thickness_m"
 
 
 class _Bent(_Shape):
@@ -125,19 +120,15 @@ class _Bent(_Shape):
     thickness_m: Positive | None = None
     """Of a flat bar, in the plane."""
 
-    @model_validator(mode="after")
-    def _one_section(self) -> _Bent:
-        if faults := section_faults(self.diameter_m, self.width_m, self.thickness_m):
-            raise refusal(faults)
-        return self
+    def _faults(self) -> Faults:
+        return section_faults(self.diameter_m, self.width_m, self.thickness_m)
 
 
-def check_opening(from_deg: float, to_deg: float) -> None:
-    """Refuse an arc (deg) without an opening, or of more than a turn."""
+def opening_faults(from_deg: float, to_deg: float) -> Faults:
+    """Faults of an arc (deg) without an opening, or of more than a turn."""
     sweep = abs(to_deg - from_deg)
     if not 0.0 < sweep <= 360.0:
-        got = f"got {to_deg:g}, which is {sweep:g} from from_deg"
-        raise refusal([(("to_deg",), f"{got}; allowed is above 0 and at most 360")])
+        yield ("to_deg",), f"got {to_deg:g}, which is {sweep:g} from from_deg; allowed is above 0 and at most 360"
 
 
 class ArcShape(_Bent, Renewed):
@@ -152,10 +143,9 @@ class ArcShape(_Bent, Renewed):
     to_deg: Annotated[float, Field(ge=-720, le=720)]
     """Where it ends; the smaller one may be either."""
 
-    @model_validator(mode="after")
-    def _has_an_opening(self) -> ArcShape:
-        check_opening(self.from_deg, self.to_deg)
-        return self
+    def _faults(self) -> Faults:
+        yield from super()._faults()
+        yield from opening_faults(self.from_deg, self.to_deg)
 
 
 class PolylineShape(_Bent):
@@ -165,10 +155,9 @@ class PolylineShape(_Bent):
     points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=2, max_length=1000)]
     """Corners in the frame of the body."""
 
-    @model_validator(mode="after")
-    def _moves_on(self) -> PolylineShape:
-        check_corners(self.points_m)
-        return self
+    def _faults(self) -> Faults:
+        yield from super()._faults()
+        yield from corner_faults(self.points_m)
 
 
 class PolygonShape(_Shape):
@@ -180,10 +169,8 @@ class PolygonShape(_Shape):
     width_m: Positive
     """Extent normal to the plane of motion."""
 
-    @model_validator(mode="after")
-    def _encloses(self) -> PolygonShape:
-        check_section(self.points_m)
-        return self
+    def _faults(self) -> Faults:
+        return outline_faults(self.points_m)
 
 
 class FootShape(_Shape, Renewed):
@@ -199,33 +186,31 @@ class FootShape(_Shape, Renewed):
     tilt_deg: float = 0.0
     """Of the sole in the frame of the body, clockwise: positive lowers the toe."""
 
-    @model_validator(mode="after")
-    def _is_longer_than_high(self) -> FootShape:
+    def _faults(self) -> Faults:
         if self.length_m < self.height_m:
             allowed = f"allowed is at least height_m, {self.height_m:g}"
-            raise refusal([(("length_m",), f"got {self.length_m:g}; {allowed}")])
+            yield ("length_m",), f"got {self.length_m:g}; {allowed}"
         if self.length_m > SLENDER * self.height_m:
             allowed = f"allowed is at most {SLENDER:g} times height_m, {SLENDER * self.height_m:g}"
-            raise refusal([(("length_m",), f"got {self.length_m:g}; {allowed}")])
-        return self
+            yield ("length_m",), f"got {self.length_m:g}; {allowed}"
 
 
-def check_corners(points: Sequence[tuple[float, ...]]) -> None:
-    """Raise a fault for each corner that is the same as the one before it."""
-    message = "corners {} and {} are the same, {}; neighbours must differ"
-    same = [(i, list(one)) for i, (one, other) in enumerate(pairwise(points)) if one == other]
-    if same:
-        raise refusal([(("points_m",), message.format(i, i + 1, one)) for i, one in same])
+def corner_faults(points: Sequence[tuple[float, ...]]) -> Faults:
+    """A fault for each corner that is the same as the one before it."""
+    for i, (one, other) in enumerate(pairwise(points)):
+        if one == other:
+            yield ("points_m",), f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
 
 
-def check_section(corners: Sequence[tuple[float, float]]) -> None:
-    """Raise the faults of a polygon: corners that are the same, no area, sides that cross."""
-    check_corners((*corners, corners[0]))
-    if abs(doubled_area(corners)) < 1e-12 * extent(corners) ** 2:
-        raise refusal([(("points_m",), "encloses no area; the corners must not lie on one line")])
-    if pair := crossing(corners):
+def outline_faults(corners: Sequence[tuple[float, float]]) -> Faults:
+    """Faults of a polygon: corners that are the same, else no area, else sides that cross."""
+    if same := list(corner_faults((*corners, corners[0]))):
+        yield from same
+    elif abs(doubled_area(corners)) < 1e-12 * extent(corners) ** 2:
+        yield ("points_m",), "encloses no area; the corners must not lie on one line"
+    elif pair := crossing(corners):
         words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
-        raise refusal([(("points_m",), words)])
+        yield ("points_m",), words
 
 
 SHAPES: dict[str, type[Strict]] = {

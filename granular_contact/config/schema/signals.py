@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
-from granular_contact.values.strict import Listed, NotNegative, Positive, Strict, Tagged, Text, refusal
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, Text
 
 
 class Constant(Strict):
@@ -57,14 +57,10 @@ class Buehler(Strict):
     blend: Annotated[float, Field(gt=0, le=0.5)] = 0.05
     """Share of the period in which one rate changes to the other."""
 
-    @model_validator(mode="after")
-    def _blends_fit(self) -> Buehler:
+    def _faults(self) -> Faults:
         shortest = min(self.duty_factor, 1.0 - self.duty_factor)
         if self.blend > shortest:
-            raise refusal(
-                [(("blend",), f"got {self.blend:g}; allowed is at most {shortest:g}, the shorter of stance and swing")]
-            )
-        return self
+            yield ("blend",), f"got {self.blend:g}; allowed is at most {shortest:g}, the shorter of stance and swing"
 
 
 class Csv(Strict):
@@ -86,14 +82,12 @@ class Table(Strict):
     interpolation: Literal["linear", "cubic"] = "cubic"
     source: Text | None = None
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Table:
+    def _faults(self) -> Faults:
         if len(self.time_s) != len(self.values):
-            raise refusal([(("values",), f"got {len(self.values)} values for {len(self.time_s)} instants")])
-        for before, after in pairwise(self.time_s):
-            if after <= before:
-                raise refusal([(("time_s",), f"got {after:g} after {before:g}; allowed are instants that grow")])
-        return self
+            yield ("values",), f"got {len(self.values)} values for {len(self.time_s)} instants"
+        falling = ((a, b) for a, b in pairwise(self.time_s) if b <= a)
+        for before, after in islice(falling, 1):
+            yield ("time_s",), f"got {after:g} after {before:g}; allowed are instants that grow"
 
 
 class Shared(Strict):

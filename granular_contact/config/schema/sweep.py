@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, WrapValidator, field_validator, model_validator
 
-from granular_contact.values.strict import LocalFault, Names, Strict, allow, form, listed, refusal
+from granular_contact.values.strict import Faults, Names, Strict, allow, form, listed, refusal
 
 MOST_CASES = 100_000
 METHODS = ("latin_hypercube", "sobol", "one_at_a_time", "saltelli")
@@ -33,14 +33,12 @@ class ParameterRange(Strict):
     stop: Annotated[Number, Field(alias="to")]
     scale: Literal["linear", "log"] = "linear"
 
-    @model_validator(mode="after")
-    def _spans(self) -> ParameterRange:
+    def _faults(self) -> Faults:
         if self.start == self.stop:
-            raise refusal([(("to",), f"got {self.stop:g}, the same as from; the two must differ")])
+            yield ("to",), f"got {self.stop:g}, the same as from; the two must differ"
         if self.scale == "log" and min(self.start, self.stop) <= 0:
             words = f"got a range from {self.start:g} to {self.stop:g}; on a log scale both must be above 0"
-            raise refusal([((), words)])
-        return self
+            yield (), words
 
     def number(self, fraction: float) -> float:
         """The number at a fraction (0 to 1) of the range, on its scale."""
@@ -101,21 +99,17 @@ class Sample(Strict):
             return {**value, "outputs": list(OUTPUTS)}
         return value
 
-    @model_validator(mode="after")
-    def _suits_its_method(self) -> Sample:
-        below, faults = 1 << (self.count.bit_length() - 1), list[LocalFault]()
+    def _faults(self) -> Faults:
+        below = 1 << (self.count.bit_length() - 1)
         if self.method in _BALANCED and self.count != below:
             words = f"got {self.count}; {self.method} is even for powers of two only: take {below} or {2 * below}"
-            faults.append((("count",), words))
+            yield ("count",), words
         elif self.size > MOST_CASES:
-            faults.append((("count",), f"got {self.size} cases; at most {MOST_CASES} are allowed"))
+            yield ("count",), f"got {self.size} cases; at most {MOST_CASES} are allowed"
         if self.method == "one_at_a_time" and "seed" in self.model_fields_set:
-            faults.append((("seed",), "has no effect: one_at_a_time draws nothing"))
+            yield ("seed",), "has no effect: one_at_a_time draws nothing"
         if self.method != "saltelli" and self.outputs:
-            faults.append((("outputs",), f"has no effect with {self.method}; it needs method: saltelli"))
-        if faults:
-            raise refusal(faults)
-        return self
+            yield ("outputs",), f"has no effect with {self.method}; it needs method: saltelli"
 
     @property
     def size(self) -> int:
@@ -174,27 +168,26 @@ class SweepFile(Strict):
             raise refusal([(("combine",), words)])
         return value
 
-    @model_validator(mode="after")
-    def _one_kind_of_cases(self) -> SweepFile:
+    def _faults(self) -> Faults:
         given = [key for key in ("cases", "vary", "sample") if key in self.model_fields_set]
         if len(given) != 1:
             amount = {0: "none", 2: "both", 3: "all"}[len(given)]
             of = " and ".join(given) if len(given) == 2 else "cases, vary and sample"
-            raise refusal([((), f"got {amount} of {of}; exactly one is allowed")])
-        if "combine" in self.model_fields_set and given != ["vary"]:
-            raise refusal([(("combine",), f"unknown key; it tells how vary is combined, not {given[0]}")])
-        return self
+            yield (), f"got {amount} of {of}; exactly one is allowed"
+        elif "combine" in self.model_fields_set and given != ["vary"]:
+            yield ("combine",), f"unknown key; it tells how vary is combined, not {given[0]}"
+        else:
+            yield from self._count_faults()
 
-    @model_validator(mode="after")
-    def _not_too_many(self) -> SweepFile:
+    def _count_faults(self) -> Faults:
         sizes = {key: one.count if isinstance(one, CountedRange) else len(one) for key, one in self.vary.items()}
         if self.combine == "zip" and len(set(sizes.values())) > 1:
             lengths = listed([f"{size} of {key}" for key, size in sizes.items()])
-            raise refusal([(("vary",), f"got {lengths}; for combine: zip all must be equally many")])
+            yield ("vary",), f"got {lengths}; for combine: zip all must be equally many"
+            return
         count = math.prod(sizes.values()) if self.combine == "grid" else max(sizes.values(), default=0)
         if count > MOST_CASES:
             digits = sum(map(math.log10, sizes.values()))
             told = count if digits < _READABLE else f"about 1e{digits:.0f}"
             parts = listed(list(map(str, sizes.values())), " x ") if self.combine == "grid" else "zip"
-            raise refusal([(("vary",), f"got {told} cases ({parts}); at most {MOST_CASES} are allowed")])
-        return self
+            yield ("vary",), f"got {told} cases ({parts}); at most {MOST_CASES} are allowed"

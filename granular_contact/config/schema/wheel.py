@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.mechanism import Rigid
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.shapes import WheelShape
 from granular_contact.config.schema.structure import GROUND
-from granular_contact.values.strict import LocalFault, Positive, Strict, refusal
+from granular_contact.values.strict import Faults, Positive, Strict
 
 NEEDS = "a wheel hangs on the ground by a level slider, an upright slider and a hinge, as in models/wheel.yaml"
 
@@ -35,21 +35,16 @@ class WheelRun(Strict):
     load_N: Positive | None = None
     """Vertical load of the wheel, its own weight in it; null: the weight of what the upright slider carries."""
 
-    @model_validator(mode="after")
-    def _one_drive(self) -> WheelRun:
-        faults: list[LocalFault] = []
+    def _faults(self) -> Faults:
         if (self.slip is None) == (self.torque_Nm is None):
             got = "both" if self.slip is not None else "neither"
-            faults.append(((), f"got {got} of slip and torque_Nm; exactly one is allowed"))
+            yield (), f"got {got} of slip and torque_Nm; exactly one is allowed"
         elif self.slip is not None and self.speed_m_s is None:
-            faults.append((("speed_m_s",), "is missing; a given slip needs the speed of the axle"))
+            yield ("speed_m_s",), "is missing; a given slip needs the speed of the axle"
         elif self.slip is None and self.speed_m_s is not None:
-            faults.append((("speed_m_s",), f"got {self.speed_m_s:g}, but the torque is given: allowed is null"))
+            yield ("speed_m_s",), f"got {self.speed_m_s:g}, but the torque is given: allowed is null"
         if self.slip is not None and self.pull_N != 0.0:
-            faults.append((("pull_N",), f"got {self.pull_N:g}, but the slip is given: allowed is 0"))
-        if faults:
-            raise refusal(faults)
-        return self
+            yield ("pull_N",), f"got {self.pull_N:g}, but the slip is given: allowed is 0"
 
     def rate(self, radius: float) -> float:
         """Rate (rad/s, clockwise) of a wheel of this radius (m) at the given slip."""
@@ -94,7 +89,7 @@ def rig_of(model: Model) -> Rig | None:
     return None
 
 
-def wheel_faults(wheel: WheelRun | None, model: Model, driven: Collection[str]) -> Iterator[LocalFault]:
+def wheel_faults(wheel: WheelRun | None, model: Model, driven: Collection[str]) -> Faults:
     """Faults of a wheel's run: a mechanism that has no such wheel, joints that are driven besides."""
     if wheel is None:
         return

@@ -7,16 +7,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from granular_contact.config.schema.bed import STEEPEST, BedLayer, layer_faults
-from granular_contact.values.strict import (
-    Listed,
-    LocalFault,
-    NotNegative,
-    Point,
-    Positive,
-    Strict,
-    Text,
-    refusal,
-)
+from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Text, refusal
 
 
 class HeightMap(Strict):
@@ -77,21 +68,16 @@ class SpatialBed(Strict):
             raise refusal(found)
         return given
 
-    @model_validator(mode="after")
-    def _fits_together(self) -> SpatialBed:
-        faults: list[LocalFault] = []
+    def _faults(self) -> Faults:
         if self.floor is not None and self.depth_m is None:
-            faults.append((("floor",), "a stiff floor needs depth_m"))
+            yield ("floor",), "a stiff floor needs depth_m"
         for key, walls in (("container_x_m", self.container_x_m), ("container_y_m", self.container_y_m)):
             if walls is not None and not walls[0] < walls[1]:
-                faults.append(((key,), f"got {list(walls)}; the first must be less than the second"))
+                yield (key,), f"got {list(walls)}; the first must be less than the second"
         level = self.height_map is None and self.slope_deg == 0.0
-        faults += layer_faults(self.layers, self.depth_m if level else None)
+        yield from layer_faults(self.layers, self.depth_m if level else None)
         if self.height_map is not None and self.slope_deg != 0.0:
-            faults.append((("height_map",), "got a height map and slope_deg; one of the two is allowed"))
-        if faults:
-            raise refusal(faults)
-        return self
+            yield ("height_map",), "got a height map and slope_deg; one of the two is allowed"
 
 
 def _stands(given: Any, path: tuple[str, ...]) -> bool:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import model_validator
-
+from granular_contact.config.schema.mechanism import mass_faults
 from granular_contact.config.schema.space.shapes import SpatialShape
 from granular_contact.config.schema.space.turned import Point3
-from granular_contact.values.strict import Listed, LocalFault, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Faults, Listed, Positive, Strict, Tagged
 
 ROUND_OFF = 1e-6  # of the greatest moment of inertia: what files round away
 
@@ -24,17 +23,15 @@ class Inertia(Strict):
     xz: float = 0.0
     yz: float = 0.0
 
-    @model_validator(mode="after")
-    def _of_a_body(self) -> Inertia:
+    def _faults(self) -> Faults:
         moments = self.principal()
         low, middle, high = moments
         told = ", ".join(f"{one:.4g}" for one in moments)
         if not low > 0.0:
-            raise refusal([((), f"has the principal moments {told}; allowed are moments above 0")])
-        if low + middle < high * (1.0 - ROUND_OFF):
+            yield (), f"has the principal moments {told}; allowed are moments above 0"
+        elif low + middle < high * (1.0 - ROUND_OFF):
             words = f"no body has the principal moments {told}: the greatest is at most the sum of the other two"
-            raise refusal([((), words)])
-        return self
+            yield (), words
 
     def principal(self) -> list[float]:
         """Principal moments (kg m2), the least first: roots of the characteristic polynomial of a symmetric matrix."""
@@ -62,25 +59,8 @@ class SpatialRigid(Strict):
     """In the frame of the body; null: its origin."""
     shapes: Annotated[tuple[SpatialShape, ...], Listed] = ()
 
-    @model_validator(mode="after")
-    def _one_source_of_mass(self) -> SpatialRigid:
-        given = [n for n in ("mass_kg", "inertia_kg_m2", "center_of_mass_m") if getattr(self, n) is not None]
-        faults: list[LocalFault] = []
-        if self.density_kg_m3 is not None:
-            faults += [((name,), "stands beside density_kg_m3, from which it follows; give one") for name in given]
-            if not self.shapes:
-                faults.append((("shapes",), "are missing; a density needs shapes, or give mass_kg and inertia_kg_m2"))
-        elif not given:
-            words = (
-                "is missing, so the body has no mass; allowed is a density with shapes, or mass_kg and inertia_kg_m2"
-            )
-            faults.append((("density_kg_m3",), words))
-        else:
-            words = "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2"
-            faults += [((name,), words) for name in ("mass_kg", "inertia_kg_m2") if name not in given]
-        if faults:
-            raise refusal(faults)
-        return self
+    def _faults(self) -> Faults:
+        return mass_faults(self)
 
 
 class SpatialLink(Strict):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.joints import (
     HingeFriction,
@@ -22,7 +22,7 @@ from granular_contact.config.schema.joints import (
     by_name,
 )
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Oriented, Point3
-from granular_contact.values.strict import NotNegative, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Faults, NotNegative, Positive, Strict, Tagged
 
 
 class _Ends(Oriented):
@@ -110,11 +110,9 @@ class SpatialFree(_Ends):
 
     type: Annotated[Literal["free"], OrSynonym()]
 
-    @model_validator(mode="after")
-    def _on_the_ground(self) -> SpatialFree:
+    def _faults(self) -> Faults:
         if self.parent != "ground":
-            raise refusal([(("parent",), f"got {self.parent!r}; a free joint has the parent ground")])
-        return self
+            yield ("parent",), f"got {self.parent!r}; a free joint has the parent ground"
 
 
 JOINTS: dict[str, type[Strict]] = by_name(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from granular_contact.config.schema.chain import MOST_LINKS, names
 from granular_contact.config.schema.joints import HingeFriction, HingeSpring, HingeStops
@@ -13,7 +13,7 @@ from granular_contact.config.schema.space.bodies import SpatialBody, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
 from granular_contact.config.schema.structure import Names, structure_faults
-from granular_contact.values.strict import Listed, LocalFault, NotNegative, Positive, Strict, Text, refusal
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text
 
 
 class SpatialChainLink(Strict):
@@ -97,17 +97,12 @@ class SpatialModel(Strict):
         """Joints of the tree by name, the hinges of the chain at the end."""
         return self.joints | (self.chain.expanded()[1] if self.chain is not None else {})
 
-    @model_validator(mode="after")
-    def _is_a_mechanism(self) -> SpatialModel:
-        faults: list[LocalFault] = []
+    def _faults(self) -> Faults:
         if not self.bodies and self.chain is None:
-            faults.append((("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"))
-        faults += structure_faults(
+            yield ("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"
+        yield from structure_faults(
             self.bodies,
             {name: (j.parent, j.child) for name, j in self.joints.items()},
             closures={name: (j.parent, j.child) for name, j in self.closures.items()},
             chain=None if self.chain is None else self.chain.names,
         )
-        if faults:
-            raise refusal(faults)
-        return self

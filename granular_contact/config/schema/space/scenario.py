@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pydantic import model_validator
-
 from granular_contact.config.schema.fitting import drive_faults
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.scenario import Scenario
@@ -11,7 +9,7 @@ from granular_contact.config.schema.space.bed import SpatialBed
 from granular_contact.config.schema.space.model import SpatialModel
 from granular_contact.config.schema.space.start import SpatialInitial, initial_faults
 from granular_contact.laws.law import Law
-from granular_contact.values.strict import LocalFault, refusal
+from granular_contact.values.strict import Faults
 
 
 class SpatialScenario(Scenario):
@@ -26,19 +24,14 @@ class SpatialScenario(Scenario):
     initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
     """Joints left out start at rest in the reference configuration."""
 
-    @model_validator(mode="after")
-    def _one_surface(self) -> SpatialScenario:
+    def _surface_faults(self) -> Faults:
         if self.bed is not None and self.surface_height_m is not None and self.bed.height_m is not None:
             words = "the bed has height_m too; one height of the surface is allowed"
-            raise refusal([(("surface_height_m",), words)])
-        return self
+            yield ("surface_height_m",), words
 
-    @model_validator(mode="after")
-    def _fits_its_mechanism(self) -> SpatialScenario:
-        faults: list[LocalFault] = [
-            *initial_faults(self.initial, self.model),
-            *drive_faults(self.drives, self.signals, self.model),
-        ]
+    def _mechanism_faults(self) -> Faults:
+        yield from initial_faults(self.initial, self.model)
+        yield from drive_faults(self.drives, self.signals, self.model)
         several = isinstance(self.medium, tuple)
         media: list[tuple[tuple[str | int, ...], Law]] = [
             (("medium", i) if several else ("medium",), one) for i, one in enumerate(self.media)
@@ -48,14 +41,11 @@ class SpatialScenario(Scenario):
         for path, medium in media:
             if medium.scatters and "flat" not in medium.takes:
                 words = f"is in space for laws of surfaces, and {medium.law} is none; allowed is null"
-                faults.append(((*path, "scatter"), words))
-            faults += [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
+                yield (*path, "scatter"), words
+            yield from [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
         if self.wheel is not None:
-            faults.append((("wheel",), "is for wheels in the plane; in space allowed is null"))
+            yield ("wheel",), "is for wheels in the plane; in space allowed is null"
         if self.method != Method():
-            faults.append((("method",), "got another method; in space allowed is engine"))
+            yield ("method",), "got another method; in space allowed is engine"
         if self.load.form != "distributed":
-            faults.append((("load", "form"), f"got {self.load.form}; in space allowed is distributed"))
-        if faults:
-            raise refusal(faults)
-        return self
+            yield ("load", "form"), f"got {self.load.form}; in space allowed is distributed"

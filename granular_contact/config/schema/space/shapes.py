@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field
 
-from granular_contact.config.schema.shapes import check_corners, check_opening, check_section
+from granular_contact.config.schema.shapes import corner_faults, opening_faults, outline_faults
 from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
-from granular_contact.values.strict import Listed, LocalFault, OneOrMore, Point, Positive, Strict, Tagged, Text, refusal
+from granular_contact.values.strict import Faults, Listed, OneOrMore, Point, Positive, Strict, Tagged, Text, refusal
 
 Pair = Annotated[tuple[Positive, Positive], Listed]
 Triple = Annotated[tuple[Positive, Positive, Positive], Listed]
@@ -45,29 +45,20 @@ class _Round(_Shape):
     """Where its axis begins, in the frame of the body; with end_m in place of length_m and an orientation."""
     end_m: Point3 | None = None
 
-    @model_validator(mode="after")
-    def _one_place(self) -> _Round:
+    def _faults(self) -> Faults:
+        yield from super()._faults()
         if self.start_m is None and self.end_m is None:
             if self.length_m is None:
-                raise refusal([(("length_m",), "is missing; allowed is a number above 0, or else start_m and end_m")])
-            return self
-        faults: list[LocalFault] = []
+                yield ("length_m",), "is missing; allowed is a number above 0, or else start_m and end_m"
+            return
         for one, other in (("start_m", "end_m"), ("end_m", "start_m")):
             if getattr(self, one) is None:
-                faults.append(((one,), f"is missing; {other} needs it"))
-        others = ("length_m", "rpy_deg", "quaternion")
-        faults += [
-            ((key,), "stands beside start_m and end_m, from which it follows")
-            for key in others
-            if getattr(self, key) is not None
-        ]
-        if self.center_m != ORIGIN:
-            faults.append((("center_m",), "stands beside start_m and end_m, from which it follows"))
-        if not faults and self.start_m == self.end_m:
-            faults.append((("end_m",), f"got {list(self.end_m or ())}, the same as start_m; the two must differ"))
-        if faults:
-            raise refusal(faults)
-        return self
+                yield (one,), f"is missing; {other} needs it"
+        given = [key for key in ("length_m", "rpy_deg", "quaternion") if getattr(self, key) is not None]
+        for key in (*given, "center_m") if self.center_m != ORIGIN else given:
+            yield (key,), "stands beside start_m and end_m, from which it follows"
+        if self.start_m == self.end_m:
+            yield ("end_m",), f"got {list(self.end_m or ())}, the same as start_m; the two must differ"
 
 
 class SpatialCylinder(_Round):
@@ -115,10 +106,9 @@ class SpatialArc(_Shape):
     thickness_m: Positive
     """For its mass alone."""
 
-    @model_validator(mode="after")
-    def _has_an_opening(self) -> SpatialArc:
-        check_opening(self.from_deg, self.to_deg)
-        return self
+    def _faults(self) -> Faults:
+        yield from super()._faults()
+        yield from opening_faults(self.from_deg, self.to_deg)
 
 
 class SpatialPolygon(_Shape):
@@ -130,10 +120,9 @@ class SpatialPolygon(_Shape):
     width_m: Positive
     """Along y, to both sides of the origin."""
 
-    @model_validator(mode="after")
-    def _encloses(self) -> SpatialPolygon:
-        check_section(self.points_m)
-        return self
+    def _faults(self) -> Faults:
+        yield from super()._faults()
+        yield from outline_faults(self.points_m)
 
 
 class SpatialBar(Strict):
@@ -146,10 +135,8 @@ class SpatialBar(Strict):
     """Corners in the frame of the body."""
     diameter_m: Positive
 
-    @model_validator(mode="after")
-    def _moves_on(self) -> SpatialBar:
-        check_corners(self.points_m)
-        return self
+    def _faults(self) -> Faults:
+        return corner_faults(self.points_m)
 
 
 def _scales(scale: float | tuple[float, ...]) -> float | tuple[float, ...]:
@@ -175,11 +162,10 @@ class SpatialMesh(_Shape):
     thickness_m: Positive | None = None
     """Of a sheet, for its mass alone."""
 
-    @model_validator(mode="after")
-    def _sheet_or_solid(self) -> SpatialMesh:
+    def _faults(self) -> Faults:
+        yield from super()._faults()
         if self.thickness_m is not None and not self.thin:
-            raise refusal([(("thickness_m",), f"got {self.thickness_m:g}, but thin is false: allowed is nothing")])
-        return self
+            yield ("thickness_m",), f"got {self.thickness_m:g}, but thin is false: allowed is nothing"
 
 
 SHAPES: dict[str, type[Strict]] = {

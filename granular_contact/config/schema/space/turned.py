@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator
 
-from granular_contact.values.strict import Listed, Strict, refusal
+from granular_contact.values.strict import Faults, Listed, Strict, refusal
 
 Point3 = Annotated[tuple[float, float, float], Listed]
 Quaternion = Annotated[tuple[float, float, float, float], Listed]
@@ -31,14 +31,12 @@ class Oriented(Strict):
     quaternion: Quaternion | None = None
     """The same as w, x, y, z, of any length; give one of the two."""
 
-    @model_validator(mode="after")
-    def _one_orientation(self) -> Oriented:
+    def _faults(self) -> Faults:
         if self.rpy_deg is not None and self.quaternion is not None:
-            raise refusal([(("quaternion",), "stands beside rpy_deg; one of the two is allowed")])
+            yield ("quaternion",), "stands beside rpy_deg; one of the two is allowed"
         if self.quaternion is not None and not 0.0 < math.hypot(*self.quaternion) < math.inf:
             words = f"got {list(self.quaternion)}; allowed are four numbers that are not all 0"
-            raise refusal([(("quaternion",), words)])
-        return self
+            yield ("quaternion",), words
 
     @property
     def is_turned(self) -> bool:
