@@ -28,7 +28,8 @@ MOST = 8  # coordinates of two nodes
 
 
 @part
-def _gather(system_q, system_v, places, count, q, v):
+def gather(system_q, system_v, places, count, q, v):
+    """Fill q and v with the coordinates and rates of a joint's nodes."""
     for i in range(count):
         q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
 
@@ -40,7 +41,7 @@ def force(system_q, system_v, joints, state, places, out):
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         count = joint.parent + joint.child
-        _gather(system_q, system_v, places[k], count, q, v)
+        gather(system_q, system_v, places[k], count, q, v)
         s, rate = coordinate(joint, now[TURNS:], q, v, slope)
         along, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
         for i in range(count):
@@ -58,7 +59,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         count = joint.parent + joint.child
-        _gather(system_q, system_v, places[k], count, q, v)
+        gather(system_q, system_v, places[k], count, q, v)
         s, rate = coordinate(joint, now[TURNS:], q, v, slope)
         along, by_place, by_rate = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
         factor = fq * by_place + fv * by_rate
@@ -86,17 +87,9 @@ def accept(system_q, system_v, joints, state, places):
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         if joint.friction > 0.0:
-            _gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
+            gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
             s, _ = coordinate(joint, now[TURNS:], q, v, slope)
             now[ANCHOR] = follow(joint, s, now[ANCHOR])
-
-
-@kernel
-def gradient(joint, q):
-    """Gradient (8,) of the coordinate of a joint, record (1,), at the coordinates q (8,) of its nodes."""
-    slope = np.empty(MOST)
-    coordinate(joint[0], np.zeros(2), q, np.zeros(MOST), slope)
-    return slope
 
 
 @kernel

@@ -23,7 +23,7 @@ import numpy as np
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_coordinates import HINGE
 from granular_contact.kernels.joint_laws import follow, total
-from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE
+from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE, gather
 from granular_contact.kernels.lines import difference
 from granular_contact.kernels.memory import clear, room1, room2, room3, rows
 from granular_contact.kernels.space_bodies import turning
@@ -88,6 +88,12 @@ def coordinate(joint, last, q, v, slope):
     """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
     _frames(joint, q, R, x, G)
+    return _in_frames(joint, last, R, x, G, v, slope)
+
+
+@part
+def _in_frames(joint, last, R, x, G, v, slope):
+    """`coordinate`, once the frames of both bodies are known."""
     clear(slope)
     a, by_turn, n = room1(3), room2(2, 3), joint.parent  # the axis; by what w_P and w_C count
     P, C = joint.parent_turn, joint.child_turn
@@ -136,27 +142,22 @@ def coordinate(joint, last, q, v, slope):
 
 
 @part
-def _gather(system_q, system_v, places, count, q, v):
-    for i in range(count):
-        q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
-
-
-@part
 def _act(joint, now, q, v, out):
     """Fill out (14,) with the generalised forces of a joint."""
-    s, rate = coordinate(joint, now[TURNS:], q, v, out)
+    R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
+    _frames(joint, q, R, x, G)
+    s, rate = _in_frames(joint, now[TURNS:], R, x, G, v, out)
     force, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
         out[i] *= force
     if joint.kind == BALL and joint.damping > 0.0:
-        _damp_across(joint, q, v, out)
+        _damp_across(joint, R, G, v, out)
 
 
 @part
-def _damp_across(joint, q, v, out):
+def _damp_across(joint, R, G, v, out):
     """Add the moment of a ball joint's damper that is not along the axis of its rotation."""
-    R, x, G, a, w = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4), room1(3), room1(3)
-    _frames(joint, q, R, x, G)
+    a, w = room1(3), room1(3)
     _from_home(joint, R, a)
     n, rate = joint.parent, 0.0
     for i in range(3):
@@ -181,7 +182,7 @@ def force(system_q, system_v, joints, state, places, out):
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
-        _gather(system_q, system_v, places[k], count, q, v)
+        gather(system_q, system_v, places[k], count, q, v)
         _act(joint, state[k], q, v, f)
         for i in range(count):
             out[places[k, i, 1]] += f[i]
@@ -195,7 +196,7 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
-        _gather(system_q, system_v, places[k], count, q, v)
+        gather(system_q, system_v, places[k], count, q, v)
         _act(joint, state[k], q, v, here)
         d = difference(rows(q, 0, count), fq, fv)
         for j in range(count):
@@ -220,17 +221,9 @@ def accept(system_q, system_v, joints, state, places):
     for k in range(joints.shape[0]):
         joint, now = joints[k], state[k]
         if joint.friction > 0.0:
-            _gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
+            gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
             s, _ = coordinate(joint, now[TURNS:], q, v, slope)
             now[ANCHOR] = follow(joint, s, now[ANCHOR])
-
-
-@kernel
-def gradient(joint, q):
-    """Gradient (14,) of the coordinate of a joint, record (1,), at the coordinates q (14,) of its nodes."""
-    slope = np.empty(MOST)
-    coordinate(joint[0], np.zeros(2), q, np.zeros(MOST), slope)
-    return slope
 
 
 @kernel

@@ -93,10 +93,11 @@ class JointLoad:
     def slope(self, q: Vector) -> Vector:
         """Gradient of the coordinate by those at `where`, in the system's state q."""
         kernels = self.coordinate.kernels
-        place = np.zeros(kernels.MOST)
+        place, still, slope = np.zeros((3, kernels.MOST))
         place[: len(self.where)] = q[self.where]
-        slope: Vector = kernels.gradient(self.record, place)[: len(self.where)]
-        return slope
+        kernels.single(self.record, np.zeros(2), place, still, slope)
+        gradient: Vector = slope[: len(self.where)]
+        return gradient
 
 
 class JointLoads:

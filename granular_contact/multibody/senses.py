@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.system import System
-from granular_contact.results.observed import Observations, Seen, Told
+from granular_contact.results.observed import Instant, Observations, Seen, known
 from granular_contact.results.series import clockwise_moment
 from granular_contact.scene.types import Joint, Vector
 
@@ -148,10 +148,15 @@ class Senses:
 
         row: of the history of the load, None without one. Arrays that are written over later are copied.
         """
-        batches = () if self.load is None else self.load.batches
-        now = _Now(self, q, v.copy(), None if row is None else row.copy(), [batch.depths.copy() for batch in batches])
+        v, row = v.copy(), None if row is None else row.copy()
+        depths = [] if self.load is None else [batch.depths.copy() for batch in self.load.batches]
+        now = Instant(
+            lambda: self.joints(q, v),
+            lambda: self.bodies(q, v),
+            lambda: self.medium(self.bodies(q, v)[0], row, depths),
+        )
         if self._turning:  # which later lie elsewhere
-            return Observations(self.seen, time, Told(now.joints(), now.bodies(), now.medium()))
+            return known(self.seen, time, now.joints(), now.bodies(), now.medium())
         return Observations(self.seen, time, now)
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
@@ -201,26 +206,6 @@ class Root:
         phi = math.atan2(y, x)
         self.turns[0] = phi + 2.0 * math.pi * round((self.turns[0] - phi) / (2.0 * math.pi))
         return float(self.turns[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
-
-
-@dataclass
-class _Now:
-    """One instant, see `Instant`."""
-
-    senses: Senses
-    q: Vector
-    v: Vector
-    row: Vector | None
-    depths: list[Vector]
-
-    def joints(self) -> tuple[Vector, Vector]:
-        return self.senses.joints(self.q, self.v)
-
-    def bodies(self) -> tuple[Vector, Vector]:
-        return self.senses.bodies(self.q, self.v)
-
-    def medium(self) -> tuple[Vector, Vector]:
-        return self.senses.medium(self.bodies()[0], self.row, self.depths)
 
 
 def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:

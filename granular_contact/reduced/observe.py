@@ -13,7 +13,7 @@ from granular_contact.results import Outline, energy, series
 from granular_contact.results.interpolation import Track
 from granular_contact.results.limits import Reach
 from granular_contact.results.observation import Observation, pictures
-from granular_contact.results.observed import Observations, Seen, Told
+from granular_contact.results.observed import Observations, Seen, known
 from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
 
@@ -60,14 +60,12 @@ def now(model: Model, trajectory: Trajectory) -> Observations:
     wrench = trajectory.terms.sum(axis=1)
     forces = np.array([[*wrench[0, :2], series.clockwise_moment(wrench, place)[0]]])
     met = ("all",) if depths and scene.media else ()
-    return Observations(
+    return known(
         Seen((pin.name,), (True,), (root.name.split("+")[0],), met),
         float(trajectory.time[0]),
-        Told(
-            (angle, rate),
-            (np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])),
-            (forces[: len(met)], np.array([max(depths)] if met else [])),
-        ),
+        (angle, rate),
+        (np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])),
+        (forces[: len(met)], np.array([max(depths)] if met else [])),
     )
 
 

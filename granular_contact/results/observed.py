@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+Pair = tuple[Vector, Vector]
 DEGREES = math.degrees(1.0)
 COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as an instant tells them
 Place = tuple[int, int, int, float]  # array, row, column and factor of the unit of a name
@@ -59,37 +60,15 @@ def angle(name: str, array: int, row: int, column: int) -> dict[str, Place]:
     return {f"{name}_deg": (array, row, column, DEGREES), f"{name}_rad": (array, row, column, 1.0)}
 
 
-class Instant(Protocol):
-    """One instant of a solve, which tells on demand what is asked of it; arrays as of `Observations`."""
+class Instant(NamedTuple):
+    """One instant of a solve, each part of which is computed when it is asked for; arrays as of `Observations`.
 
-    def joints(self) -> tuple[Vector, Vector]:
-        """Coordinates and rates."""
+    joints: coordinates and rates; bodies: poses and velocities; medium: forces and depths.
+    """
 
-    def bodies(self) -> tuple[Vector, Vector]:
-        """Poses and velocities."""
-
-    def medium(self) -> tuple[Vector, Vector]:
-        """Forces and depths."""
-
-
-class Told(NamedTuple):
-    """An instant that has told everything."""
-
-    of_joints: tuple[Vector, Vector]
-    of_bodies: tuple[Vector, Vector]
-    of_medium: tuple[Vector, Vector]
-
-    def joints(self) -> tuple[Vector, Vector]:
-        """Coordinates and rates."""
-        return self.of_joints
-
-    def bodies(self) -> tuple[Vector, Vector]:
-        """Poses and velocities."""
-        return self.of_bodies
-
-    def medium(self) -> tuple[Vector, Vector]:
-        """Forces and depths."""
-        return self.of_medium
+    joints: Callable[[], Pair]
+    bodies: Callable[[], Pair]
+    medium: Callable[[], Pair]
 
 
 class Observations(Mapping[str, float]):
@@ -169,7 +148,7 @@ class Observations(Mapping[str, float]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Arrays only, so that it can go to another process."""
-        return Observations, (self.seen, self.time, Told(self._joints, self._bodies, self._medium))
+        return known, (self.seen, self.time, self._joints, self._bodies, self._medium)
 
     def __getitem__(self, name: str) -> float:
         """A number by its name; KeyError lists the names there are."""
@@ -209,3 +188,8 @@ class Observations(Mapping[str, float]):
     def __repr__(self) -> str:
         """All names with their numbers, one in a line."""
         return "\n".join(f"{name:32} {self[name]: .6g}" for name in self)
+
+
+def known(seen: Seen, time: float, joints: Pair, bodies: Pair, medium: Pair) -> Observations:
+    """Observations of which all is computed; pairs as of `Instant`."""
+    return Observations(seen, time, Instant(lambda: joints, lambda: bodies, lambda: medium))

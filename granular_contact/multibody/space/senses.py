@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from granular_contact.multibody.space.kinematics import SpatialKinematics
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results.in_space import SpatialSeen
-from granular_contact.results.observed import Observations
+from granular_contact.results.observed import Instant, Observations
 from granular_contact.scene.space import rotations
 from granular_contact.scene.types import Vector
 
@@ -54,16 +53,20 @@ class SpatialSenses(Senses):
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
         """As of `Senses`."""
-        # Joints at once, as a hinge counts its turns on.
-        now = _Now(self, q, v.copy(), None if row is None else row.copy(), self.joints(q, v))
+        v, row = v.copy(), None if row is None else row.copy()
+        joints = self.joints(q, v)  # at once, as a hinge counts its turns on
+        now = Instant(
+            lambda: joints,
+            lambda: self.bodies(q, v),
+            lambda: (self.forces(q, row), self.depths(q)),
+        )
         return Observations(self.seen, time, now)
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """As of `Senses`."""
-        found = np.array([joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]).reshape(
-            -1, 2
-        )
-        return found[:, 0], found[:, 1]
+        found = [joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]
+        coordinates, rates = np.array(found).reshape(-1, 2).T
+        return coordinates, rates
 
     def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """Poses and velocities of bodies, (bodies, 6) each."""
@@ -91,23 +94,3 @@ class SpatialSenses(Senses):
                     x, y, z = (part.points @ R.T + at[:3]).T
                     deepest[k] = max(deepest[k], float((bed.height(x, y) - z).max()) + part.drop)
         return deepest
-
-
-@dataclass
-class _Now:
-    """One instant, see `results.observed.Instant`."""
-
-    senses: SpatialSenses
-    q: Vector
-    v: Vector
-    row: Vector | None
-    of_joints: tuple[Vector, Vector]
-
-    def joints(self) -> tuple[Vector, Vector]:
-        return self.of_joints
-
-    def bodies(self) -> tuple[Vector, Vector]:
-        return self.senses.bodies(self.q, self.v)
-
-    def medium(self) -> tuple[Vector, Vector]:
-        return self.senses.forces(self.q, self.row), self.senses.depths(self.q)
