@@ -1,6 +1,21 @@
-"""`python -m granular_contact`."""
+"""`granular-contact`, and `python -m granular_contact`."""
 
-from granular_contact.cli import main
+import sys
+
+OF_MANY = ("sweep", "ensemble", "optimise")  # commands that work in processes
+
+
+def main() -> int:
+    """Run the command of this process; returns the exit code."""
+    told = sys.argv[1:]
+    if told and told[0] in OF_MANY and not any(word.startswith(("-h", "--h", "--sc")) for word in told):
+        from granular_contact.studies.processes import prepare
+
+        prepare()  # before all that reading a file takes: the server loads as much, on another core
+    from granular_contact.cli import main as command
+
+    return command()
+
 
 if __name__ == "__main__":
     raise SystemExit(main())

@@ -70,7 +70,18 @@ MAY = {
     "report.figures": {"report.figures", "report", "results"},
     "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},
     "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},
-    "studies.sweep": {"studies.sweep", "config", "scene", "run", "report", "report.figures", "results", "errors"},
+    "studies.processes": set(),
+    "studies.sweep": {
+        "studies.sweep",
+        "studies.processes",
+        "config",
+        "scene",
+        "run",
+        "report",
+        "report.figures",
+        "results",
+        "errors",
+    },
     "studies.ensemble": {
         "studies.ensemble",
         "studies.sweep",
@@ -95,6 +106,7 @@ MAY = {
     },
     "studies.fit": {
         "studies.fit",
+        "studies.processes",
         "studies.sweep",
         "bed",
         "laws",
@@ -215,6 +227,7 @@ assert len(results.table) > 10
 SHORT = "solver.end_time_s=0.01"
 # What a fresh interpreter does in turn. What is not loaded after a part was loaded by none before it.
 WITH_THE_ENGINE = {
+    "workers are started": "from granular_contact.studies import processes",
     "laws": "from granular_contact.laws import catalogue, floor, probe",
     "a config is checked": 'from granular_contact import config\nconfig.load("configs/pendulum.yaml")',
     "a scene is built": """
@@ -283,6 +296,10 @@ def test_scene_without_medium_and_bed_out_of_reach_load_no_numba(after: dict[str
     assert "exudyn" in after["a run without a medium"]
     assert "numba" not in after["a run without a medium"]
     assert "numba" not in after["a run out of reach of the bed"]
+
+
+def test_the_server_of_workers_starts_before_anything_is_loaded(after: dict[str, set[str]]) -> None:
+    assert not after["workers are started"] & {"numpy", "pydantic", "yaml", "granular_contact.config"}
 
 
 def test_laws_load_no_compiler(after: dict[str, set[str]]) -> None:

@@ -318,6 +318,13 @@ def test_faults_are_told_at_their_lines(tmp_path, what):
     assert words in caught.value.faults[0].message
 
 
+def test_faults_of_the_file_of_its_keys_and_of_the_ends_are_told_at_once(tmp_path):
+    parameters = f"parameters:\n  initial.impact_sped_rad_s: [9, 4]\n  {ANGLE}: [10, 800]\n  load.odd: [2, 2]\n"
+    with pytest.raises(ConfigError) as caught:
+        study(tmp_path, FILE.replace(PARAMETERS, parameters) + "method: cmaes\n")
+    assert [fault.line for fault in caught.value.faults] == [3, 4, 5, 8]
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [

@@ -34,7 +34,7 @@ from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import Uncertainty, uncertainty
-from granular_contact.studies.sweep.processes import cores, local_processes
+from granular_contact.studies.processes import cores, local_processes
 from validation.paper_cases import CASES, CONFIG, SPEEDS
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown

@@ -33,7 +33,7 @@ from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
 from granular_contact.studies.fit.law_alone import Motion, measured
 from granular_contact.studies.fit.problem import Problem
-from granular_contact.studies.sweep.processes import cores, local_processes
+from granular_contact.studies.processes import cores, local_processes
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 

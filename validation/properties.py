@@ -35,7 +35,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.scene import build
-from granular_contact.studies.sweep.processes import cores, local_processes
+from granular_contact.studies.processes import cores, local_processes
 from validation.random_scenes import images
 from validation.random_scenes.scenes import Drawn, draw, solve, write
 from validation.random_scenes.tracks import Track, apart, summaries_apart, track

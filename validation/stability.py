@@ -31,7 +31,7 @@ from granular_contact.config import is_run, load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.studies.sweep.processes import cores, local_processes
+from granular_contact.studies.processes import cores, local_processes
 from validation.stability_cases import Case, cases, heat
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown

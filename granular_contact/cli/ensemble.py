@@ -8,7 +8,9 @@ import time
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 from granular_contact.cli import many
@@ -35,18 +37,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.ensemble import cases
-
-    scenario, _ = read(chosen.file, chosen.set)
-    sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
     folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
-    return many.with_pool(chosen, None, partial(_with_pool, chosen, sweep, folder))
+    return many.with_pool(chosen, None, partial(_with_pool, chosen, folder))
 
 
-def _with_pool(chosen: argparse.Namespace, sweep: Sweep, folder: Path, pool: WorkerPool) -> int:
+def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
+    from granular_contact.studies.ensemble import cases
     from granular_contact.studies.sweep import table
     from granular_contact.studies.sweep.checkpoint import is_finished
 
+    scenario, _ = read(chosen.file, chosen.set)
+    sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
     work = table.work_of(sweep)
     if is_finished(work, folder) and not chosen.restart:
         if not chosen.quiet:
@@ -79,6 +80,8 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
 
     count, begin = len(sweep.cases), time.perf_counter()
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, function=observed)
+    if sweep.base.output.figures:  # loaded while workers start
+        Thread(target=import_module, args=("granular_contact.report.figures.ensembles",), daemon=True).start()
     with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
         for _ in rows:
             advance()

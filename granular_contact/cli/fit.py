@@ -70,7 +70,7 @@ def act(chosen: argparse.Namespace) -> int:
     folder = output_folder(chosen.out, f"{Path(chosen.files[0]).stem}_fit", "fit")
 
     from granular_contact.studies.fit import fit, prepare, write
-    from granular_contact.studies.sweep.processes import cores
+    from granular_contact.studies.processes import cores
 
     problem = prepare(request)
     with telling(sys.stderr.isatty() and not chosen.quiet, "{} of {} starting points done") as progress:

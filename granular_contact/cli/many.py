@@ -40,8 +40,8 @@ def with_pool(chosen: argparse.Namespace, shared: Path | None, act: Callable[[Wo
 
 def pool(chosen: argparse.Namespace, shared: Path | None) -> WorkerPool:
     """Who works: processes of this machine, or those of a cluster."""
+    from granular_contact.studies.processes import prepare
     from granular_contact.studies.sweep import WorkerPool
-    from granular_contact.studies.sweep.processes import prepare
 
     if chosen.scheduler is None:
         prepare()  # while the file is read

@@ -6,7 +6,7 @@ What stands in such a file is told by its schema (`schema.optimise`) and shown i
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -17,7 +17,7 @@ from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.load import Loaded, by_place
 from granular_contact.config.messages import is_foreign, kind_of, validated
 from granular_contact.config.overrides import Override, split
-from granular_contact.config.schema.optimise import OptimiseFile
+from granular_contact.config.schema.optimise import OptimiseFile, Parameter
 from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, one_a_place
 from granular_contact.config.sweep_cases import Case, read_overrides
 from granular_contact.config.sweep_sample import with_long
@@ -141,16 +141,24 @@ def study_of(root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe |
     file = validated(OptimiseFile, root, faults)
     common = read_overrides(root.nodes.get("set"), ("set",), faults)
     base = base_of(root, path, common, faults)
-    if file is not None and base is not None:
-        keys = _keys(root, file, faults)
+    if base is not None:
+        told = _without_faults(root) if file is None else file
+        keys = _keys(root, told, faults)
         dotted = tuple(".".join(key.path) for held in keys.values() for key in held)
-        study = Study(Sweep(path.stem, base[1], dotted, (), base[0], tuple(common)), file, keys, root)
-        faults += _unknown(study)
-        at_ends = [] if faults else one_a_place(case_faults(study.sweep, _ends(study), probe))
-        if not faults and not at_ends:
+        study = Study(Sweep(path.stem, base[1], dotted, (), base[0], tuple(common)), told, keys, root)
+        unknown = _unknown(study)
+        faults += [*unknown.values(), *one_a_place(case_faults(study.sweep, _ends(study, unknown), probe))]
+        if not faults:
             return study
-        faults += at_ends
     raise ConfigError(sorted(dict.fromkeys(faults), key=by_place))
+
+
+def _without_faults(root: tree.Mapping) -> OptimiseFile:
+    """What is valid of the parameters of a file that is not, so that all that is wrong with it is told at once."""
+    held = root.nodes.get("parameters")
+    nodes = held.nodes if isinstance(held, tree.Mapping) else {}
+    valid = {name: one for name, node in nodes.items() if (one := validated(Parameter, node, [])) is not None}
+    return OptimiseFile.model_construct(parameters=valid, evaluations=1)
 
 
 def _keys(root: tree.Mapping, file: OptimiseFile, faults: list[Fault]) -> dict[str, tuple[Override, ...]]:
@@ -172,17 +180,17 @@ def _keys(root: tree.Mapping, file: OptimiseFile, faults: list[Fault]) -> dict[s
     return found
 
 
-def _unknown(study: Study) -> list[Fault]:
-    """Faults of parameters whose keys lead to nothing in the config."""
+def _unknown(study: Study) -> dict[str, Fault]:
+    """Faults of parameters whose keys lead to nothing in the config, by their names."""
     plain = scenario_to_dict(study.sweep.base)
-    faults: list[Fault] = []
-    for keys in study.keys.values():
+    faults: dict[str, Fault] = {}
+    for name, keys in study.keys.items():
         for key in keys:
             for depth in range(1, len(key.path)):
                 held = value_at(plain, key.path[:depth], missing=_NOTHING)
                 below = value_at(plain, key.path[: depth + 1], missing=_NOTHING)
                 if held is not None and below is _NOTHING and isinstance(held, dict) and depth + 1 < len(key.path):
-                    faults.append(key.position.fault(key.path, _no_key(key.path, depth, list(held))))
+                    faults[name] = key.position.fault(key.path, _no_key(key.path, depth, list(held)))
                     break
     return faults
 
@@ -196,10 +204,11 @@ def _no_key(path: tuple[str, ...], depth: int, there: list[str]) -> str:
     return f"the config has no {word!r} in {above}; {hint}"
 
 
-def _ends(study: Study) -> list[Case]:
-    """Cases with one parameter at an end of its range, the others as the config has them."""
+def _ends(study: Study, unknown: Collection[str]) -> list[Case]:
+    """Cases with one parameter, of those that are known, at an end of its range, the others as the config has them."""
     cases = []
-    for name, one in study.file.parameters.items():
+    for name in (name for name in study.keys if name not in unknown):
+        one = study.file.parameters[name]
         for end in (one.start, one.stop):
             numbers = study.case(0, {name: end}).overrides
             cases.append(Case(f"{name} = {end:g}", numbers))

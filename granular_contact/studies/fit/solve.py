@@ -114,7 +114,7 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
     A start whose process dies is tried once more in a new process, as it may have been killed from outside; never in
     this process.
     """
-    from granular_contact.studies.sweep.processes import local_processes
+    from granular_contact.studies.processes import local_processes
 
     lost: list[int] = []
     with local_processes(workers) as pool:

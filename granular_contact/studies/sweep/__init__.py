@@ -2,7 +2,6 @@
 
 worker       one case, or a few, in a process of their own: tasks in, rows out
 journal      rows on the disk as they come
-processes    worker processes on this machine
 cluster      workers of a Dask cluster
 executor     the pool of either kind of worker, made when needed
 runner       which case goes where, and what happens when one kills its process
@@ -12,10 +11,10 @@ table        rows -> table.csv, and sweep.yaml
 sensitivity  rows -> Sobol indices
 """
 
+from granular_contact.studies.processes import local_processes
 from granular_contact.studies.sweep.checkpoint import FolderRefused
 from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
 from granular_contact.studies.sweep.journal import Journal, Row
-from granular_contact.studies.sweep.processes import local_processes
 from granular_contact.studies.sweep.runner import run
 
 __all__ = ["FolderRefused", "Journal", "Row", "WorkerPool", "WorkerPoolError", "local_processes", "run"]

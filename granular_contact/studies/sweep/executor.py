@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from types import TracebackType
 
 from granular_contact.errors import GranularContactError
-from granular_contact.studies.sweep.processes import cores, local_processes
+from granular_contact.studies.processes import cores, local_processes
 
 ExecutorFactory = Callable[[int], Executor]
 

@@ -30,7 +30,8 @@ _NUMBA = ["np.arraymath", "np.linalg", "np.polynomial", "np.random.generator_met
 _NUMBA += ["cpython.heapq", "cpython.charseq", "typed.typeddict", "typed.setobject", "misc.cffiimpl", "core.ccallback"]
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic.json_schema", "yaml", *(f"numba.{name}" for name in _NUMBA)]
 _OURS = ["studies.sweep.worker", "scene", "multibody.build", "multibody.observe", "multibody.solve", "run"]
-_PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[3])
+_OURS += ["bed.of_scene", "kernels.loaded"]
+_PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[2])
 _HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
 # The server looks into the working folder first, unless it is told not to: a checkout there may be another package than
 # the one at work here.
