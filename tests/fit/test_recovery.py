@@ -12,9 +12,9 @@ import pytest
 from support_fit import CONFIG, FOUR, NOISE, RIGID, TRUE, TWO, fitted, four, measure, near, problem
 
 from granular_contact.errors import SolveError
+from granular_contact.studies import processes
 from granular_contact.studies.fit import fit
 from granular_contact.studies.fit.solve import DIED, Start, starting_points
-from granular_contact.studies import processes
 
 ALL = "\n".join(f"  {key}: {{start: {1.3 * value}}}" for key, value in TRUE.items())
 # Beyond four standard errors normal noise takes an estimate once in 16 000 times; the seeds are fixed anyway.
