@@ -43,8 +43,12 @@ class Browser:
 
     def open(self, page: Path, width: int, height: int = 900) -> None:
         """Show a file in a window of so many px."""
-        self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.resize(width, height)
         self._post(f"/session/{self._session}/url", {"url": page.resolve().as_uri()})
+
+    def resize(self, width: int, height: int = 900) -> None:
+        """Give the window another size in px."""
+        self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def media(self, medium: str = "", **features: str) -> None:
         """Show the page as on paper (`print`), or to a system with features such as prefers_color_scheme."""
@@ -63,10 +67,6 @@ class Browser:
     def pdf(self) -> bytes:
         """The page as printed."""
         return base64.b64decode(self.tell("Page.printToPDF", printBackground=True)["data"])
-
-    def picture(self) -> bytes:
-        """PNG of the whole page."""
-        return base64.b64decode(self.tell("Page.captureScreenshot", captureBeyondViewport=True)["data"])
 
     def tell(self, command: str, **parameters: Any) -> Any:
         """A command of the browser's own protocol."""

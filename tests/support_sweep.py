@@ -1,4 +1,4 @@
-"""Sweeps for the tests: the command, its tables without times, and what cases go through instead of the engine."""
+"""Sweeps for the tests: words of the command, tables without times, what cases go through in place of the engine."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import csv
 import dataclasses
 import io
 import os
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -26,12 +25,6 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"
 
 def arguments(*words: object) -> list[str]:
     return [sys.executable, "-m", "granular_contact", *map(str, words)]
-
-
-def command(*words: object, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        arguments(*words), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300, check=False
-    )
 
 
 def read(folder: Path) -> list[dict[str, str]]:

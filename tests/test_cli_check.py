@@ -1,4 +1,4 @@
-"""The command line: what it prints, its exit codes, and what it must not import."""
+"""The command line: what it prints, and its exit codes. What it must not import: test_imports.py."""
 
 from __future__ import annotations
 
@@ -38,14 +38,6 @@ def command(monkeypatch, capsys):
         return SimpleNamespace(returncode=code, stdout=said.out, stderr=said.err)
 
     return run
-
-
-def imported(code: str) -> set[str]:
-    """Top-level modules in a fresh interpreter after `code`."""
-    code = f"import sys\n{code}\nprint('\\n' + ' '.join(m for m in sys.modules if '.' not in m))"
-    process = [sys.executable, "-c", code]
-    done = subprocess.run(process, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, timeout=120, check=True)
-    return set(done.stdout.splitlines()[-1].split())
 
 
 def test_check_names_each_good_file(command):
@@ -193,23 +185,3 @@ def test_an_unexpected_error_is_not_hidden(fake_run):
     fake_run(ZeroDivisionError())
     with pytest.raises(ZeroDivisionError):
         main(["run", CONFIG])
-
-
-HEAVY = {"exudyn", "numba", "matplotlib"}
-
-
-def test_config_imports_nothing_heavy():
-    modules = imported(f"import granular_contact.config as c; c.load({CONFIG!r}); c.json_schema()")
-    assert "pydantic" in modules
-    assert modules & (HEAVY | {"numpy", "rich"}) == set()
-
-
-def test_check_imports_no_engine_and_no_plots():
-    modules = imported(f"from granular_contact.cli import main; assert main(['check', {CONFIG!r}]) == 0")
-    assert "numpy" in modules
-    assert modules & HEAVY == set()
-
-
-def test_schema_imports_no_numpy():
-    modules = imported("from granular_contact.cli import main; assert main(['schema']) == 0")
-    assert modules & (HEAVY | {"numpy"}) == set()

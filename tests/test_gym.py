@@ -116,19 +116,20 @@ def test_a_picture_shows_the_mechanism_and_the_sand() -> None:
 
 
 def test_environments_in_processes_are_the_same() -> None:
-    # Forked ones have loaded all that this process has.
+    # Forked ones have loaded all that this process has, kernels too.
     context = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
     options: dict[str, Any] = {"end_time_s": 0.04, "vary": {"initial.joints.trunk.y_m": (0.045, 0.046)}}
+    one = gymnasium.make(RUNNER, **options)
+    first = one.reset(seed=4)[0]
+    alone = one.step(np.full(4, 0.5, np.float32))
     envs = gymnasium.make_vec(
         RUNNER, num_envs=2, vectorization_mode="async", vector_kwargs={"context": context}, **options
     )
     try:
-        one = gymnasium.make(RUNNER, **options)
         seen, _ = envs.reset(seed=[3, 4])
-        np.testing.assert_array_equal(seen[1], one.reset(seed=4)[0])
+        np.testing.assert_array_equal(seen[1], first)
         assert (seen[0] != seen[1]).any()
         seen, rewards, _, cut, _ = envs.step(np.full((2, 4), 0.5, np.float32))
-        alone = one.step(np.full(4, 0.5, np.float32))
         np.testing.assert_array_equal(seen[1], alone[0])
         assert rewards[1] == alone[1]
         assert not cut.any()

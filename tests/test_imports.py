@@ -258,7 +258,23 @@ load.start(pose)
 load.accept(0.0, pose, velocity)
 assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
 """,
+    "a reduced run": RUN.format(config="pendulum", overrides=["method=reduced", SHORT]),
     "a run in minimal coordinates": RUN.format(config="pendulum_rigid", overrides=["method=minimal", SHORT]),
+}
+WITHOUT_RUNS = {
+    "configs and their schema": """
+from granular_contact import config
+config.load("configs/pendulum.yaml")
+config.json_schema()
+config.load_sweep("configs/paper_cases.yaml")
+""",
+    "the command prints the schema": """
+from granular_contact.cli import main
+assert main(["schema"]) == 0
+""",
+    "the command checks a config": """
+assert main(["check", "configs/pendulum.yaml"]) == 0
+""",
 }
 
 
@@ -314,7 +330,17 @@ def test_building_a_scene_loads_no_engine(after: dict[str, set[str]]) -> None:
     assert not after["a scene is built"] & {"numba", "exudyn", "matplotlib"}
 
 
-def test_given_poses_and_minimal_coordinates_load_no_engine() -> None:
+def test_given_poses_reduced_and_minimal_coordinates_load_no_engine() -> None:
     after = loaded(WITHOUT_THE_ENGINE)
     assert "numba" in after["a bed on given poses"]  # the test would see it
+    assert not after["a reduced run"] & {"exudyn", "matplotlib", "scipy.integrate"}
     assert not after["a run in minimal coordinates"] & {"exudyn", "matplotlib"}
+
+
+def test_commands_without_runs_load_nothing_heavy() -> None:
+    after, heavy = loaded(WITHOUT_RUNS), {"exudyn", "numba", "matplotlib"}
+    assert "pydantic" in after["configs and their schema"]  # the test would see it
+    assert not after["configs and their schema"] & {*heavy, "numpy", "rich", "multiprocessing"}
+    assert not after["the command prints the schema"] & {*heavy, "numpy"}
+    assert "numpy" in after["the command checks a config"]
+    assert not after["the command checks a config"] & heavy

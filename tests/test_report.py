@@ -188,18 +188,14 @@ def test_what_no_run_wrote_is_not_replaced(tmp_path: Path) -> None:
     assert names(tmp_path) == ["file", "run"]
 
 
-@pytest.mark.parametrize(
-    ("figures", "unwanted"),
-    [(False, ("matplotlib", "granular_contact.report.figures")), (True, ("matplotlib.pyplot",))],
-)
-def test_matplotlib_is_imported_for_figures_only_and_pyplot_never(
-    figures: bool, unwanted: tuple[str, ...], tmp_path: Path
-) -> None:
-    code = (
-        "import sys; from pathlib import Path; from support_results import make; from granular_contact import report\n"
-        f"report.write(make(), Path({str(tmp_path / 'run')!r}), figures={figures})\n"
-        f"assert not [name for name in {unwanted!r} if name in sys.modules]"
-    )
+def test_matplotlib_is_imported_for_figures_only_and_pyplot_never(tmp_path: Path) -> None:
+    code = "import sys; from pathlib import Path; from support_results import make; from granular_contact import report"
+    for drawn, unwanted in (
+        (False, ("matplotlib", "granular_contact.report.figures")),
+        (True, ("matplotlib.pyplot",)),
+    ):
+        code += f"\nreport.write(make(), Path({str(tmp_path / 'run')!r}), figures={drawn})"
+        code += f"\nassert not [name for name in {unwanted!r} if name in sys.modules]"
     here = Path(__file__).parent
     paths = f"import sys; sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
     subprocess.run([sys.executable, "-c", paths + code], check=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from support_runs import CONFIGS, ROOT
 
 import granular_contact
 from granular_contact import load, simulate
+from granular_contact.cli import main
 from granular_contact.config import scenario_to_dict
 from granular_contact.config.schema.scenario import Load, Output, Scenario, Solver
 from granular_contact.errors import ConfigError, MissingPackageError, ResultsError, SceneError
@@ -79,10 +79,10 @@ def test_what_was_saved_is_opened_again(tmp_path: Path) -> None:
         assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
 
 
-def test_the_command_line_writes_what_save_writes(tmp_path: Path) -> None:
+def test_the_command_line_writes_what_save_writes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     options = ["--set", "method={reduced: {modes: 1}}", "--set", "solver.end_time_s=0.02", "--no-plots", "--quiet"]
-    command = [sys.executable, "-m", "granular_contact", "run", "pendulum", *options, "--out", str(tmp_path / "run")]
-    subprocess.run(command, cwd=tmp_path, check=True, timeout=300)
+    monkeypatch.chdir(tmp_path)  # where there is no config of this name
+    assert main(["run", "pendulum", *options, "--out", str(tmp_path / "run")]) == 0
     assert {path.name for path in (tmp_path / "run").iterdir()} == set(saved())
     np.testing.assert_array_equal(Results.open(tmp_path / "run").table, swung().table)
 

@@ -6,15 +6,16 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
 
 import psutil
 import pytest
-from support_sweep import CONFIGS, ENVIRONMENT, SPEED, command, dying, of_speed, timeless_bytes, write
+from support_sweep import CONFIGS, ENVIRONMENT, SPEED, dying, of_speed, timeless_bytes, write
 
-from granular_contact.cli import main
+from granular_contact.cli import main, many
 from granular_contact.config import load_optimise, load_sweep
 from granular_contact.studies import sweep
 from granular_contact.studies.optimise.search import search
@@ -23,7 +24,10 @@ from granular_contact.studies.sweep.cluster import cluster_pool
 
 pytest.importorskip("distributed")
 SCATTER = "medium.scatter={relative: 0.3, length_m: 0.003, seed: 11}"
-QUICK = f"set: {{method: {{reduced: {{modes: 0}}}}}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 12}}\n"
+QUICK = f"""set: {{method: {{reduced: {{modes: 0}}}}, output.figures: false}}
+vary:
+  {SPEED}: {{from: 1, to: 9, count: 12}}
+"""
 
 
 def free_port() -> int:
@@ -83,44 +87,46 @@ def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_an_ensemble_is_the_same_on_one_worker_on_two_and_on_a_cluster(workers, tmp_path) -> None:
-    words = (
-        CONFIGS / "pendulum_rigid.yaml",
-        "--set",
-        SCATTER,
-        "--set",
-        "output.figures=false",
-        "--count",
-        "7",
-        "--quiet",
-    )
+@pytest.fixture
+def in_a_thread(monkeypatch) -> Callable[[], None]:
+    """Lets commands without a cluster take their runs in a thread of this process from now on."""
+    asked = many.pool
+
+    def pool(chosen, shared):
+        return sweep.WorkerPool(1, ThreadPoolExecutor) if chosen.scheduler is None else asked(chosen, shared)
+
+    return lambda: monkeypatch.setattr(many, "pool", pool)
+
+
+def ran(*words: object) -> None:
+    """A command, with its own process beside the workers'."""
+    assert main([*map(str, words), "--quiet"]) == 0
+
+
+def test_an_ensemble_is_the_same_here_and_on_a_cluster(workers, in_a_thread, tmp_path) -> None:
+    words = ("ensemble", CONFIGS / "pendulum_rigid.yaml", "--set", SCATTER, "--set", "output.figures=false")
+    in_a_thread()
     found = {}
-    for name, where in (("one", ("--workers", "1")), ("two", ("--workers", "2")), ("dask", ("--scheduler", workers))):
-        done = command("ensemble", *words, "--out", tmp_path / name, *where)
-        assert done.returncode == 0, done.stderr
+    for name, where in (("here", ()), ("there", ("--scheduler", workers))):
+        ran(*words, "--count", 7, "--out", tmp_path / name, *where)
         tables = ("statistics.csv", "convergence.csv", "bands.csv")
         found[name] = [(tmp_path / name / table).read_bytes() for table in tables]
-    assert found["one"] == found["two"] == found["dask"]
-    assert found["one"][0].count(b"\n") > 5
+    assert found["here"] == found["there"]
+    assert found["here"][0].count(b"\n") > 5
 
 
-def test_a_cluster_gives_the_table_of_one_worker_and_of_two(workers, tmp_path):
+def test_a_cluster_gives_the_table_of_a_thread_and_of_two_processes(workers, in_a_thread, tmp_path, monkeypatch):
     path = write(tmp_path, QUICK)
-    ways = {"one": ["--workers", 1], "two": ["--workers", 2], "cluster": ["--scheduler", workers]}
-    for name, words in ways.items():
-        done = command("sweep", path, "--out", tmp_path / name, *words, "--quiet")
-        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    ran("sweep", path, "--out", tmp_path / "two", "--workers", 2)
+    in_a_thread()
+    ran("sweep", path, "--out", tmp_path / "one")
+    monkeypatch.chdir(tmp_path)  # the workers stand elsewhere
+    ran("sweep", path.name, "--out", "cluster", "--scheduler", workers, "--plots")
     assert timeless_bytes(tmp_path / "one").count(b"\n") == 13
     assert timeless_bytes(tmp_path / "two") == timeless_bytes(tmp_path / "one")
     assert timeless_bytes(tmp_path / "cluster") == timeless_bytes(tmp_path / "one")
-
-
-def test_results_of_cases_come_from_a_cluster_too(workers, tmp_path, monkeypatch):
-    path = write(tmp_path, f"{QUICK.replace('12', '2')}").name
-    monkeypatch.chdir(tmp_path)  # the workers stand elsewhere
-    done = command("sweep", path, "--out", "out", "--scheduler", workers, "--quiet", "--plots", folder=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert sorted(entry.name for entry in (tmp_path / "out" / "cases").iterdir()) == ["case_1", "case_2"]
+    cases = sorted(entry.name for entry in (tmp_path / "cluster" / "cases").iterdir())
+    assert cases == [f"case_{i:02}" for i in range(1, 13)]
 
 
 def test_a_search_on_a_cluster_is_that_of_this_machine(workers, tmp_path):
@@ -130,7 +136,7 @@ def test_a_search_on_a_cluster_is_that_of_this_machine(workers, tmp_path):
     study = load_optimise(tmp_path / "search.yaml")
     with cluster_pool(workers) as pool:
         there = search(study, pool, function=of_speed, journal=sweep.Journal(tmp_path))
-    with sweep.WorkerPool(1) as pool:
+    with sweep.WorkerPool(1, ThreadPoolExecutor) as pool:
         assert search(study, pool, function=of_speed).rows == there.rows
     assert there.value > 8
     assert [row.index for row in sweep.Journal(tmp_path)] == list(range(20))
@@ -143,8 +149,10 @@ def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_p
     assert [row.index for row in rows] == list(range(20))
     assert [row.index for row in rows if row.failed] == [3, 17]
     assert "the process died" in rows[3].summary["message"]
-    with sweep.WorkerPool(2) as pool:
-        assert rows == sorted(sweep.run(numbered, pool, function=dying), key=lambda row: row.index)
+    # Those of a process of this machine that dies: test_sweep.py.
+    with sweep.WorkerPool(1, ThreadPoolExecutor) as pool:
+        whole = sorted(sweep.run(numbered, pool, function=of_speed), key=lambda row: row.index)
+    assert [row for row in rows if not row.failed] == [row for row in whole if row.index not in (3, 17)]
     assert list(journal) == rows
 
 

@@ -23,7 +23,6 @@ from support_sweep import (
     ROOT,
     SPEED,
     arguments,
-    command,
     of_speed,
     read,
     timeless_bytes,
@@ -44,6 +43,13 @@ from granular_contact.studies.sweep.journal import Journal, Row
 QUICK = "set: {method: {reduced: {modes: 0}}}\n"
 
 
+class Threads(ThreadPoolExecutor):
+    """Ends when it is told to, as processes do."""
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        super().shutdown(wait=True, cancel_futures=cancel_futures)
+
+
 def many(folder: Path) -> Path:
     """A hundred and twenty impacts by the engine: long enough to be killed between."""
     return write(folder, f"vary:\n  {SPEED}: {{from: 1, to: 9, count: 120}}\n")
@@ -51,10 +57,11 @@ def many(folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The results of the sweep in one go, on one worker."""
+    """The results of the sweep in one go, in a thread of this process."""
     folder = tmp_path_factory.mktemp("whole")
-    done = command("sweep", many(folder), "--out", folder / "out", "--workers", 1, "--quiet")
-    assert (done.returncode, done.stderr) == (0, "")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(shared, "pool", lambda *_: sweep.WorkerPool(1, Threads))
+        assert main(["sweep", str(many(folder)), "--out", str(folder / "out"), "--quiet"]) == 0
     return folder / "out"
 
 
@@ -69,7 +76,15 @@ def lines(folder: Path) -> list[bytes]:
     return [line for file in files for line in file.read_bytes().splitlines(keepends=True) if line.endswith(b"\n")]
 
 
-def test_a_sweep_killed_twice_gives_the_same_table(whole, tmp_path):
+def kill_workers(process: subprocess.Popen[str]) -> None:
+    """Kill the workers of a sweep: below the command stands their server, and they below that."""
+    workers = [worker for server in psutil.Process(process.pid).children() for worker in server.children()]
+    assert len(workers) >= 2
+    for worker in workers:
+        worker.kill()
+
+
+def test_a_sweep_killed_twice_whose_workers_are_killed_too_gives_the_same_table(whole, tmp_path):
     many(tmp_path)
     kept: set[bytes] = set()
     for least in (15, 45):
@@ -87,6 +102,8 @@ def test_a_sweep_killed_twice_gives_the_same_table(whole, tmp_path):
         assert set(Counter(json.loads(line)["index"] for line in found).values()) == {1}
         kept = set(found)
     process = start(tmp_path)
+    until(lambda: len(lines(tmp_path)) >= len(kept) + 10, 60)
+    kill_workers(process)
     out, err = process.communicate(timeout=100)
     assert (process.returncode, err) == (0, "")
     assert f"{len(kept)} of 120 cases are there" in out
@@ -99,20 +116,6 @@ def test_a_sweep_killed_twice_gives_the_same_table(whole, tmp_path):
     for line in kept:
         row = json.loads(line)
         assert times[row["name"]] == repr(row["summary"]["cost.solve_s"])
-
-
-def test_killed_workers_cost_no_row(whole, tmp_path):
-    many(tmp_path)
-    process = start(tmp_path)
-    until(lambda: len(lines(tmp_path)) >= 20, 60)
-    # Below the command stands the server of the workers, and the workers below that.
-    workers = [w for server in psutil.Process(process.pid).children() for w in server.children()]
-    assert len(workers) >= 2
-    for worker in workers:
-        worker.kill()
-    _, err = process.communicate(timeout=100)
-    assert (process.returncode, err) == (0, "")
-    assert timeless_bytes(tmp_path / "out") == timeless_bytes(whole)
 
 
 def test_a_line_that_is_torn_anywhere_is_no_row(tmp_path):
@@ -141,13 +144,6 @@ def test_a_row_written_twice_counts_once(tmp_path):
 
 
 # ---- what is in the way ----
-
-
-class Threads(ThreadPoolExecutor):
-    """Ends when it is told to, as processes do."""
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
-        super().shutdown(wait=True, cancel_futures=cancel_futures)
 
 
 @pytest.fixture(autouse=True)

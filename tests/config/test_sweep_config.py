@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -433,15 +431,7 @@ def test_the_twelve_cases_are_those_of_the_paper():
     assert start in [sweep.scenario(case) for case in sweep.cases]
 
 
-def test_ten_thousand_cases_are_read(read):
-    sweep = read(vary(f"  {ANGLE}: {{from: 1, to: 60, count: 100}}\n  {SPEED}: {{from: 1, to: 9, count: 100}}\n"))
-    assert len(sweep.cases) == 10_000
-    assert sweep.cases[-1].name == "case_10000"
-
-
-def test_nothing_heavy_is_imported():
-    code = (
-        "import sys; from granular_contact.config import load_sweep; load_sweep('configs/paper_cases.yaml')\n"
-        "assert not {'exudyn', 'numba', 'matplotlib', 'numpy', 'rich', 'multiprocessing'} & set(sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+def test_a_thousand_cases_are_read(read):
+    sweep = read(vary(f"  {ANGLE}: {{from: 1, to: 60, count: 50}}\n  {SPEED}: {{from: 1, to: 9, count: 20}}\n"))
+    assert len(sweep.cases) == 1000
+    assert (sweep.cases[0].name, sweep.cases[-1].name) == ("case_0001", "case_1000")

@@ -24,7 +24,7 @@ from support_slow import (
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic
 
-STATES = 1000
+STATES = 300
 SLOPES = (None, 0.0, np.pi, np.pi / 2, -np.pi / 2)
 UPRIGHT = Link(np.array([[0.1, 0.05], [0.1, -0.2]]), np.array([[0.4, -0.3]] * 2), 0.01)
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2
@@ -189,7 +189,7 @@ def links_that_turn(rng: np.random.Generator, count: int) -> list[Link]:
 def test_one_strip_that_turns_about_a_point_in_the_sand_is_integrated_exactly() -> None:
     rng = np.random.default_rng(5)
     turns = np.zeros(2, dtype=int)
-    for link in links_that_turn(rng, 60):
+    for link in links_that_turn(rng, 30):
         law = random_law(rng)
         _, totals = kernel(*stations_of(link, 1), link, medium(law))
         # Closed forms on either side of each zero, next to what they would be without a change of sign: 1e-10 as for
@@ -197,7 +197,7 @@ def test_one_strip_that_turns_about_a_point_in_the_sand_is_integrated_exactly() 
         scale = np.abs(density(link, law, (np.arange(200) + 0.5) / 200)).mean(axis=2)
         np.testing.assert_allclose(totals, quadrature(link, law), rtol=0.0, atol=2e-10 * scale.max(axis=1).max())
         turns += np.sign(link.V[0]) * np.sign(link.V[1]) < 0.0
-    assert (turns > 20).all()
+    assert (turns > 10).all()
 
 
 def test_a_midpoint_rule_that_knows_of_no_zeros_agrees() -> None:

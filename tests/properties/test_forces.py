@@ -13,7 +13,7 @@ from support_properties import COMMON, LEVEL, Array, State, floors, states
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.table import StressTable
 
-FAST = settings(max_examples=200, deadline=None)
+FAST = settings(max_examples=100, deadline=None)
 RANDOM = st.randoms(use_true_random=False)
 ANY = st.one_of(states(), states(), states(), floors())
 SIZES = (0.0, 1e-300, 1e-160, 1e-12, 1e-9, 1e-3, 1.0, 1e3)

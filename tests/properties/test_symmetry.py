@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import COMMON, State, floors, states
 
-FAST = settings(max_examples=150, deadline=None)
+FAST = settings(max_examples=80, deadline=None)
 RANDOM = st.randoms(use_true_random=False)
 USUAL = st.one_of(states(COMMON), states(COMMON), floors(COMMON))
 ANY = st.one_of(states(), states(), states(), floors())

@@ -45,7 +45,7 @@ def forces(q: Array, v: Array, around: tuple) -> Callable[[Array], Array]:
 def test_tangents_are_the_derivatives_of_the_forces() -> None:
     met: Counter[str] = Counter()
 
-    @settings(max_examples=400, deadline=None)
+    @settings(max_examples=200, deadline=None)
     @given(st.one_of(SOFT, SOFT, SOFT, floors(COMMON)))
     def check(body: State) -> None:
         q, v, around = rigid(body)

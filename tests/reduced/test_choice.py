@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import pytest
 from support_runs import ROOT, scenario_of, scene_of
 
@@ -113,16 +109,3 @@ def test_command_line(tmp_path, capsys):
     assert "from 0 to 20" in capsys.readouterr().err
     assert cli.main(["run", pendulum, "--method", "engine", "--modes", "1", *out]) == 2
     assert "--modes 1: the engine has none" in capsys.readouterr().err
-
-
-def test_no_engine_is_loaded():
-    code = (
-        "import sys; from granular_contact import load, build\n"
-        "from granular_contact.run import run\n"
-        "s = load('configs/pendulum.yaml', ['method=reduced']).scenario; r = run(build(s), s)\n"
-        "assert r.status.code == 'rest'\n"
-        "print([m for m in ('exudyn', 'matplotlib', 'scipy.integrate') if m in sys.modules])"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert done.stdout.strip() == "[]", done.stderr

@@ -124,10 +124,14 @@ def test_a_urdf_is_the_same_mechanism_as_in_yaml(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (-0.7, 0.02, 1.3)])
 def test_links_stand_where_another_reader_puts_them(tmp_path: Path, angles: tuple[float, float, float]) -> None:
-    yourdfpy = pytest.importorskip("yourdfpy")
-    path = robot_in(tmp_path, ('<axis xyz="0 0 -2"/>', '<axis xyz="0 0 -1"/>'))  # the other reader keeps its length
-    other = yourdfpy.URDF.load(str(path), load_meshes=False, load_collision_meshes=False)
-    other.update_cfg(dict(zip(("hip", "slide", "axle"), angles, strict=True)))
+    mujoco = pytest.importorskip("mujoco")
+    path = robot_in(tmp_path)
+    bodies_kept = '<mujoco><compiler fusestatic="false" strippath="false"/></mujoco></robot>'
+    model = mujoco.MjModel.from_xml_path(str(robot_in(tmp_path / "other", ("</robot>", bodies_kept))))
+    other = mujoco.MjData(model)
+    for joint, value in zip(("hip", "slide", "axle"), angles, strict=True):
+        other.joint(joint).qpos = value
+    mujoco.mj_kinematics(model, other)
     states = {
         "base": {},
         "hip": {"angle_deg": angles[0] / DEGREE},
@@ -137,12 +141,11 @@ def test_links_stand_where_another_reader_puts_them(tmp_path: Path, angles: tupl
     loaded = config.load({"model": {"urdf": str(path)}, "medium": None, "initial": {"joints": states}})
     built = scene.build(loaded)
     for body, name in zip(built.rigid, ("base", "leg", "foot", "wheel"), strict=True):
-        wanted = other.get_transform(name, "base")
-        pose = body.motion
+        turned, pose = other.body(name).xmat.reshape(3, 3), body.motion
         link = loaded.scenario.model.bodies[name]
-        center = wanted[:3, :3] @ (link.center_of_mass_m or (0, 0, 0)) + wanted[:3, 3]
+        center = turned @ (link.center_of_mass_m or (0, 0, 0)) + other.body(name).xpos
         np.testing.assert_allclose(pose.position, center, atol=1e-12)
-        np.testing.assert_allclose(pose.rotation, wanted[:3, :3], atol=1e-12)
+        np.testing.assert_allclose(pose.rotation, turned, atol=1e-12)
 
 
 def faults(run: dict[str, Any]) -> list[str]:

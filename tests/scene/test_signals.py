@@ -106,14 +106,14 @@ def test_rates_jump_at_the_corners_of_a_linear_table_and_nowhere_else() -> None:
 @pytest.mark.parametrize("name", ["smoothed", "smoothed over neighbours"])
 def test_a_smoothed_table_is_continuous_to_its_acceleration(name: str) -> None:
     signal: Signal = SIGNALS[name]
-    t = np.linspace(-0.3, 1.5, 180001)  # every corner and every end of a blend is one of these
+    t = np.linspace(-0.3, 1.5, 18001)  # every corner and every end of a blend is one of these
     for of, greatest in (
         (signal.value, 5.0),
         (signal.rate, 1.5 * 20.0 / 0.05),
         (signal.acceleration, 6.0 * 20.0 / 0.05**2),
     ):
         values = np.array([of(float(at)) for at in t])
-        assert np.abs(np.diff(values)).max() < 1e-5 * greatest * 1.1
+        assert np.abs(np.diff(values)).max() < 1e-4 * greatest * 1.1
 
 
 def test_a_smoothed_table_is_the_table_away_from_its_corners() -> None:
