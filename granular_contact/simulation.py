@@ -115,7 +115,7 @@ class Simulation:
         self._set = {control.joint: control.start for control in self._controls.values()}
         self._failed: Status | None = None
         self._end = self.scenario.solver.end_time_s
-        self._shortest = SHORTEST * self.scenario.solver.step_s
+        self._shortest = SHORTEST * scene.solver.step_s
         self._start = self.state()
 
     @property

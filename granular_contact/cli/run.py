@@ -49,7 +49,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
     words = "save an animation.mp4; needs ffmpeg"
     films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
-    parser.add_argument("--explain", action="store_true", help="say what the model of the scene leaves out, and why")
+    words = "say which steps are taken and what is left out, and why"
+    parser.add_argument("--explain", action="store_true", help=words)
     parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
     add_output(parser, "results/NAME_OF_CONFIG")
 
@@ -116,7 +117,8 @@ def act(chosen: argparse.Namespace) -> int:
         say("\n".join(_summary(results, f"{elapsed:.2f} s{also}", folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
-    if explained:
+    if chosen.explain:
+        say(f"steps {scene.solver.why}")
         say("left out:\n" + "\n".join(f"  {line}" for line in explained))
     for solved in kept if chosen.view else ():
         from granular_contact.multibody import view

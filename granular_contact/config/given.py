@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         """Keys of `solver`."""
 
         end_time_s: float
-        step_s: float
+        step_s: float | None
         rest_time_s: float | None
         rest_speed_m_s: float
         accuracy: float | None

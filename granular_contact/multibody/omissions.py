@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from typing import Any
 
 from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
@@ -55,9 +56,10 @@ def _bed(system: System) -> Iterator[str]:
     assert scene.bed is not None  # it was laid
     laid = set(bed.nodes)
     for handle in system.rigid.values():
-        shapes = handle.body.shapes
-        out = [shape for shape in shapes if not shape.in_sand]
-        far = [shape for shape in shapes if shape.in_sand and not can_be_immersed(scene.bed, handle.body, shape)]
+        body: Any = handle.body
+        shapes = body.parts if scene.in_space else body.shapes
+        out, inside = [s for s in shapes if not s.in_sand], [s for s in shapes if s.in_sand]
+        far = [] if scene.in_space else [s for s in inside if not can_be_immersed(scene.bed, body, s)]
         for spared, why in ((far, "cannot reach the surface"), (out, "meet no medium (in_sand: false)")):
             if spared:
                 yield f"load on {handle.body.name}: {len(spared)} of its {len(shapes)} shapes {why}"

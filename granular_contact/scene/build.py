@@ -21,6 +21,7 @@ from granular_contact.scene.loops import closed, redundant
 from granular_contact.scene.minimal_support import check_minimal
 from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
+from granular_contact.scene.steps import steps
 from granular_contact.scene.types import (
     FASTEST,
     Drive,
@@ -118,7 +119,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         gravity=scenario.gravity_m_s2,
         bed=placed,
         load=scenario.load,
-        solver=scenario.solver,
+        solver=steps(scenario),
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,
         method=_method(scenario, placed),

@@ -11,6 +11,7 @@ from granular_contact.config import schema
 from granular_contact.config.schema.drives import target
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene import signals
+from granular_contact.scene.steps import steps
 from granular_contact.scene.types import Drive
 
 FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
@@ -46,7 +47,7 @@ def _without_jumps(
 
     A jump of the rate takes an infinite force, whose result would depend on the step of the integrator.
     """
-    solver, key = scenario.solver, target(spec)
+    solver, key = steps(scenario), target(spec)
     found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
     if spec.smooth_s is None:
         faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []

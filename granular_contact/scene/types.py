@@ -26,6 +26,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.signals import Signal
+from granular_contact.scene.steps import Steps
 
 Vector = NDArray[np.float64]
 FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run away
@@ -253,7 +254,7 @@ class Scene:
     gravity: float
     bed: Bed | None
     load: Load
-    solver: Solver
+    solver: Steps
     tip: tuple[str, Vector]
     output_interval: float | None
     method: Reduced | Minimal | None = None

@@ -21,7 +21,7 @@ model:
     shoulder: {{type: hinge, parent: ground, child: upper}}
     elbow: {{type: hinge, parent: upper, child: lower, parent_point_m: [0.2, 0]}}
 initial: {{joints: {{}}}}
-solver: {{end_time_s: 0.5, tolerance: 1e-8}}
+solver: {{end_time_s: 0.5, step_s: 2.0e-4, tolerance: 1e-8}}
 """
 LIFT = f"""
 model:

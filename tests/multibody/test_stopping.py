@@ -35,7 +35,7 @@ def test_a_chain_whose_first_link_still_falls_has_no_stopping_time() -> None:
 )
 def test_a_stopping_time_of_many_parts_is_that_of_rest(case: str) -> None:
     """After it no joint and no body moves: the rest speed is 1 mm/s, of points no nearer to a joint than 1 mm."""
-    run = simulate(case, "solver.end_time_s=2")
+    run = simulate(case, "solver.end_time_s=2", "solver.step_s=2e-4")
     assert run.status.code == "rest"
     stops = run.summary["touch_time_s"] + run.summary["stopping_time_s"]
     assert run["time_s"][-1] - stops == pytest.approx(0.02, abs=4e-4)  # rest_time_s, and steps of 0.2 ms

@@ -21,6 +21,7 @@ from granular_contact.scene.space.layout import pose
 from granular_contact.scene.space.loops import closed, needed
 from granular_contact.scene.space.start import start
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
+from granular_contact.scene.steps import steps
 from granular_contact.scene.types import FASTEST
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
@@ -60,7 +61,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         gravity=scenario.gravity_m_s2,
         bed=surface,
         load=scenario.load,
-        solver=scenario.solver,
+        solver=steps(scenario),
         tip=_tip(model, rigid),
         output_interval=scenario.output.interval_s,
         drives=driven,

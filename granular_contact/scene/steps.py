@@ -1,0 +1,59 @@
+"""How long the steps of a run are: as its config says, or by a rule for what the config leaves open.
+
+The rule rests on `validation/default_steps.py`, which compares time at equal error on every shipped config. One body in
+the plane that nothing drives strikes, slows down and stops within some hundred steps of 0.2 ms: to choose them costs
+more than it saves. Of all else steps that are chosen by their error are faster at equal error, up to ten times, or as
+fast as those fixed steps would be that nobody knows beforehand.
+"""
+
+from __future__ import annotations
+
+from granular_contact.config.schema import Scenario, Solver
+
+STEP = 2e-4  # s
+ACCURACY = 1e-3  # with 1e-2, enough for most paths, the energy of a drive's work is off by more than is warned of
+
+
+class Steps(Solver):
+    """`solver` of a config with steps that are known; why: a sentence on what they are and where they come from."""
+
+    step_s: float = STEP
+    why: str = ""
+
+
+def steps(scenario: Scenario) -> Steps:
+    """Steps of a scenario."""
+    solver = scenario.solver
+    accuracy, why = _chosen(scenario)
+    step = min(STEP, solver.end_time_s) if solver.step_s is None else solver.step_s
+    if accuracy is not None:
+        what = f"chosen by their error, with an accuracy of {accuracy:g}"
+    else:
+        what = f"of {1e3 * step:g} ms" if _by_engine(scenario) else f"of at most {1e3 * step:g} ms"
+    given = {key: getattr(solver, key) for key in Solver.model_fields}
+    return Steps(**given | {"step_s": step, "accuracy": accuracy, "why": f"{what}: {why}"})
+
+
+def _by_engine(scenario: Scenario) -> bool:
+    return scenario.method.reduced is None and scenario.method.minimal is None
+
+
+def _chosen(scenario: Scenario) -> tuple[float | None, str]:
+    """Accuracy by which steps are chosen, None for fixed ones, and the reason."""
+    solver = scenario.solver
+    if not _by_engine(scenario):
+        return None, "the method chooses them by its rtol"
+    if solver.accuracy is not None:
+        return solver.accuracy, "the config names it (solver.accuracy)"
+    if solver.step_s is not None:
+        return None, "the config names them (solver.step_s)"
+    if scenario.drives or scenario.wheel is not None:
+        return ACCURACY, "drives move the mechanism"
+    if not _is_one_body(scenario):
+        return ACCURACY, "several bodies move, or one in space"
+    return None, "one body moves in the plane and nothing drives it; fixed steps are then faster at equal error"
+
+
+def _is_one_body(scenario: Scenario) -> bool:
+    """Whether all that moves is one body in the plane, or several that are welded together."""
+    return type(scenario) is Scenario and sum(joint.type != "weld" for joint in scenario.model.all_joints.values()) == 1
