@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support_runs import CONFIGS, simulate
+from support_runs import CONFIGS, scenario_of, simulate
 
 from granular_contact.cli.main import main
+from granular_contact.scene import build
 
 LAID = "as if it had been laid there without moving a grain"
 RIGID = ("method={reduced: {modes: 0, static: true_sign, rtol: 1e-10}}", "output.interval_s=null")
@@ -28,6 +29,22 @@ def test_a_run_taken_up_in_the_sand_ends_as_the_whole_one() -> None:
     assert part.summary["angle_at_stop_deg"] == pytest.approx(whole.summary["angle_at_stop_deg"], abs=1e-6)
     left = whole.summary["stopping_time_s"] - float(whole["time_s"][middle])
     assert part.summary["stopping_time_s"] == pytest.approx(left, abs=1e-8)
+
+
+def test_what_touches_at_the_start_meets_the_sand_from_there_on() -> None:
+    """The force on an end face jumps at the touch; round-off decided whether it acts at the start: 2.6e-4 of the way."""
+    bed = build(scenario_of("free_link")).bed
+    assert bed is not None
+    surface = float(bed.height(0.0))
+    above, below = (
+        simulate("free_link", "load.end_cap=true", f"bed.height_m={surface + off!r}", "solver.end_time_s=0.02")
+        for off in (-1e-14, 1e-14)
+    )
+    way = float(np.abs(above["rod_y_m"] - above["rod_y_m"][0]).max())
+    assert max(np.abs(above[f"rod_{axis}_m"] - below[f"rod_{axis}_m"]).max() for axis in "xy") < 1e-9 * way
+    assert above["drag_force_y_N"][0] == pytest.approx(below["drag_force_y_N"][0], rel=1e-6)
+    assert above["drag_force_y_N"][0] > 0.01
+    assert not [warning for run in (above, below) for warning in run.warnings if LAID in warning]
 
 
 @pytest.mark.parametrize("method", ["engine", "{minimal: {}}", "{reduced: {modes: 0}}"])

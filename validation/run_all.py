@@ -33,6 +33,7 @@ STUDIES = (
     "runner",
     "scaling",
     "strips",
+    "settling",
 )
 RECORD = HERE / "claims.json"
 

@@ -19,6 +19,7 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
+from granular_contact.results.limits import LAID
 from granular_contact.scene.signals import bends
 from granular_contact.scene.types import Vector
 
@@ -120,7 +121,7 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
         return
     first = int(below[0])
     deepest = int(first + np.argmax(load.depth[first:]))
-    if deepest - first + 1 < FEW and load.depth[first] > 0.0 and first > 0:
+    if deepest - first + 1 < FEW and (first > 0 or load.depth[0] < LAID):
         said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
         yield AccuracyWarning(f"{said}; {remedy(motion.scene)}")
 

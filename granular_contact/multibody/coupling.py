@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
+TOUCHES, AHEAD = (
+    1e-9,
+    1e-9,
+)  # m, s: what touches at the start is looked at so much later, or round-off decides if it does
 
 
 class Acting(NamedTuple):
@@ -53,6 +57,7 @@ class Coupling:
     def __init__(self, mbs: Any, load: GranularLoad) -> None:
         self.mbs, self.load = mbs, load
         self.load_calls = 0
+        self._ahead: Vector = np.zeros(0)  # of the first state (see `_begin_at`)
         self.nodes: tuple[int, ...] = ()  # that carry contact lines
         self.overlay = Overlay(mbs)
         self._joints: JointActions | None = None
@@ -108,7 +113,7 @@ class Coupling:
         if joints is not None:
             joints.force(self._q, self._v, forces)
         if self.load.active:
-            self.load.force(self._q, self._v, forces)
+            self.load.force(self._q if self._under_way(t) else self._q + self._ahead, self._v, forces)
         self.overlay.send()
         self._acts = acts
 
@@ -123,6 +128,10 @@ class Coupling:
         if self.load.active:
             parts.append(self.load.tangent(*state))
         return self.overlay.matrix(np.concatenate(parts)) if parts else self.overlay.empty
+
+    def _under_way(self, t: float) -> bool:
+        """Whether a force at this time (s) is one within a step, and not at the start of a solve."""
+        return self.load.table.length > 1 or t != self.load.time
 
     def _look(self, t: float) -> JointActions | None:
         """What joints do at this time (s); None where no forces act in them."""
@@ -167,9 +176,18 @@ class Coupling:
         if t == self.load.time and not anew:
             return
         if anew or self.load.time is None or t < self.load.time:
-            self.load.start(q, *self._places())
-        self.load.accept(t, q, v)
+            self._begin_at(t, q, v)
+        else:
+            self.load.accept(t, q, v)
         self._last = q.copy()
+
+    def _begin_at(self, t: float, q: Vector, v: Vector) -> None:
+        """Begin with an empty history in a state; one that just touches the medium as it will be at once."""
+        for self._ahead in (np.zeros_like(v), AHEAD * v):
+            self.load.start(q + self._ahead, *self._places())
+            self.load.accept(t, q + self._ahead, v)
+            if abs(self.load.last.depth[-1]) > TOUCHES:
+                return
 
     # ---- to go back to an earlier state ----
 

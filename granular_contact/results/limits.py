@@ -13,6 +13,8 @@ from granular_contact.laws.kinds import Kind
 from granular_contact.scene.bed import NOTHING, Bed
 from granular_contact.scene.types import Scene, Vector
 
+LAID = 1e-6  # m: a depth at the start that is told
+
 
 @dataclass(frozen=True)
 class Reach:
@@ -40,7 +42,7 @@ def warnings(scene: Scene, reach: Reach | None, depth: Vector | None, deepest: f
         yield from _left(scene.bed, reach, scene.in_space)
     if not scene.media:
         return
-    if not scene.settle and depth is not None and (start := float(depth[0])) > NOTHING:
+    if not scene.settle and depth is not None and (start := float(depth[0])) > LAID:
         yield f"it starts {start:.4g} m below the surface, as if it had been laid there without moving a grain"
     if deepest is not None and deepest < -NOTHING:  # which is hardly what was meant
         yield f"it never touched the medium: its deepest point came within {-deepest:.4g} m of the surface"

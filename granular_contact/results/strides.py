@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results.energy import accumulate
-from granular_contact.results.interpolation import positive_part
+from granular_contact.results.interpolation import positive_part, squared
 
 Vector = NDArray[np.float64]
 
@@ -42,7 +41,7 @@ def drive_numbers(time: Vector, drive: Driving, rate: Vector, *, turns: bool) ->
     word, unit, of_rate = ("torque", "Nm", "rad_s") if turns else ("force", "N", "m_s")
     power, lasted = drive.power, float(time[-1] - time[0])
     work = float(drive.work[-1])
-    square = float(accumulate(time, drive.force**2)[-1])
+    square = squared(time, drive.force)
     return {
         f"largest_{word}_{unit}": drive.largest,
         f"rms_{word}_{unit}": float(np.sqrt(square / lasted)) if lasted > 0.0 else 0.0,
