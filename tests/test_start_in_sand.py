@@ -32,7 +32,7 @@ def test_a_run_taken_up_in_the_sand_ends_as_the_whole_one() -> None:
 
 
 def test_what_touches_at_the_start_meets_the_sand_from_there_on() -> None:
-    """The force on an end face jumps at the touch; round-off decided whether it acts at the start: 2.6e-4 of the way."""
+    """The force on an end face jumps at the touch; round-off decided whether it acts at the start, 2.6e-4 of the way"""
     bed = build(scenario_of("free_link")).bed
     assert bed is not None
     surface = float(bed.height(0.0))

@@ -48,7 +48,7 @@ def test_numbers_of_a_drive() -> None:
     assert told["rms_torque_Nm"] == pytest.approx(3.0 / np.sqrt(2), rel=1e-6)
     assert told["work_J"] == pytest.approx(3.0, rel=1e-6)
     assert told["mean_power_W"] == told["work_J"] == pytest.approx(told["work_put_in_J"])
-    jumps = np.array([[-7.0, 8.0], [6.0, -9.0]])  # sampled by no step
+    jumps = np.array([[0.4001 - 1e-10, -7.0, 8.0], [0.4001 + 1e-10, 6.0, -9.0]])  # sampled by no step
     back = Driving(torque, -torque * rate, accumulate(time, -torque * rate), jumps)
     told = drive_numbers(time, back, -rate, turns=False)
     assert (told["work_put_in_J"], told["largest_force_N"], told["largest_power_W"]) == (0.0, 7.0, 8.0)
@@ -61,6 +61,14 @@ def test_the_mean_square_of_few_steps_is_that_of_many() -> None:
     time = np.cumsum(np.r_[0.0, np.tile([0.04, 0.06, 0.05], 8)])
     swing = np.sin(2.0 * np.pi * time / 0.6)
     assert squared(time, swing) == pytest.approx(0.5 * time[-1], rel=5e-3)
+
+
+def test_a_jump_between_steps_is_no_slope_in_the_mean_square() -> None:
+    """Of a torque that jumps in the middle of one of five steps, from 1 to 3 N m."""
+    time, torque = np.arange(6.0), np.array([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
+    jumps = np.array([[2.5 - 1e-10, 1.0, 0.0], [2.5 + 1e-10, 3.0, 0.0]])
+    told = drive_numbers(time, Driving(torque, 0.0 * torque, 0.0 * torque, jumps), 0.0 * time, turns=True)
+    assert told["rms_torque_Nm"] == pytest.approx(np.sqrt((2.5 + 9 * 2.5) / 5.0))
 
 
 def test_only_signals_that_repeat_have_a_period() -> None:

@@ -8,18 +8,20 @@ import numpy as np
 
 from granular_contact.results.accuracy import AccuracyWarning, remedy, share
 from granular_contact.results.strides import Driving
-from granular_contact.scene.types import Scene, Vector
+from granular_contact.scene.types import Scene
 
-ALONE = 0.1  # of the greatest force: by so much it is above that of the steps before and after it
-STEEP = 0.5  # of the greatest force: a controller that gains or loses so much within a step is faster than the steps
+# Of the greatest force, what it falls by in the steps before and after it together; of chosen steps times the accuracy.
+SHARP, ASKED = 0.1, 20.0
 
 
 def drive_warnings(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[AccuracyWarning]:
     """Sentences on drives whose greatest force the steps do not resolve, so that shorter ones may find another one.
 
-    Either it is that of one step alone, or a controller comes to it or leaves it within one step. A given force is
+    A smooth force is greater than that of any step by an eighth of what is allowed at most; one that comes and goes
+    faster, as a controller's that is faster than the steps, or where sand lets go, is known worse. A given force is
     looked at as a signal (see `accuracy`), and at its limit a controller's greatest force is known.
     """
+    allowed = max(SHARP, ASKED * (scene.solver.accuracy or 0.0))
     for drive in scene.drives:
         force = driven[drive.joint].force
         top = int(np.abs(force).argmax())
@@ -30,23 +32,9 @@ def drive_warnings(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[Accu
             continue
         if not 0.0 < abs(greatest) < (1.0 - 1e-9) * drive.limit:
             continue
-        if why := _unresolved(drive.kind, force[[top - 1, top + 1]] / greatest):
+        falls = 2.0 - float((force[[top - 1, top + 1]] / greatest).sum())
+        if falls > allowed:
             unit = "N" if scene.joint(drive.joint).kind == "slider" else "N m"
-            said = f"the greatest force of the drive of {drive.joint}, {abs(greatest):.3g} {unit}, is not resolved"
-            yield AccuracyWarning(f"{said}: {why}; {remedy(scene)}")
-
-
-def _unresolved(kind: str, beside: Vector) -> str:
-    """Why a greatest force is not resolved, beside which (2,) of it act a step before and after; empty where it is.
-
-    What prescribes a motion is known at every instant, however fast it changes; of a controller it follows from a
-    motion, which the steps have to show.
-    """
-    alone, steep = 1.0 - float(beside.max()), 1.0 - float(beside.min())
-    if alone > ALONE:
-        return f"it is that of one step alone, {share(alone)} above those beside it"
-    if kind == "control" and steep > STEEP:
-        return (
-            f"within one step it changes by {share(steep)} of itself, so that the controller is faster than the steps"
-        )
-    return ""
+            said = f"the greatest force of the drive of {drive.joint}, {abs(greatest):.3g} {unit}, is not resolved: in"
+            said += f" the steps before and after it it is smaller by {share(falls)} of itself together"
+            yield AccuracyWarning(f"{said}; {remedy(scene)}")

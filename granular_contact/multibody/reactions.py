@@ -32,7 +32,7 @@ AROUND = 1e-10  # s, before and after a jump of an acceleration
 class Reaction:
     """Torque (N m) or force (N) of one prescribed motion: (n,) at the steps' ends and (n - 1,) in the mean of each.
 
-    jumps (k, 2): force on either side of jumps of the prescribed accelerations, and power (W).
+    jumps (k, 3): time (s) on either side of jumps of the prescribed accelerations, force there, and power (W).
     """
 
     force: Vector
@@ -132,12 +132,12 @@ class _Prescribed:
         return at, [_asked(self.drives, at + side).reshape(len(at), len(self.drives)) for side in (-AROUND, AROUND)]
 
     def _jumps(self, i: int, rest: Vector) -> Vector:
-        """Force and power (k, 2) before and after each jump; rest (n,): of the force, without its inertia."""
+        """Time, force and power (k, 3) before and after each jump; rest (n,): of the force, without its inertia."""
         t, (at, sides) = self.time, self._around
         rate = np.array([self.drives[i].signal.rate(jerk) for jerk in at.tolist()])
         inertia = np.column_stack([np.interp(at, t, of) for of in self.inertias[:, i].T])
         found = []
-        for asked in sides:
+        for side, asked in zip((-AROUND, AROUND), sides, strict=True):
             force = np.interp(at, t, rest) + np.sum(inertia * asked, axis=1)
-            found.append(np.column_stack([force, force * rate]))
+            found.append(np.column_stack([at + side, force, force * rate]))
         return np.concatenate(found)

@@ -19,18 +19,24 @@ FEWEST = 2  # strides, of which there is a scatter
 class Driving(NamedTuple):
     """What a drive did: torque (N m) or force (N), (n,), power (n,) W, and work (n,) J so far.
 
-    jumps (k, 2): force and power on either side of instants at which they jump, which may lie between two steps.
+    jumps (k, 3): time (s), force and power on either side of instants at which they jump, which may lie between steps.
     """
 
     force: Vector
     power: Vector
     work: Vector
-    jumps: Vector = np.zeros((0, 2))
+    jumps: Vector = np.zeros((0, 3))
+
+    def squared(self, time: Vector) -> float:
+        """Integral over time (n,) s of the square of the force, which may jump between steps."""
+        instants = np.concatenate([time, self.jumps[:, 0]])
+        order = np.argsort(instants, kind="stable")
+        return squared(instants[order], np.concatenate([self.force, self.jumps[:, 1]])[order])
 
     @property
     def largest(self) -> float:
         """Greatest size of the torque or force."""
-        return float(np.abs(np.concatenate([self.force, self.jumps[:, 0]])).max())
+        return float(np.abs(np.concatenate([self.force, self.jumps[:, 1]])).max())
 
 
 def drive_numbers(time: Vector, drive: Driving, rate: Vector, *, turns: bool) -> dict[str, float]:
@@ -41,12 +47,12 @@ def drive_numbers(time: Vector, drive: Driving, rate: Vector, *, turns: bool) ->
     word, unit, of_rate = ("torque", "Nm", "rad_s") if turns else ("force", "N", "m_s")
     power, lasted = drive.power, float(time[-1] - time[0])
     work = float(drive.work[-1])
-    square = squared(time, drive.force)
+    square = drive.squared(time)
     return {
         f"largest_{word}_{unit}": drive.largest,
         f"rms_{word}_{unit}": float(np.sqrt(square / lasted)) if lasted > 0.0 else 0.0,
         f"largest_rate_{of_rate}": float(np.max(np.abs(rate))),
-        "largest_power_W": float(np.max(np.concatenate([power, drive.jumps[:, 1]]))),
+        "largest_power_W": float(np.max(np.concatenate([power, drive.jumps[:, 2]]))),
         "mean_power_W": work / lasted if lasted > 0.0 else 0.0,
         "work_J": work,
         "work_put_in_J": positive_part(time, power),
