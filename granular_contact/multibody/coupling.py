@@ -23,6 +23,7 @@ from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import scene_error
 from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
 from granular_contact.multibody.overlay import Overlay
+from granular_contact.multibody.views import START, Views
 
 if TYPE_CHECKING:
     from granular_contact.multibody.joint_actions import JointActions
@@ -64,6 +65,7 @@ class Coupling:
         self._acts = False  # whether forces were sent last
         self._time: float | None = None  # time of the step for which forces were last asked
         self._last = np.zeros(0)  # coordinates of the last accepted state
+        self.views: Views | None = None  # where the engine keeps them, if that is known
 
     # ---- before the system is assembled ----
 
@@ -144,10 +146,10 @@ class Coupling:
 
     def _begin(self, t: float) -> None:
         """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""
-        data, start = self.mbs.systemData, exu.ConfigurationType.StartOfStep
-        self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
+        views = self.views or Views(self.mbs)
+        self._q, self._v = views.q, views.v
         ended, self._time = self._time, t
-        start_time = data.GetTime(start)
+        start_time = self.mbs.systemData.GetTime(START)
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             later = ended is None or not math.isclose(t, ended, rel_tol=1e-9)  # than a sum of steps comes to
@@ -155,8 +157,7 @@ class Coupling:
             self.accept_state(t, self._q, self._v, anew=elsewhere)
         elif start_time != self.load.time or self.load.table.length == 1:
             # In the first step bodies may have been moved since forces were first asked.
-            q, v = data.GetODE2Coordinates(start, copy=False), data.GetODE2Coordinates_t(start, copy=False)
-            self.accept_state(start_time, q, v, anew=start_time == self.load.time)
+            self.accept_state(start_time, views.q_before, views.v_before, anew=start_time == self.load.time)
         if self.load.leaning(self._q) > MOST_TILT:
             raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
         self.load.update_active(t - start_time)

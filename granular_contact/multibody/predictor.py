@@ -20,13 +20,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 
+from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
 PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
-START = exu.ConfigurationType.StartOfStep
 
 
 class Predictor:
@@ -52,6 +51,7 @@ class Predictor:
         patience: tuple[float, float] | None = None,
     ) -> None:
         self.solver, self.lever, self.tolerances, self.patience = solver, lever, tolerances, patience
+        self.views: Views | None = None  # given before the first step
         self._go_on: Callable[..., Any] | None = None  # compiled
         self._arguments: tuple[Any, ...] = ()  # of the step under way
         self._multipliers = np.zeros(0)
@@ -65,11 +65,11 @@ class Predictor:
         if discontinuous:
             return
         if not iteration:
-            self._begin(mbs.systemData)
+            self._begin(self.views or Views(mbs))
         elif self._go_on is not None:
             self._go_on(*self._arguments, iteration)
 
-    def _begin(self, data: Any) -> None:
+    def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""
         solver = self.solver
         step = solver.it.currentStepSize
@@ -78,16 +78,15 @@ class Predictor:
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
             solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
-        q, v, a = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False), _accelerations(data)
-        multipliers = data.GetAECoordinates(copy=False)
+        q, v, a, multipliers = views.q, views.v, views.a, views.multipliers
         # With an acceleration further by one go so much of a coordinate and its rate, as the scheme says.
         of_q = step * step * solver.newmarkBeta * (1.0 - solver.alphaF) / (1.0 - solver.alphaM)
         of_v = of_q * solver.newmarkGamma / (step * solver.newmarkBeta)
-        before = data.GetODE2Coordinates_tt(START, copy=False)
+        before = views.a_before
         q += of_q * before
         v += of_v * before
         a += before
-        multipliers[:] = data.GetAECoordinates(START, copy=False)
+        multipliers[:] = views.multipliers_before
         if self.lever is not None:
             if self._go_on is None:
                 self._compile(q, multipliers)
@@ -101,9 +100,3 @@ class Predictor:
         q = np.zeros_like(q)
         given = q, q, q, self._multipliers, q, self._kept, self._multipliers, 0.0, 0.0, 0
         self._go_on = entry(anderson.go_on, *given)
-
-
-def _accelerations(data: Any) -> Vector:
-    """Of the present state, in the engine's own memory."""
-    found: Vector = data.GetODE2Coordinates_tt(copy=False)
-    return found

@@ -11,6 +11,7 @@ import numpy as np
 
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System
+from granular_contact.multibody.views import Views
 from granular_contact.results import Progress
 from granular_contact.scene.types import FASTEST, Vector
 
@@ -24,6 +25,7 @@ class Recorder:
     def __init__(self, system: System, progress: Progress | None) -> None:
         self.system = system
         self.solver = system.scene.solver
+        self.views = Views(system.mbs)
         self.progress = progress
         data = system.mbs.systemData
         self.size = data.ODE2Size()
@@ -50,8 +52,7 @@ class Recorder:
         if self._paused:
             self._go_on(t)
             return True
-        data = mbs.systemData
-        v = data.GetODE2Coordinates_t(copy=False)
+        q, v = self.views.q, self.views.v
         if not v.dot(v) < FASTEST**2 and not np.abs(v).max(initial=0.0) < FASTEST:  # not a number, too
             self.reason = "away"
             return False
@@ -59,14 +60,13 @@ class Recorder:
             self.states = np.concatenate([self.states, np.empty_like(self.states)])
         row = self.states[self.rows]
         row[0] = self.time = t
-        q = data.GetODE2Coordinates(copy=False)
         row[1 : 1 + self.size] = q
         row[1 + self.size :] = v
         self._count(t)
         self.rows += 1
         if self.motions:
-            self.multipliers.append(data.GetAECoordinates()[self.motions])
-            self.accelerations.append(data.GetODE2Coordinates_tt())
+            self.multipliers.append(self.views.multipliers[self.motions])
+            self.accelerations.append(self.views.a.copy())
         if self.external:
             self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
         if self.system.joints is not None:

@@ -23,6 +23,7 @@ from granular_contact.multibody.settings import control_steps, patience, setting
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
+from granular_contact.multibody.views import Views
 from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import FASTEST
@@ -92,7 +93,7 @@ class Solve:
                 control_steps(self.simulation, control)
             mbs.SetPostStepUserFunction(self.recorder)
             # Accelerations that are round-off tell nothing.
-            predictor = (
+            self._predictor = (
                 None
                 if unresolved(scene)
                 else Predictor(
@@ -102,7 +103,7 @@ class Solve:
                     patience(scene, self.simulation),
                 )
             )
-            mbs.SetPreNewtonResidualUserFunction(predictor or 0)
+            mbs.SetPreNewtonResidualUserFunction(self._predictor or 0)
             if system.bed is not None:
                 system.bed.accept()  # loads its kernels, which is no part of the solve
             if pauses:
@@ -110,7 +111,7 @@ class Solve:
 
                 self._senses = system.senses()
                 self._keeper = Keeper(system, self.solver, self.recorder, self.simulation)
-                self._keeper.tangent.before = predictor
+                self._keeper.tangent.before = self._predictor
             self._run(self._begin)
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
@@ -134,8 +135,17 @@ class Solve:
             return False
         it.currentStepSize = it.maxStepSize  # as the engine begins
         self.solver.conv.jacobianUpdateRequested = True
+        self._look()
         self.recorder(mbs, mbs.systemData.GetTime())
         return True
+
+    def _look(self) -> None:
+        """Tell all that is called in steps where the engine keeps its vectors."""
+        self.recorder.views = views = Views(self.system.mbs)
+        if self._predictor is not None:
+            self._predictor.views = views
+        if self.system.bed is not None:
+            self.system.bed.views = views
 
     def advance(self, until: float = math.inf) -> None:
         """Go on to a time (s), the scene's end at the latest; does nothing when it is over.
@@ -161,6 +171,7 @@ class Solve:
     def _plan(self, until: float) -> None:
         """Tell the engine where to stop next, and how to go on to there from where it is."""
         it, recorder, now = self._it, self.recorder, self.recorder.time
+        self._look()
         it.endTime = until
         if recorder.control is not None:
             whole = now == 0.0 and until == self._end

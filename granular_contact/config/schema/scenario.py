@@ -62,7 +62,8 @@ class Solver(Strict):
     """Of the generalised-alpha method at high frequency: 1 no damping, 0 the most. null: 0.9, less with chosen steps or
     prescribed motions, and 0 where a link is so stiff that its elastic forces are below round-off."""
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
-    """Largest residual of a step, relative to the forces of the scene."""
+    """Largest residual of a step, relative to the forces of the scene; of a link that bends on one hinge, with fixed
+    steps of 0.2 ms or more, a hundred times as much."""
 
     def _faults(self) -> Faults:
         if self.step_s is not None and self.step_s > self.end_time_s:

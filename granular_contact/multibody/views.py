@@ -1,0 +1,58 @@
+"""The engine's vectors in its own memory.
+
+The engine takes about a microsecond to hand one out, and a step asks for a dozen. They stay where they are for as long
+as a solve goes on, so that each is asked for once.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import exudyn as exu
+
+from granular_contact.scene.types import Vector
+
+START = exu.ConfigurationType.StartOfStep
+
+
+class Views:
+    """Vectors of the present state and, `_before`, of the start of the step; to be made anew for each part of a solve.
+
+    q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints.
+    """
+
+    def __init__(self, mbs: Any) -> None:
+        self._data = mbs.systemData
+
+    @cached_property
+    def q(self) -> Vector:  # noqa: D102
+        return self._data.GetODE2Coordinates(copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def v(self) -> Vector:  # noqa: D102
+        return self._data.GetODE2Coordinates_t(copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def a(self) -> Vector:  # noqa: D102
+        return self._data.GetODE2Coordinates_tt(copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def multipliers(self) -> Vector:  # noqa: D102
+        return self._data.GetAECoordinates(copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def q_before(self) -> Vector:  # noqa: D102
+        return self._data.GetODE2Coordinates(START, copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def v_before(self) -> Vector:  # noqa: D102
+        return self._data.GetODE2Coordinates_t(START, copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def a_before(self) -> Vector:  # noqa: D102
+        return self._data.GetODE2Coordinates_tt(START, copy=False)  # type: ignore[no-any-return]
+
+    @cached_property
+    def multipliers_before(self) -> Vector:  # noqa: D102
+        return self._data.GetAECoordinates(START, copy=False)  # type: ignore[no-any-return]
