@@ -323,7 +323,7 @@ class Simulation:
             It is a state of another scene. Nothing was changed.
         """
         if not isinstance(state, State):
-            raise ControlError(f"restore: got a {type(state).__name__}, allowed is what state() gave")
+            raise ControlError(f"restore: got {state!r:.40}, allowed is what state() gave")
         if state.scenario is not self.scenario and state.scenario != self.scenario:
             keys = differing_keys(scenario_to_dict(state.scenario), scenario_to_dict(self.scenario))
             raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")

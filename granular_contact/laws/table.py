@@ -175,7 +175,7 @@ def power(gamma: float, x: float, z: float) -> float:
 def driving(depth: float, beta: float, gamma: float, stress: float) -> str:
     """That a row would drive a body."""
     where = f"an element at beta {beta:g} deg that moves at gamma {gamma:g} deg, {depth:g} m deep"
-    return f"pushes {where} along with {stress:.3g} Pa; allowed is what resists every motion"
+    return f"pushes {where}, along its motion with {stress:.3g} Pa; allowed are stresses that resist it"
 
 
 def axis_faults(depth: tuple[float, ...], beta: tuple[float, ...], gamma: tuple[float, ...]) -> list[LocalFault]:

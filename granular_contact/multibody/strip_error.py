@@ -50,6 +50,10 @@ def finer(observer: Kinematics) -> Scene | None:
     accuracy, t = scene.solver.accuracy, observer.trajectory
     if accuracy is None or t.status.code not in FINISHED:
         return None
+    # Each strip longer than a grain has a draw of its own: other strips would be another sand of the same kind, and a
+    # seed no motion that finer steps converge to.
+    if any(medium.scatters for medium in scene.media):
+        return None
     error = strip_error(observer, moments=True)
     load = shorter(scene.load, error / accuracy)
     if not error > accuracy or load == scene.load:

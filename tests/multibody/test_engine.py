@@ -208,3 +208,19 @@ def test_mass_and_weight_are_the_engine_s(elements: int) -> None:
         up[mbs.systemData.GetNodeLTGODE2(node)[1]] = 1.0
     # A uniform field does the same on every piece of mass: M times the rates of rising as one.
     np.testing.assert_allclose(wanted, -9.81 * engine @ up, rtol=1e-12, atol=1e-12 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(
+    ("config", "changes", "times"),
+    [
+        ("pendulum", ["solver.step_s=2e-4"], 100.0),
+        ("pendulum", ["solver.step_s=1e-4"], 25.0),
+        ("pendulum", ["solver.step_s=1e-5"], 1.0),
+        ("pendulum", ["solver.accuracy=1e-3"], 1.0),
+        ("pendulum_rigid", ["solver.step_s=2e-4"], 1.0),
+    ],
+)
+def test_a_swinging_link_is_iterated_to_what_its_fixed_steps_leave(config, changes, times) -> None:
+    scene = scene_of(config, *changes)
+    allowed = settings(scene).timeIntegration.newton.absoluteTolerance
+    assert allowed == pytest.approx(times * scene.solver.tolerance * scene.force_scale)

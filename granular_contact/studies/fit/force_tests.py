@@ -78,7 +78,7 @@ def select(
         return None
     numbers = {header: column_numbers(table, header, faults) for header in chosen}
     if len(table.rows) < FEWEST_ROWS:
-        words = f"has {len(table.rows)} rows; at least {FEWEST_ROWS} are needed"
+        words = f"got {len(table.rows)} rows; allowed are {FEWEST_ROWS} or more"
         faults.append(Fault(table.file, table.header_line, "", words))
     if len(faults) > before:
         return None
