@@ -65,7 +65,7 @@ DATA = {
     "short row": (lambda g: [*g[:8], "0.014,0.2", *g[9:]], 9, "", "has 2 cells; 3 are allowed"),
     "time again": (lambda g: cell(g, 9, 0, "0.012"), 9, "time_s", "got 0.012, which is that of line 8 again"),
     "time back": (lambda g: cell(g, 9, 0, "0.003"), 9, "time_s", "got 0.003, which comes after 0.012"),
-    "too few": (lambda g: g[:5], 1, "", "has 4 rows; at least 6"),
+    "too few": (lambda g: g[:5], 1, "", "got 4 rows; allowed are 6 or more"),
     "shorter than the impact": (lambda g: g[:8], 8, "", "shorter than the impact, which takes about 0.0255 s"),
     "longer than the run": (None, 51, "", "ends 0.098 s after the start, but the run at 0.03 s"),
     "wrong unit of lengths": (lambda g: ["time_s,tip_x_cm,tip_y_m", *cell(g, 2, 1, "2e4")[1:]],

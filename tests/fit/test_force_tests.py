@@ -193,7 +193,7 @@ FAULTY: dict[str, tuple[Callable[[], list[str]], int, str, str]] = {
                          "is measured by two columns"),
     "pressure without an area": (lambda: rows(Z, F, "depth_mm,pressure_kPa"), 1, "pressure_Pa", "that is not said"),
     "hole": (lambda: [*rows(Z, F)[:5], "5,", *rows(Z, F)[6:]], 6, "force_N", "is empty"),
-    "few": (lambda: rows(Z[:3], F[:3]), 1, "", "has 3 rows; at least 4"),
+    "few": (lambda: rows(Z[:3], F[:3]), 1, "", "got 3 rows; allowed are 4 or more"),
 }  # fmt: skip
 
 
