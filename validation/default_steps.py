@@ -1,0 +1,154 @@
+"""Whether the steps of every shipped config, and those of the rule for what names none, are the fastest as exact.
+
+    python validation/default_steps.py [--quick]
+
+Each config in the engine: as shipped, by the rule (`scene/steps.py`), with fixed steps from 8 ms down, and with several
+accuracies. An error is the greatest distance of any coordinate (of angles times how far their body reaches) from a fine
+run, at any step, over the longest way of any coordinate; the fine run has a tenth of the fixed step, or an accuracy of
+1e-4. Times are processor time of the solve, the least of two rounds in turn. A setting lies on the front if nothing
+takes less than 1 / 1.3 of its time and is as exact, to a tenth of the error.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from granular_contact.config import is_run, load_scenario
+from granular_contact.run import begin
+from granular_contact.scene import Scene, build
+from validation.accuracy_promise import CONFIGS, Run
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+STEPS, ACCURACIES = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4), (3e-2, 1e-2, 3e-3, 1e-3)
+REFERENCE, FINER = 1e-4, 0.1
+OPEN = ("solver.accuracy=null", "solver.step_s=null")
+ROUNDS, MOST = 2, 2.0  # fixed steps that take MOST times as long as shipped are no longer of interest
+NEAR, LIKE = 1.3, 1.1  # times the least time of a setting whose error is at most LIKE times as large
+LEAST = 1e-5  # of the way: errors below it are those of the fine run
+QUICK = ("free_link", "c_leg", "chain")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A way to choose steps, with its least time (s), number of steps and error."""
+
+    name: str
+    seconds: float
+    steps: int
+    error: float
+
+
+def scene_of(config: str, sets: tuple[str, ...]) -> Scene:
+    """A config in the engine."""
+    return build(load_scenario(CONFIGS / f"{config}.yaml", ["method=engine", *sets]))
+
+
+def solved(scene: Scene) -> tuple[Run, float]:
+    """A run, and the processor time of its solve (s)."""
+    begun = begin(scene, None, None)
+    began = time.process_time()
+    begun.solving.advance()
+    seconds = time.process_time() - began
+    trajectory = begun.solving.trajectory()
+    lever = begun.solving.recorder.lever  # type: ignore[attr-defined]  # of the engine's
+    begun.solving.close()
+    return Run(trajectory.time, trajectory.q * lever, trajectory.status.code), seconds
+
+
+def fixed(step: float) -> tuple[str, str]:
+    """Overrides for fixed steps (s)."""
+    return "solver.accuracy=null", f"solver.step_s={step}"
+
+
+def measured(config: str) -> tuple[list[Setting], str]:
+    """Settings of a config that come to their end, the shipped one and that of the rule first; how the rule chose."""
+    scene, by_rule = scene_of(config, ()), scene_of(config, OPEN)
+    fine = fixed(FINER * scene.solver.step_s) if scene.solver.accuracy is None else (f"solver.accuracy={REFERENCE}",)
+    reference, _ = solved(scene_of(config, fine))
+    ways: dict[str, tuple[str, ...]] = {f"{1e3 * step:g} ms": fixed(step) for step in STEPS}
+    ways |= {f"accuracy {accuracy:g}": (f"solver.accuracy={accuracy}",) for accuracy in ACCURACIES}
+    every = {name: scene_of(config, sets) for name, sets in ways.items()}
+    alike = [_like(one, every) for one in (scene, by_rule)]
+    runs: dict[str, tuple[Run, float]] = {}
+    for _ in range(ROUNDS):
+        longest, enough = 0.0, False
+        for name in [*alike, *(name for name in every if name not in alike)]:
+            if enough and name.endswith("ms"):
+                continue
+            run, seconds = solved(every[name])
+            runs[name] = run, min(seconds, runs.get(name, (run, seconds))[1])
+            longest = max(longest, seconds) if name in alike else longest
+            enough = enough or seconds > MOST * longest
+    found = {name: Setting(name, seconds, run.steps, _error(run, reference)) for name, (run, seconds) in runs.items()}
+    return [*(found[name] for name in alike), *found.values()], by_rule.solver.why
+
+
+def _like(scene: Scene, every: dict[str, Scene]) -> str:
+    """Name of the setting with the steps of a scene, which is added where there is none."""
+
+    def key(one: Scene) -> tuple[float | None, float]:
+        return one.solver.accuracy, one.solver.step_s if one.solver.accuracy is None else 0.0
+
+    for name, one in every.items():
+        if key(one) == key(scene):
+            every[name] = scene  # which may have another first step
+            return name
+    accuracy, step = key(scene)
+    name = f"{1e3 * step:g} ms" if accuracy is None else f"accuracy {accuracy:g}"
+    every[name] = scene
+    return name
+
+
+def _error(run: Run, reference: Run) -> float:
+    return run.error(reference) / reference.way if run.ending in ("end_time", "rest") else float("inf")
+
+
+def fastest(found: list[Setting], error: float) -> Setting:
+    """The fastest one as exact as an error; errors below LEAST are alike."""
+    return min((one for one in found if one.error <= max(LIKE * error, LEAST)), key=lambda one: one.seconds)
+
+
+def row(config: str) -> tuple[list[str], float, float]:
+    """Of the table; times of the shipped setting and of the rule's over the fastest ones as exact."""
+    found, why = measured(config)
+    best = [fastest(found, one.error) for one in found[:2]]
+    ratios = [one.seconds / other.seconds for one, other in zip(found, best, strict=False)]
+    cells = [config]
+    for one, other, ratio in zip(found, best, ratios, strict=False):
+        cells += [one.name, f"{one.steps}", f"{one.seconds:.3f}", f"{1e2 * one.error:.3f}", other.name, f"{ratio:.2f}"]
+    return [*cells, why.partition(": ")[2]], ratios[0], ratios[1]
+
+
+def study(quick: bool) -> Outcome:
+    """All configs."""
+    names = [
+        path.stem for path in sorted(CONFIGS.glob("*.yaml")) if is_run(path) and not path.stem.startswith("impact")
+    ]
+    found = {name: row(name) for name in (QUICK if quick else names)}
+    columns = ["steps", "CPU s", "error %", "fastest as exact", "times its time"]
+    head = ["config", "shipped", *columns, "by the rule", *columns, "as"]
+    off = [f"{name} {shipped:.2f}" for name, (_, shipped, _) in found.items() if shipped > NEAR]
+    beside = [f"{name} {rule:.2f}" for name, (_, _, rule) in found.items() if rule > NEAR]
+    return Outcome(
+        markdown(head, [cells for cells, _, _ in found.values()]),
+        (
+            Claim("default_steps.shipped settings lie on the front", not off, _told(off, len(found))),
+            Claim("default_steps.the rule's lie on the front", not beside, _told(beside, len(found))),
+        ),
+    )
+
+
+def _told(off: list[str], number: int) -> str:
+    return f"{number - len(off)} of {number} within {NEAR:g} times the fastest as exact" + (
+        f"; not {', '.join(off)}" if off else ""
+    )
+
+
+if __name__ == "__main__":
+    raise SystemExit(script(study))
