@@ -90,6 +90,19 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
     parser.add_argument("--quiet", action="store_true", help="print faults only")
 
 
+def add_comparison(parser: argparse.ArgumentParser) -> None:
+    """Add what comparisons of several runs of one config take beside what they compare."""
+    parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    parser.add_argument("--no-plots", action="store_true", help="draw no figure")
+
+
+@contextmanager
+def running(chosen: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Arguments of a comparison that say what it is at, and what it compiles; none if nothing is to be said."""
+    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+        yield {"overrides": chosen.set, "progress": progress, "compiling": None if chosen.quiet else complain}
+
+
 @contextmanager
 def telling(shown: bool, text: str = "running {}") -> Iterator[Callable[..., None] | None]:
     """Give a callable that shows a text on stderr, with its arguments in the places of {}, or None."""

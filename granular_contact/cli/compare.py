@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from granular_contact.cli.common import (
+    add_comparison,
     add_output,
     add_set,
-    complain,
     headings,
     numbers,
     output_folder,
     print_table,
+    running,
     say,
-    telling,
     worst,
 )
 
@@ -35,12 +34,11 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    add_comparison(parser)
     parser.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help="modal models (0,1,2,5)")
     parser.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help="beams (4,8,16,32)")
     parser.add_argument("--tolerance", metavar="X", type=_tolerance, default=0.01, help="what is enough (0.01)")
     add_set(parser)
-    parser.add_argument("--no-plots", action="store_true", help="draw no figure")
     add_output(parser, "results/NAME_OF_CONFIG_compare")
 
 
@@ -66,16 +64,8 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.compare import cells, compare, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_compare", "compare")
-    with telling(sys.stderr.isatty() and not chosen.quiet, "running {}") as progress:
-        comparison = compare(
-            chosen.config,
-            chosen.modes,
-            chosen.elements,
-            tolerance=chosen.tolerance,
-            overrides=chosen.set,
-            progress=progress,
-            compiling=None if chosen.quiet else complain,
-        )
+    with running(chosen) as told:
+        comparison = compare(chosen.config, chosen.modes, chosen.elements, tolerance=chosen.tolerance, **told)
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
         rows = map(cells, comparison.rows)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from granular_contact.cli.common import (
+    add_comparison,
     add_output,
     add_set,
-    complain,
     headings,
     numbers,
     output_folder,
     print_table,
+    running,
     say,
-    telling,
     there,
     worst,
 )
@@ -35,11 +34,10 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
+    add_comparison(parser)
     words = "presets or YAML files of media; a+b for media that act together"
     parser.add_argument("--media", metavar="A,B", type=_names, required=True, help=words)
     add_set(parser, example="initial.impact_speed_rad_s=4")
-    parser.add_argument("--no-plots", action="store_true", help="draw no figure")
     add_output(parser, "results/NAME_OF_CONFIG_media")
 
 
@@ -52,15 +50,16 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.compare_media import cells, compare_media, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_media", "compare-media")
-    with telling(sys.stderr.isatty() and not chosen.quiet, "running {}") as progress:
-        compiling = None if chosen.quiet else complain
-        rows = compare_media(chosen.config, chosen.media, overrides=chosen.set, progress=progress, compiling=compiling)
+    with running(chosen) as told:
+        rows = compare_media(chosen.config, chosen.media, **told)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        told = [cells(row) for row in rows]
-        shown = there(SHOWN, told)
+        found = [cells(row) for row in rows]
+        shown = there(SHOWN, found)
         heads = ["ended", *headings(shown)]
-        texts = ((row.name, row.results.status.code, *numbers(one, shown)) for row, one in zip(rows, told, strict=True))
+        texts = (
+            (row.name, row.results.status.code, *numbers(one, shown)) for row, one in zip(rows, found, strict=True)
+        )
         print_table("medium", heads, texts)
         for row in rows:
             for warning in row.results.warnings:

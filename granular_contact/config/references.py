@@ -15,6 +15,7 @@ from granular_contact.config.urdf import is_of_robot, mechanism
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
 from granular_contact.laws.catalogue import LAWS
+from granular_contact.robot.files import is_file
 from granular_contact.values.strict import did_you_mean
 
 FROM, LAW = "from", "law"
@@ -136,12 +137,12 @@ def _find(name: str, library: Library, file: Path, at: Path) -> Path | str:
         path = at / name
         start = "the folder of the config" if at == file.parent else "the folder that you are in"
         lost = f"got {quoted}, but there is no file {shown(path)}; paths start from {start}, or from /"
-        return path if _is_file(path) else lost
+        return path if is_file(path) else lost
     folders = library.folders(file.parent)
     if _NAME.fullmatch(name):
         for folder in folders:
             path = folder / f"{name}.yaml"
-            if not _is_file(path) or path.resolve() == file.resolve():
+            if not is_file(path) or path.resolve() == file.resolve():
                 continue
             if folder != file.parent or not _is_scenario(path, library):
                 return path
@@ -158,14 +159,6 @@ def _is_scenario(path: Path, library: Library) -> bool:
     """Whether a file is a config: one beside the config that is read may have the name of its model."""
     root = read_file(shown(path), [])
     return isinstance(root, Mapping) and library.key in root.nodes
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        # A name too long for the file system, or one it can't express, is that of no file.
-        return False
 
 
 def shown(path: Path) -> Path:

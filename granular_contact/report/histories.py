@@ -113,6 +113,11 @@ def _seen(panels: Iterable[Panel], column: Values, scales: dict[str, float]) -> 
         yield in_unit(replace(panel, curves=tuple(curve for curve, _ in kept)), column)
 
 
+def panel(words: str, name: str, curves: Sequence[Curve], column: Values) -> Panel:
+    """A panel of curves that are all in the unit of a column `name`."""
+    return in_unit(Panel(words, BASES.get(split(name)[1], ""), tuple(curves)), column)
+
+
 def in_unit(panel: Panel, column: Values) -> Panel:
     """A panel with the unit that suits its curves."""
     if not panel.base or panel.base in FIXED:

@@ -64,6 +64,12 @@ def greatest(values: Array) -> float:
     return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
 
 
+def round_below(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-9)) * power)
+
+
 def minus(words: str) -> str:
     """Text with a typeset minus sign."""
     return words.replace("-", "\N{MINUS SIGN}")

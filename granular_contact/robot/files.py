@@ -23,14 +23,14 @@ def find(name: str, robot: Path, packages: Mapping[str, Path] | None = None) -> 
     url = _URL.fullmatch(given)
     if url is None or url[1] == "file":
         path = robot.parent / (given if url is None else url[2])
-        return path if _is_file(path) else f"got {_short(name)}, but there is no file {path.resolve()}"
+        return path if is_file(path) else f"got {_short(name)}, but there is no file {path.resolve()}"
     if url[1] not in _PACKAGES:
         return f"got {_short(name)}; allowed are paths and package://, nothing is fetched"
     package, _, rest = url[2].partition("/")
     looked = []
     folders = _folders(package, robot.resolve(), packages or {})
     for folder in (*folders, *([] if folders else robot.resolve().parents)):  # which may have another name than it
-        if _is_file(folder / rest):
+        if is_file(folder / rest):
             return folder / rest
         looked += [str(folder / rest)] if folder in folders else []
     if looked:
@@ -62,7 +62,8 @@ def _package_name(path: Path) -> str | None:
     return found[1] if found else None
 
 
-def _is_file(path: Path) -> bool:
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name too long for the system, or one it can't express, is that of none."""
     try:
         return path.is_file()
     except (OSError, ValueError):

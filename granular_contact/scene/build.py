@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -14,6 +13,7 @@ from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
+from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
@@ -23,7 +23,6 @@ from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
 from granular_contact.scene.steps import steps
 from granular_contact.scene.types import (
-    FASTEST,
     Drive,
     FlexibleLink,
     Minimal,
@@ -103,7 +102,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = list(_ends(rigid, links))
-    faults += [*_motion_faults(scenario), *_joint_faults(layout), *_closure_faults(layout)]
+    faults += [*_motion_faults(scenario), *_joint_faults(layout), *closure_faults(layout.model, layout.groups)]
     placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
@@ -127,7 +126,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
     )
-    if faults := [*_beyond_numbers(scene), *inapplicable(scene, scenario)]:
+    if faults := [*beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
     if isinstance(scene.method, Reduced):
         check_reduced(scene, scene.method.modes)
@@ -237,16 +236,6 @@ def _all_joints(model: schema.Model) -> Iterator[tuple[str, str, schema.Joint | 
     yield from (("closures", name, closure) for name, closure in model.closures.items())
 
 
-def _closure_faults(layout: Layout) -> Iterator[Fault]:
-    """Faults of closures whose child is welded to the ground: it has to be the parent."""
-    fixed = next((group for group in layout.groups if GROUND in group), [])
-    for name, closure in layout.model.closures.items():
-        if closure.child in fixed:
-            yield scene_fault(
-                f"model.closures.{name}.child", f"{closure.child} is fixed to the ground: make it the parent"
-            )
-
-
 @dataclass(frozen=True)
 class _End:
     """End or corner of a part that a medium may act on: its body, point in the body's frame, initial world position,
@@ -292,20 +281,6 @@ def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tupl
     root = point(on_ground[0].parent_point_m)
     farthest = max(float(np.linalg.norm(end.world - root)) for end in ends)
     return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world - root) >= farthest * (1 - 1e-12))
-
-
-def _beyond_numbers(scene: Scene) -> Iterator[Fault]:
-    if not math.isfinite(scene.force_scale):
-        moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
-        yield scene_fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
-        return
-    for body in scene.bodies:
-        speed, rate = math.hypot(*body.motion.velocity), abs(body.motion.rate)
-        for got, unit in ((speed, "m/s"), (rate, "rad/s")):
-            if not got < FASTEST:
-                yield scene_fault(
-                    "initial", f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}"
-                )
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ AGREEMENT = 1e-6
 class Start:
     """States of the tree's joints; names of those whose coordinate (placed) or rate (moved) a run or drive gives."""
 
-    states: dict[str, JointState]
+    states: dict[str, Any]  # `JointState`, in space that of its layout
     placed: frozenset[str]
     moved: frozenset[str]
 
@@ -47,16 +48,19 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
             faults += _gaps(name, joint, state, follows, has_place, has_rate)
             state, has_place, has_rate = follows, True, True
             if initial.settle and state.rate[0] != 0.0:
-                words = (
-                    f"the motion starts at {state.rate[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
-                )
-                faults.append(scene_fault(f"drives.{name}", words))
+                faults.append(settling_fault(name, float(state.rate[0])))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
             state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rate), True
         states[name] = state
         placed |= {name} if has_place or isinstance(joint, schema.Free) else set()
         moved |= {name} if has_rate or isinstance(joint, schema.Free) else set()
     return Start(states, frozenset(placed), frozenset(moved))
+
+
+def settling_fault(name: str, rate: float) -> Fault:
+    """Fault of a prescribed motion that does not begin at rest, as static equilibrium does; rate in rad/s or m/s."""
+    words = f"the motion starts at {rate:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
+    return scene_fault(f"drives.{name}", words)
 
 
 def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:

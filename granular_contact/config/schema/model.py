@@ -6,10 +6,10 @@ from functools import cached_property
 
 from pydantic import Field
 
-from granular_contact.config.schema.chain import Chain, expand, names
+from granular_contact.config.schema.chain import Chain, expand
 from granular_contact.config.schema.joints import Closure, Joint
 from granular_contact.config.schema.mechanism import Body
-from granular_contact.config.schema.structure import structure_faults
+from granular_contact.config.schema.structure import mechanism_faults
 from granular_contact.values.strict import Faults, Strict, Text
 
 
@@ -37,15 +37,4 @@ class Model(Strict):
         return self.joints | (expand(self.chain)[1] if self.chain is not None else {})
 
     def _faults(self) -> Faults:
-        if not self.bodies and self.chain is None:
-            yield ("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"
-        yield from structure_faults(
-            self.bodies,
-            {name: (j.parent, j.child) for name, j in self.joints.items()},
-            closures={name: (j.parent, j.child) for name, j in self.closures.items()},
-            chain=None if self.chain is None else self._chain_names(self.chain),
-        )
-
-    @staticmethod
-    def _chain_names(chain: Chain) -> tuple[str, list[str], list[str]]:
-        return chain.parent, names(chain.link_name, chain.count), names(chain.hinge_name, chain.count)
+        return mechanism_faults(self)

@@ -7,8 +7,10 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
+from typing import Any
 
-from granular_contact.values.strict import LocalFault, no_such
+from granular_contact.config.schema.chain import names
+from granular_contact.values.strict import Faults, LocalFault, no_such
 
 GROUND = "ground"
 _ALLOWED = "a letter or _, then letters, digits, _ and -, are allowed"
@@ -17,6 +19,19 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
 # Of a chain: what it hangs on, and the names of its links and hinges.
 Names = tuple[str, list[str], list[str]]
+
+
+def mechanism_faults(model: Any) -> Faults:
+    """Faults of a model, in the plane or in space, all of whose numbers could be read."""
+    chain = model.chain
+    if not model.bodies and chain is None:
+        yield ("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"
+    yield from structure_faults(
+        model.bodies,
+        {name: (joint.parent, joint.child) for name, joint in model.joints.items()},
+        closures={name: (joint.parent, joint.child) for name, joint in model.closures.items()},
+        chain=chain and (chain.parent, names(chain.link_name, chain.count), names(chain.hinge_name, chain.count)),
+    )
 
 
 def structure_faults(
@@ -43,7 +58,7 @@ def structure_faults(
         False if `joints` lacks some whose ends could not be read; a body without a joint is then no fault.
     """
     closures = closures or {}
-    faults = [fault for kind, names in _kinds(bodies, joints, closures) for fault in _name_faults(kind, names)]
+    faults = [fault for kind, given in _kinds(bodies, joints, closures) for fault in _name_faults(kind, given)]
     faults += _twice("closures", closures, joints, "joint")
     all_bodies, all_joints = dict.fromkeys(bodies), dict(joints)
     if chain is not None:
@@ -60,13 +75,13 @@ def structure_faults(
             joints_of[child].append(joint)
     for name, (parent, child) in closures.items():
         faults += _end_faults("closures", name, parent, child, all_bodies)
-    for child, names in joints_of.items():
+    for child, above in joints_of.items():
         faults += [
             (
                 ("joints", name, "child"),
-                f"{child} is the child of {names[0]} already; each body has one, and closures close loops",
+                f"{child} is the child of {above[0]} already; each body has one, and closures close loops",
             )
-            for name in names[1:]
+            for name in above[1:]
             if name in joints
         ]
     if complete:

@@ -32,7 +32,7 @@ from granular_contact.report.figures.stage import (
     strongest,
 )
 from granular_contact.report.figures.style import INK, SAND, VERMILION
-from granular_contact.report.units import Array, minus, unit_for
+from granular_contact.report.units import Array, minus, round_below, unit_for
 from granular_contact.results import Force, Results, Snapshot
 from granular_contact.results.frames import pace, surface_height
 
@@ -142,7 +142,7 @@ class _Film:
 
     def _force_key(self) -> list[Artist]:
         """An arrow of a round force, with its number."""
-        newton = _round_below(self.largest * 0.5)
+        newton = round_below(self.largest * 0.5)
         tail = _at(self.stage, SIDE, 0.45 * FOOTER)
         vector = arrow_vector(np.array([newton, 0.0]), self.largest, self.stage)
         shown = _arrows([arrow(tail, tail + vector, self.stage)])
@@ -267,14 +267,8 @@ def _pixels(axes: Axes, stage: Stage, x: float, y: float, words: str, **look: An
     return axes.text(left, bottom, words, va="center_baseline", **{**FONT, **look})
 
 
-def _round_below(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-9)) * power)
-
-
 def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
-    length = _round_below(0.22 * stage.width / stage.scale)
+    length = round_below(0.22 * stage.width / stage.scale)
     unit = unit_for(np.array([length]), "m")
     y, right = 0.38 * FOOTER, float(stage.width - SIDE)
     left = right - length * stage.scale

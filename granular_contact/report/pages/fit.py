@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report import PROGRAM
-from granular_contact.report.histories import BASES, Curve, Group, Panel, in_unit
+from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
 from granular_contact.report.pages.live import NOTHING, live_curves
@@ -77,8 +77,7 @@ def live(folder: Folder) -> dict[str, Any]:
         for words, values in zip(("data", "model"), both, strict=True):
             columns[f"{i}.{words}.{name}"] = np.interp(clock, time, values, left=np.nan, right=np.nan)
             curves.append(Curve(words, ((f"{i}.{words}.{name}", 1.0),)))
-        base = BASES.get(split(name)[1], "")
-        panels.append(in_unit(Panel(f"{run}: {label(name)}", base, tuple(curves)), columns.__getitem__))
+        panels.append(panel(f"{run}: {label(name)}", name, curves, columns.__getitem__))
     return live_curves(columns, [Group("data", "Data and model", "As measured, and as fitted.", tuple(panels))], "")
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report.pages.folder import Bed
-from granular_contact.report.units import Array, unit_for
+from granular_contact.report.units import Array, round_below, unit_for
 from granular_contact.results.frames import surface_height
 from granular_contact.results.motion import Motion
 
@@ -111,12 +111,6 @@ def _sand(bed: Bed, left: float, bottom: float, scale: float) -> dict[str, str]:
     return {"under": _line(under, True), "surface": _line(line), "layers": "".join(layers), "floor": floor}
 
 
-def _round(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-9)) * power)
-
-
 def _words(value: float, base: str) -> str:
     unit = unit_for(np.array([value]), base)
     return f"{value * unit.factor:.4g} {unit.name}"
@@ -124,7 +118,7 @@ def _words(value: float, base: str) -> str:
 
 def _bar(scale: float) -> dict[str, Any]:
     """A bar of a round length: px, and words."""
-    length = _round(0.2 * WIDTH / scale)
+    length = round_below(0.2 * WIDTH / scale)
     return {"px": length * scale, "words": _words(length, "m")}
 
 
@@ -139,7 +133,7 @@ def _key(usual: float, px: float, height: float) -> dict[str, Any]:
     """A round force as the key of arrows: its arrow near the lower left corner, its length (px), and words."""
     if not usual > 0.0:
         return {}
-    newton = _round(usual)
+    newton = round_below(usual)
     length = px * newton / usual
     head = min(13.0, 0.7 * length)
     shaft, wing, y = 2.2 * head / 13.0, 0.45 * head, height - 22.0

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.report import BANDS, CASES, SENSITIVITY, SERIES, SWEEP, TABLE
-from granular_contact.report.histories import BASES, Curve, Group, Panel, in_unit
+from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.overlay import History, motion
 from granular_contact.report.overlay import table as overlaid
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder, Rows
 from granular_contact.report.pages.live import NOTHING, live_curves, live_overlay
-from granular_contact.report.units import column, is_number, label, quantity, split
+from granular_contact.report.units import column, is_number, label, quantity
 from granular_contact.results import FINISHED
 
 MOST_RUNS = 6  # of cases that were kept, side by side
@@ -138,10 +138,7 @@ def _bands(columns: dict[str, Values]) -> list[Group]:
         if stem:
             words = "median" if level == "50" else f"{int(level)} %"
             found.setdefault(stem, []).append(Curve(words, ((name, 1.0),)))
-    panels = []
-    for stem, curves in found.items():
-        base = BASES.get(split(stem)[1], "")
-        panels.append(in_unit(Panel(label(stem), base, tuple(curves)), columns.__getitem__))
+    panels = [panel(label(stem), stem, curves, columns.__getitem__) for stem, curves in found.items()]
     return [Group("bands", "Bands", "So many of all runs lie below each curve.", tuple(panels))] if panels else []
 
 

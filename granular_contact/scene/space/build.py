@@ -12,6 +12,7 @@ from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.laws.law import Law
 from granular_contact.scene.bed import places
+from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.space.bed import bed
@@ -22,7 +23,6 @@ from granular_contact.scene.space.loops import closed, needed
 from granular_contact.scene.space.start import start
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.steps import steps
-from granular_contact.scene.types import FASTEST
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 
@@ -48,7 +48,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     rigid = tuple(rigid_body(made, group, placed) for group in groups if GROUND not in group)
     if not rigid:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
-    faults += _closure_faults(model, groups)
+    faults += closure_faults(model, groups)
     surface = bed(scenario, rigid, faults)
     faults += _inapplicable(scenario, rigid)
     if faults:
@@ -69,18 +69,9 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         body_columns=_has_body_columns(scenario, rigid),
         notes=tuple(notes),
     )
-    if faults := list(_beyond_numbers(scene)):
+    if faults := list(beyond_numbers(scene)):
         raise SceneError(faults)
     return scene
-
-
-def _closure_faults(model: schema.SpatialModel, groups: list[list[str]]) -> Iterator[Fault]:
-    """Faults of closures whose child is welded to the ground: it has to be the parent."""
-    fixed = next((group for group in groups if GROUND in group), [])
-    for name, closure in model.closures.items():
-        if closure.child in fixed:
-            words = f"{closure.child} is fixed to the ground: make it the parent"
-            yield scene_fault(f"model.closures.{name}.child", words)
 
 
 def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
@@ -147,16 +138,3 @@ def _has_body_columns(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigi
     if scenario.output.bodies != "auto":
         return scenario.output.bodies == "all"
     return len(rigid) <= MOST_BODIES
-
-
-def _beyond_numbers(scene: SpatialScene) -> Iterator[Fault]:
-    if not math.isfinite(scene.force_scale):
-        moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
-        yield scene_fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
-        return
-    for body in scene.rigid:
-        speed, rate = math.hypot(*body.motion.velocity), math.hypot(*body.motion.rate)
-        for got, unit in ((speed, "m/s"), (rate, "rad/s")):
-            if not got < FASTEST:
-                words = f"{body.name} starts with {got:.3g} {unit}: allowed is less than {FASTEST:g}"
-                yield scene_fault("initial", words)

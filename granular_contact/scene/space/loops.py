@@ -19,8 +19,9 @@ from granular_contact.scene.loops import LARGEST_GAP, LARGEST_TILT, RANK_TOLERAN
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
 from granular_contact.scene.space.shapes import orientation
-from granular_contact.scene.space.start import Start, home
+from granular_contact.scene.space.start import home
 from granular_contact.scene.space.types import Vector
+from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive
 
 Mask = NDArray[np.bool_]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,17 +12,8 @@ from granular_contact.config.schema.space.joints import AnyJoint
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.space.layout import JointState
 from granular_contact.scene.space.shapes import orientation
-from granular_contact.scene.start import AGREEMENT
+from granular_contact.scene.start import AGREEMENT, Start, settling_fault
 from granular_contact.scene.types import Drive
-
-
-@dataclass(frozen=True)
-class Start:
-    """States of the tree's joints; names of those whose coordinate (placed) or rate (moved) a run or drive gives."""
-
-    states: dict[str, JointState]
-    placed: frozenset[str]
-    moved: frozenset[str]
 
 
 def start(scenario: schema.SpatialScenario, drives: tuple[Drive, ...], faults: list[Fault]) -> Start:
@@ -44,10 +34,7 @@ def start(scenario: schema.SpatialScenario, drives: tuple[Drive, ...], faults: l
             faults += _gaps(name, joint, said, follows)
             state, has_place, has_rate = follows, True, True
             if initial.settle and state.rates[0] != 0.0:
-                words = (
-                    f"the motion starts at {state.rates[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
-                )
-                faults.append(scene_fault(f"drives.{name}", words))
+                faults.append(settling_fault(name, float(state.rates[0])))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
             state, has_place = JointState(state.rates, drive.signal.value(0.0)), True
         states[name] = state

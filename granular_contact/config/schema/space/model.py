@@ -12,7 +12,7 @@ from granular_contact.config.schema.joints import HingeFriction, HingeSpring, Hi
 from granular_contact.config.schema.space.bodies import SpatialBody, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
-from granular_contact.config.schema.structure import Names, structure_faults
+from granular_contact.config.schema.structure import mechanism_faults
 from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text
 
 
@@ -67,11 +67,6 @@ class SpatialChain(Strict):
             joints[hinge] = SpatialHinge(type="hinge", **ends, axis=axes[i % len(axes)], **more)
         return dict.fromkeys(links, link), joints
 
-    @property
-    def names(self) -> Names:
-        """What it hangs on, and the names of its links and hinges."""
-        return self.parent, names(self.link_name, self.count), names(self.hinge_name, self.count)
-
 
 class SpatialModel(Strict):
     """A mechanism in space, x ahead, y left and z up, before it is placed and set in motion."""
@@ -98,11 +93,4 @@ class SpatialModel(Strict):
         return self.joints | (self.chain.expanded()[1] if self.chain is not None else {})
 
     def _faults(self) -> Faults:
-        if not self.bodies and self.chain is None:
-            yield ("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"
-        yield from structure_faults(
-            self.bodies,
-            {name: (j.parent, j.child) for name, j in self.joints.items()},
-            closures={name: (j.parent, j.child) for name, j in self.closures.items()},
-            chain=None if self.chain is None else self.chain.names,
-        )
+        return mechanism_faults(self)
