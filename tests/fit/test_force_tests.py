@@ -186,7 +186,7 @@ FAULTY: dict[str, tuple[Callable[[], list[str]], int, str, str]] = {
     "noise alone": (lambda: rows(Z, 1e-3 * NOISE), 2, "force_N", "is noise alone"),
     "sign": (lambda: rows(Z, -F), 41, "force_N", "got -100, but the law gives +34"),
     "depth in mm that says m": (lambda: rows(Z, F, "depth_m,force_N"), 41, "depth_m", "got 40 m, but the body is"),
-    "no depth": (lambda: rows(Z, F, "way_mm,force_N"), 1, "", "has no column of depths"),
+    "no depth": (lambda: rows(Z, F, "path_length_mm,force_N"), 1, "", "has no column of depths"),
     "misspelt": (lambda: rows(Z, F, "depth_mm,forces_N"), 1, "", "has no column of times"),
     "two units of one": (lambda: [f"{line},1" for line in rows(Z, F, "depth_mm,force_N,force_kN")][:0]
                          or ["depth_mm,force_N,force_kN", *(f"{z},{2 * z},{z}" for z in Z)], 1, "force_N",
@@ -206,6 +206,14 @@ def test_faulty_tables(tmp_path: Path, name: str) -> None:
     first = caught.value.faults[0]
     assert (Path(first.file).name, first.line, first.key) == ("data.csv", line, key)
     assert words in first.message
+
+
+def test_a_path_length_by_its_old_name_is_read_and_told(tmp_path: Path) -> None:
+    (tmp_path / "data.csv").write_text("\n".join(rows(Z, F, "way_mm,force_N")) + "\n", encoding="utf-8")
+    head = f"parameters: [medium.zeta]\n{START}force_test: {{direction: right, depth_m: 0.05}}\n"
+    run = problem(tmp_path, f"{head}runs: [{{config: {PLATE}, data: data.csv}}]").runs[0]
+    assert run.measured.given["path_length_m"] == pytest.approx(1e-3 * Z)
+    assert any("way_mm is called path_length_mm now" in note for note in run.measured.notes)
 
 
 def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> None:

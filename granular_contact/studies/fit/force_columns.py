@@ -14,8 +14,8 @@ UNITS = {
     "Nm": {"Nm": 1.0, "Nmm": 1e-3, "mNm": 1e-3, "kNm": 1e3},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
 }
-DEPTH, SPEED, RATE, WAY = "depth_m", "speed_m_s", "rate_rad_s", "way_m"
-GIVEN = {"depth": "m", "speed": "m_s", "rate": "rad_s", "way": "m"}
+DEPTH, SPEED, RATE, PATH = "depth_m", "speed_m_s", "rate_rad_s", "path_length_m"
+GIVEN = {"depth": "m", "speed": "m_s", "rate": "rad_s", "path_length": "m"}
 FORCE, VERTICAL, HORIZONTAL, TORQUE, PRESSURE = (
     "force_N",
     "vertical_force_N",
@@ -37,12 +37,14 @@ _SPELLINGS = {
     for stem, base in (GIVEN | MEASURED).items()
     for unit, factor in UNITS[base].items()
 }
+# Names of earlier versions, which are still read, and those that replace them.
+SUCCESSORS = {f"way_{unit}": f"path_length_{unit}" for unit in UNITS["m"]}
 _MEASURED = {f"{stem}_{base}" for stem, base in MEASURED.items()}
 
 
 def recognise(name: str) -> tuple[str, float] | None:
     """Column and factor to its unit that a measured name means; None if it is none of a force test."""
-    return _SPELLINGS.get(name)
+    return _SPELLINGS.get(SUCCESSORS.get(name, name))
 
 
 def is_measured(column: str) -> bool:

@@ -23,6 +23,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 
 from granular_contact.errors import Fault
+from granular_contact.studies.fit.force_columns import PATH
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.law_alone import LawAlone
 from granular_contact.studies.fit.measurements import Measured
@@ -62,10 +63,10 @@ class Scattering:
         return self.relative * self.force_error / self.force
 
 
-def way_of(held: Measured, sine: float) -> Vector | None:
-    """Way (n,) m of the body, as its column tells it or from the depth; None where neither does."""
-    if "way_m" in held.given:
-        return held.given["way_m"]
+def path_of(held: Measured, sine: float) -> Vector | None:
+    """Path length (n,) m of the body, as its column tells it or from the depth; None where neither does."""
+    if PATH in held.given:
+        return held.given[PATH]
     depth = held.given["depth_m"]
     if abs(sine) < LEAST_SLOPE or float(np.ptp(depth)) == 0.0:
         return None
@@ -84,8 +85,9 @@ def faults(requests: Sequence[RunRequest], runs: Sequence[MeasuredRun]) -> Itera
             words = (
                 f"has {len(held.time)} rows; at most {MOST_ROWS} are allowed with scatter: leave every other one out"
             )
-        elif way_of(held, float(model.motion.along[1])) is None:
-            words = "does not tell how far the body went; allowed is a column way_m (cm, mm, um), or a depth that grows"
+        elif path_of(held, float(model.motion.along[1])) is None:
+            words = "does not tell how far the body went; "
+            words += "allowed is a column path_length_m (cm, mm, um), or a depth that grows"
         else:
             continue
         yield request.at_data.fault(("scatter",), f"{held.file} {words}")
@@ -125,7 +127,7 @@ def apart(problem: Problem, solution: Solution) -> tuple[Solution, Scattering]:
 def _paths(problem: Problem) -> Iterator[Vector]:
     for run in problem.runs:
         assert isinstance(run.simulator, LawAlone)  # or there was a fault
-        path = way_of(run.measured, float(run.simulator.motion.along[1]))
+        path = path_of(run.measured, float(run.simulator.motion.along[1]))
         assert path is not None
         yield path
 
