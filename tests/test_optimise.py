@@ -129,7 +129,7 @@ def test_failed_runs_count_as_worst_and_are_told(tmp_path, method):
     assert 20 <= outcome.numbers[ANGLE] <= 50
     reasons = {one.failure for one in outcome.failed}
     assert "ArithmeticError: too steep" in reasons
-    assert "the energy balance is off by 50%: the result is not usable" in reasons
+    assert "the energy balance has an error of 50%: the result is not usable" in reasons
     assert all(one.cost > 1e35 for one in outcome.failed)
 
 

@@ -388,7 +388,7 @@ def test_ctrl_c_keeps_what_is_finished(under_way, tmp_path):
     until(lambda: is_gone(under_way.pid), 10)
 
 
-def test_a_crew_that_is_dismissed_leaves_nothing_behind():
+def test_a_worker_pool_that_is_dismissed_leaves_nothing_behind():
     """Neither processes nor the thread that looks after them, whose pipe the interpreter would write to at its exit."""
     before = set(threading.enumerate())
     with sweep.WorkerPool(2, local) as pool:

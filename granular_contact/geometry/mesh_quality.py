@@ -67,7 +67,7 @@ def quality(vertices: Vector, faces: Faces) -> Quality:
     )  # fmt: skip
 
 
-def doubts(vertices: Vector, faces: Faces) -> tuple[str, ...]:
+def quality_notes(vertices: Vector, faces: Faces) -> tuple[str, ...]:
     """Notes of `quality` on a closed mesh at a small part of its cost, for every mesh that is loaded.
 
     Faces inside are looked for by fewer points, and in a large mesh of one piece not at all.

@@ -1,4 +1,4 @@
-"""What makes the answer of a finished solve doubtful, by how much, and what to change; the worst said first.
+"""Estimates of the error of a finished solve, and what to change; the worst said first.
 
 Energy that is unaccounted for was put into the motion or taken out of it by the steps. No estimate of positions that
 promises less may stand beside it: such estimates look at single steps, the balance at the whole run.
@@ -30,7 +30,7 @@ class AccuracyWarning:
 def told(imbalance: float, found: Sequence[AccuracyWarning], scene: Scene) -> list[str]:
     """Sentences on the accuracy of a run; imbalance: relative to its largest energy."""
     fatal = [one.sentence for one in found if one.error == math.inf]
-    said = f"the energy balance is off by {share(imbalance)}"
+    said = f"the energy balance has an error of {share(imbalance)}"
     if imbalance > USELESS:
         return [f"{said}: the result is not usable; {remedy(scene)}", *fatal]
     if fatal or not imbalance > IMBALANCE_LIMIT:

@@ -85,7 +85,7 @@ def test_a_flexible_rod_on_a_slope_balances_or_says_so() -> None:
     # Nearly along the slope, where it bends within a few steps.
     flat = simulate(ROD, "initial.joints.fall.angle_deg=10")
     assert imbalance(flat) > IMBALANCE_LIMIT
-    assert flat.warnings[0].startswith("the energy balance is off by 0.")
+    assert flat.warnings[0].startswith("the energy balance has an error of 0.")
     assert "solver.step_s (now 0.0002)" in flat.warnings[0]
     finer = simulate(ROD, "initial.joints.fall.angle_deg=10", "solver.step_s=1e-4")
     assert imbalance(finer) < 0.5 * imbalance(flat)

@@ -39,7 +39,7 @@ class _Mass:
 def bodies_of(
     model: schema.SpatialModel, media: Collection[str], strips: int, faults: list[Fault], notes: list[Fault]
 ) -> dict[str, Made] | None:
-    """All bodies by name; None, with faults, if one can't be made; notes on what is doubtful are appended, too.
+    """All bodies by name; None, with faults, if one can't be made; notes on what makes forces uncertain are appended, too.
 
     Arguments as of `shapes.part_of`.
     """
@@ -56,7 +56,7 @@ def bodies_of(
                 faults += [scene_fault(told, one.message) for one in error.faults]
                 continue
             parts.append(part)
-            notes += [scene_fault(told, words) for words in part.doubts]
+            notes += [scene_fault(told, words) for words in part.notes]
             own.append(properties)
             if body.density_kg_m3 is not None and not properties.volume > 0.0:
                 words = "a sheet without thickness_m has no mass, but its body has a density; give it a thickness"

@@ -17,7 +17,7 @@ from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space import shapes as shapes_schema
 from granular_contact.config.schema.space.turned import Oriented
 from granular_contact.geometry import mesh
-from granular_contact.geometry.mesh_quality import doubts
+from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Meets, Part, Vector
@@ -72,7 +72,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
         meets = tuple(kind for kind in ("surface", "ball") if kind in media) or ("surface", "ball")
     part = _part(name, shape, meets, position, turn, spec.in_sand, spec.facet_size_m)
     if isinstance(spec, shapes_schema.SpatialMesh) and spec.in_sand and not spec.thin:
-        part = replace(part, doubts=doubts(shape.vertices, shape.faces))
+        part = replace(part, notes=quality_notes(shape.vertices, shape.faces))
     return part, own.placed(position, turn)
 
 

@@ -30,7 +30,7 @@ class Part:
     name: of the body in the config; shape: of `bed.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
     whether the medium acts on it; facet_size (m): greatest edge of its facets, None for the usual; triangles (k, 3, 3)
     m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) below them;
-    doubts: what is doubtful about it as a surface, in sentences.
+    notes: what makes its forces uncertain as a surface, in sentences.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Part:
     triangles: Vector
     points: Vector
     drop: float = 0.0
-    doubts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 judging   a row of a run -> what it is worth: objective, constraints, or why it counts as worst
 methods   which numbers are tried next: CMA-ES, differential evolution
-search    study and crew -> outcome; with a journal it goes on where it was killed
+search    study and worker pool -> outcome; with a journal it goes on where it was killed
 outcome   the best run, and what it gains over the config as it was
 writing   outcome -> history.csv, best.yaml, best/, optimise.json, figures
 calls     a search from Python

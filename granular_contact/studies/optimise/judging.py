@@ -67,7 +67,7 @@ def _failure(row: Row, file: OptimiseFile) -> str:
     if row.failed:
         return str(row.summary.get("message") or row.summary["status"])
     if (imbalance := row.summary.get(IMBALANCE)) is not None and not imbalance <= USELESS:
-        return f"the energy balance is off by {imbalance:.0%}: the result is not usable"
+        return f"the energy balance has an error of {imbalance:.0%}: the result is not usable"
     lacking = [name for name in asked(file).values() if not _is_finite(row.summary.get(name))]
     return f"it has no {lacking[0]}" if lacking else ""
 
