@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import schema
+from granular_contact.config.schema import shapes
 from granular_contact.laws.kinds import Kind
 from granular_contact.scene.types import Shape, Vector, Wheel, rotation, turned
 
@@ -26,7 +27,7 @@ class MassProperties:
     gyration_squared: float
 
 
-def made(part: str, spec: schema.Shape, strips: int) -> tuple[Shape, MassProperties]:
+def made(part: str, spec: shapes.Shape, strips: int) -> tuple[Shape, MassProperties]:
     """Shape of a config with its mass properties; curves get at least `strips` chords."""
     shape, properties = _SHAPES[type(spec)](part, spec, strips)
     return shape, properties
@@ -63,7 +64,7 @@ class Section:
         return self.thickness**2 / (16 if self.is_round else 12)
 
 
-def section(spec: schema.Link | schema.ArcShape | schema.PolylineShape) -> Section:
+def section(spec: schema.Link | shapes.ArcShape | shapes.PolylineShape) -> Section:
     """Section of what has a diameter, or a width and a thickness."""
     if spec.diameter_m is not None:
         return Section(True, spec.diameter_m, spec.diameter_m)
@@ -72,7 +73,7 @@ def section(spec: schema.Link | schema.ArcShape | schema.PolylineShape) -> Secti
     return Section(False, spec.width_m, spec.thickness_m)
 
 
-def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, MassProperties]:
+def _disc(part: str, spec: shapes.DiscShape, strips: int) -> tuple[Shape, MassProperties]:
     radius, center = spec.diameter_m / 2, np.array(spec.center_m)
     chords = max(CHORDS, strips)
     circle = center + radius * _circle(chords)
@@ -81,7 +82,7 @@ def _disc(part: str, spec: schema.DiscShape, strips: int) -> tuple[Shape, MassPr
     return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), properties
 
 
-def _wheel(part: str, spec: schema.WheelShape, strips: int) -> tuple[Shape, MassProperties]:
+def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, MassProperties]:
     radius, center, teeth = spec.radius_m, np.array(spec.center_m), spec.grousers
     whole = max(CHORDS, strips)
     if teeth is None:
@@ -114,24 +115,24 @@ def _round(start: float, end: float, chords: int) -> Vector:
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-def _sphere(part: str, spec: schema.SphereShape, _: int) -> tuple[Shape, MassProperties]:
+def _sphere(part: str, spec: shapes.SphereShape, _: int) -> tuple[Shape, MassProperties]:
     d, center = spec.diameter_m, np.array(spec.center_m)
     return Shape(part, "ball", center[None, :], d, d, spec.in_sand), MassProperties(
         math.pi / 6 * d**3, center, d**2 / 10
     )
 
 
-def _cylinder(part: str, spec: schema.CylinderShape, _: int) -> tuple[Shape, MassProperties]:
+def _cylinder(part: str, spec: shapes.CylinderShape, _: int) -> tuple[Shape, MassProperties]:
     size = Section(True, spec.diameter_m, spec.diameter_m)
     return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
 
 
-def _plate(part: str, spec: schema.PlateShape, _: int) -> tuple[Shape, MassProperties]:
+def _plate(part: str, spec: shapes.PlateShape, _: int) -> tuple[Shape, MassProperties]:
     size = Section(False, spec.width_m, spec.thickness_m)
     return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
 
 
-def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, MassProperties]:
+def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, MassProperties]:
     size, radius, center = section(spec), spec.radius_m, np.array(spec.center_m)
     start, end = turned(spec.from_deg), turned(spec.to_deg)
     half = abs(end - start) / 2
@@ -150,7 +151,7 @@ def _arc(part: str, spec: schema.ArcShape, strips: int) -> tuple[Shape, MassProp
     return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand, turns=turns), properties
 
 
-def _polyline(part: str, spec: schema.PolylineShape, _: int) -> tuple[Shape, MassProperties]:
+def _polyline(part: str, spec: shapes.PolylineShape, _: int) -> tuple[Shape, MassProperties]:
     size, points = section(spec), np.array(spec.points_m)
     pieces = [bar(part, a, b, size)[1] for a, b in pairwise(points)]
     volume = sum(piece.volume for piece in pieces)
@@ -162,11 +163,11 @@ def _polyline(part: str, spec: schema.PolylineShape, _: int) -> tuple[Shape, Mas
     return shape, MassProperties(volume, center, gyration_squared)
 
 
-def _polygon(part: str, spec: schema.PolygonShape, _: int) -> tuple[Shape, MassProperties]:
+def _polygon(part: str, spec: shapes.PolygonShape, _: int) -> tuple[Shape, MassProperties]:
     return _solid(part, np.array(spec.points_m), spec.width_m, spec.in_sand)
 
 
-def _foot(part: str, spec: schema.FootShape, _: int) -> tuple[Shape, MassProperties]:
+def _foot(part: str, spec: shapes.FootShape, _: int) -> tuple[Shape, MassProperties]:
     radius = spec.height_m / 2
     half = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # from the x axis over y to its other side
     toe = half @ rotation(math.pi / 2)  # the toe, from below to above
@@ -204,13 +205,13 @@ def _circle(chords: int) -> Vector:
 
 
 _SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, MassProperties]]] = {
-    schema.DiscShape: _disc,
-    schema.WheelShape: _wheel,
-    schema.SphereShape: _sphere,
-    schema.CylinderShape: _cylinder,
-    schema.PlateShape: _plate,
-    schema.ArcShape: _arc,
-    schema.PolylineShape: _polyline,
-    schema.PolygonShape: _polygon,
-    schema.FootShape: _foot,
+    shapes.DiscShape: _disc,
+    shapes.WheelShape: _wheel,
+    shapes.SphereShape: _sphere,
+    shapes.CylinderShape: _cylinder,
+    shapes.PlateShape: _plate,
+    shapes.ArcShape: _arc,
+    shapes.PolylineShape: _polyline,
+    shapes.PolygonShape: _polygon,
+    shapes.FootShape: _foot,
 }

@@ -10,7 +10,7 @@ from support_runs import order, scenario_of, simulate
 
 from granular_contact.bed.contact_lines import Body, outline
 from granular_contact.bed.load import GranularLoad
-from granular_contact.config import schema
+from granular_contact.config.schema import shapes
 from granular_contact.config.schema.shapes import Grousers
 from granular_contact.errors import ConfigError
 from granular_contact.geometry.polygon import crossing, doubled_area
@@ -23,8 +23,8 @@ QUICK = ("load.strips_per_rigid_part=12", "solver={step_s: 4e-3, end_time_s: 1.2
 
 
 def test_a_smooth_wheel_is_a_disc() -> None:
-    wheel = schema.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, center_m=(0.01, 0.0))
-    disc = schema.DiscShape(type="disc", diameter_m=0.1, thickness_m=0.04, center_m=(0.01, 0.0))
+    wheel = shapes.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, center_m=(0.01, 0.0))
+    disc = shapes.DiscShape(type="disc", diameter_m=0.1, thickness_m=0.04, center_m=(0.01, 0.0))
     (one, mass), (other, of_disc) = made("part", wheel, 16), made("part", disc, 16)
     np.testing.assert_allclose(one.points, other.points, atol=1e-15)
     np.testing.assert_allclose(one.turns, other.turns)
@@ -33,7 +33,7 @@ def test_a_smooth_wheel_is_a_disc() -> None:
 
 def test_grousers_are_teeth() -> None:
     teeth = Grousers(count=9, height_m=0.012, thickness_m=0.004)
-    shape, mass = made("part", schema.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, grousers=teeth), 32)
+    shape, mass = made("part", shapes.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, grousers=teeth), 32)
     sides = [tuple(point) for point in shape.points[:-1]]
     assert crossing(sides) is None
     assert len(shape.turns) == len(shape.points) - 1

@@ -17,16 +17,4 @@ from granular_contact.config.schema.medium import Medium
 from granular_contact.config.schema.method import Minimal, Reduced
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.scenario import Load, Output, Scenario, Solver
-from granular_contact.config.schema.shapes import (
-    ArcShape,
-    CylinderShape,
-    DiscShape,
-    FootShape,
-    PlateShape,
-    PolygonShape,
-    PolylineShape,
-    Shape,
-    SphereShape,
-    WheelShape,
-)
 from granular_contact.config.schema.signals import AnySignal, Buehler, Constant, Csv, Ramp, Shared, Sine, Table

@@ -16,12 +16,14 @@ from granular_contact.values.strict import Faults, Listed, Point, Positive, Stri
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
 
 
-class _Shape(Strict):
+class PlanarShape(Strict):
+    """What all shapes in the plane have."""
+
     in_sand: bool = True
     """Whether the medium acts on it; false: it only has mass and is drawn."""
 
 
-class DiscShape(_Shape):
+class DiscShape(PlanarShape):
     """A wheel: a cylinder whose axis is normal to the plane of motion."""
 
     type: Literal["disc"]
@@ -42,7 +44,7 @@ class Grousers(Strict):
     """Along the rim."""
 
 
-class WheelShape(_Shape):
+class WheelShape(PlanarShape):
     """A wheel, smooth or with grousers; its slip, sinkage and pull are in the results."""
 
     type: Literal["wheel"]
@@ -68,7 +70,7 @@ class WheelShape(_Shape):
         return self.radius_m + (0.0 if self.grousers is None else self.grousers.height_m / 3.0)
 
 
-class SphereShape(_Shape):
+class SphereShape(PlanarShape):
     """A ball."""
 
     type: Literal["sphere"]
@@ -76,7 +78,7 @@ class SphereShape(_Shape):
     center_m: Point = (0.0, 0.0)
 
 
-class _Straight(_Shape):
+class _Straight(PlanarShape):
     start_m: Point = (0.0, 0.0)
     end_m: Point
 
@@ -112,7 +114,7 @@ def section_faults(diameter: float | None, width: float | None, thickness: float
         yield (missing,), "is missing; a rectangular section has width_m and thickness_m"
 
 
-class _Bent(_Shape):
+class _Bent(PlanarShape):
     diameter_m: Positive | None = None
     """Of a round bar."""
     width_m: Positive | None = None
@@ -160,7 +162,7 @@ class PolylineShape(_Bent):
         yield from corner_faults(self.points_m)
 
 
-class PolygonShape(_Shape):
+class PolygonShape(PlanarShape):
     """A solid with a polygon as its section."""
 
     type: Literal["polygon"]
@@ -173,7 +175,7 @@ class PolygonShape(_Shape):
         return outline_faults(self.points_m)
 
 
-class FootShape(_Shape, Renewed):
+class FootShape(PlanarShape, Renewed):
     """A flat sole with round toe and heel: a rectangle that ends in half circles, along the x axis of its own frame."""
 
     type: Literal["foot"]
@@ -213,7 +215,7 @@ def outline_faults(corners: Sequence[tuple[float, float]]) -> Faults:
         yield ("points_m",), words
 
 
-SHAPES: dict[str, type[Strict]] = {
+SHAPES: dict[str, type[PlanarShape]] = {
     "disc": DiscShape,
     "wheel": WheelShape,
     "sphere": SphereShape,
@@ -224,15 +226,4 @@ SHAPES: dict[str, type[Strict]] = {
     "polygon": PolygonShape,
     "foot": FootShape,
 }
-Shape = Annotated[
-    DiscShape
-    | WheelShape
-    | SphereShape
-    | CylinderShape
-    | PlateShape
-    | ArcShape
-    | PolylineShape
-    | PolygonShape
-    | FootShape,
-    Tagged("type", SHAPES),
-]
+Shape = Annotated[PlanarShape, Tagged("type", SHAPES)]

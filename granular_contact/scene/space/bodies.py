@@ -39,7 +39,7 @@ class _Mass:
 def bodies_of(
     model: schema.SpatialModel, media: Collection[str], strips: int, faults: list[Fault], notes: list[Fault]
 ) -> dict[str, Made] | None:
-    """All bodies by name; None, with faults, if one can't be made; notes on what makes forces uncertain are appended, too.
+    """All bodies by name; None, with faults, if one can't be made; notes on uncertain forces are appended, too.
 
     Arguments as of `shapes.part_of`.
     """
