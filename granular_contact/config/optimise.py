@@ -155,12 +155,10 @@ def study_of(root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe |
 
 def _without_faults(root: tree.Mapping) -> OptimiseFile:
     """What is valid of the parameters of a file that is not, so that all that is wrong with it is told at once."""
-    given = root.nodes.get("parameters")
-    nodes = given.nodes if isinstance(given, tree.Mapping) else {}
+    held = root.nodes.get("parameters")
+    nodes = held.nodes if isinstance(held, tree.Mapping) else {}
     valid = {name: one for name, node in nodes.items() if (one := validated(Parameter, node, [])) is not None}
-    held = OptimiseFile.__new__(OptimiseFile)  # the other keys are not asked for, and need not go together
-    vars(held).update(parameters=valid, evaluations=1)
-    return held
+    return OptimiseFile.model_construct(parameters=valid, evaluations=1)
 
 
 def _keys(root: tree.Mapping, file: OptimiseFile, faults: list[Fault]) -> dict[str, tuple[Override, ...]]:

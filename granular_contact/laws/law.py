@@ -154,7 +154,6 @@ class Law(Coefficients):
 
     def model_post_init(self, context: Any, /) -> None:
         """Name a medium without a name after its law."""
-        super().model_post_init(context)
         if self.name is None:
             self.__dict__["name"] = self.law
 

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Annotated, Any, get_args
 
 import yaml
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic import Strict as StrictnessOf
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
@@ -37,10 +37,12 @@ class Strict(BaseModel):
         allow_inf_nan=False,
     )
 
-    def model_post_init(self, _context: Any, /) -> None:
+    @model_validator(mode="after")
+    def _agrees(self) -> Strict:
         """Refuse values that do not go together."""
         if faults := list(self._faults()):
             raise refusal(faults)
+        return self
 
     def _faults(self) -> Faults:
         """What is wrong with values that are each allowed: paths below this one, and sentences."""
