@@ -124,7 +124,7 @@ def test_every_solver_names_what_to_change() -> None:
         ("double_pendulum", ("method={minimal: {rtol: 1e-4}}",), "method.minimal.rtol (now 0.0001)"),
     ):
         (said,) = told(0.002, [], scene_of(config, *more))
-        assert "off by 0.20%" in said
+        assert "an error of 0.20%" in said
         assert key in said
 
 
