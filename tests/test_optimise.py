@@ -253,7 +253,10 @@ def test_the_command_its_folder_and_its_page(tmp_path, capsys):
     assert "to minimise stopping_time_s + 0.01 max_depth_m" in " ".join(page.split())
     assert 'id="cases-chart"' in page  # any number of the runs against any other
     assert "granular-contact run best.yaml" in page
-    assert main(["optimise", str(tmp_path / "out" / "optimise.yaml"), "--out", str(tmp_path / "again")]) == 0
+    saved = (tmp_path / "out" / "optimise.yaml").read_text(encoding="utf-8")
+    assert "figures: true" in saved
+    (tmp_path / "again.yaml").write_text(saved.replace("figures: true", "figures: false"), encoding="utf-8")
+    assert main(["optimise", str(tmp_path / "again.yaml"), "--out", str(tmp_path / "again")]) == 0
     assert history(tmp_path / "again") == history(tmp_path / "out")
     assert {path: path.read_bytes() for path in before} == before
     (tmp_path / "search.yaml").write_text(text.replace("seed: 1", "seed: 2"), encoding="utf-8")

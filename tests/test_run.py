@@ -174,6 +174,14 @@ def test_medium_only_takes_energy(config: str) -> None:
     assert work[-1] < -1e-2
 
 
+def test_strips_are_told_where_they_are_chosen_with_the_steps() -> None:
+    chosen = simulate("pendulum_rigid", "solver.accuracy=1e-2").summary["strips"]
+    assert sorted(chosen) == ["per_element", "per_rigid_part"]
+    assert min(chosen.values()) > 0
+    for more in (("solver.step_s=2e-4",), ("solver.accuracy=1e-2", "medium=null", "solver.end_time_s=0.01")):
+        assert "strips" not in simulate("pendulum_rigid", *more).summary
+
+
 def test_coarse_step_is_warned_about() -> None:
     results = simulate("pendulum", "solver.step_s=0.02")
     assert results.summary["energy"]["imbalance_relative"] > 1e-2

@@ -42,6 +42,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "multibody/observe.py": (
             "tests/multibody/test_powers.py",
             "tests/multibody/test_chains.py",
+            "tests/multibody/test_free.py",
             "tests/test_run.py",
         ),
         "multibody/senses.py": ("tests/test_simulation.py",),

@@ -14,6 +14,8 @@ from granular_contact.bed import state
 from granular_contact.bed.contact_lines import Body, ball, outline, polyline
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError
+from granular_contact.kernels import batches
+from granular_contact.kernels.law import TERMS
 from granular_contact.laws import probe
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic
@@ -125,6 +127,35 @@ def test_wrenches_go_to_the_coordinates_that_a_body_has() -> None:
     load.start(system, where, reference)
     system[where] = moved - 0.5
     np.testing.assert_allclose(load.force(system, rates, np.zeros(6)).reshape(2, 3), wrenches, atol=1e-9)
+
+
+def test_the_tangent_of_lines_of_unlike_length_is_the_derivative_of_their_forces() -> None:
+    """In the sand on bristles that are stretched by a fifth of their yield, where forces are smooth."""
+    load = GranularLoad(SAND, 0.0, static=Elastoplastic(1e-2, 1e-3))
+    load.add(polyline(Body("right", [3, 4, 5]), PLATE, width=SIZE, strips=3))
+    load.add(polyline(Body("left", [0, 1, 2]), PLATE, width=SIZE, strips=8))
+    load.start(np.array([-1.0, -0.08, 0.4, 1.0, -0.12, -0.3]))
+    state_ = np.array([-0.9996, -0.082, 0.406, 0.999, -0.1216, -0.304, 0.02, -0.1, 0.3, -0.05, -0.08, -0.2])
+    slopes = np.zeros((6, 12))
+    for j, step in enumerate(1e-7 * np.eye(12)):
+        ahead, behind = (load.force(*np.split(state_ + at, 2), np.zeros(6)) for at in (step, -step))
+        slopes[:, j] = (ahead - behind) / 2e-7
+    for factors, want in zip(np.eye(2), np.split(slopes, 2, axis=1), strict=True):
+        rows, columns, values = load.tangent(*np.split(state_, 2), *factors).T
+        found = np.zeros((6, 6))
+        np.add.at(found, (rows.astype(int), columns.astype(int)), values)
+        # Central differences of 1e-7 m of forces that bend over some mm, and their round-off.
+        np.testing.assert_allclose(found, want, atol=1e-5 * np.abs(want).max())
+        assert (np.abs(want[:3, :3]).max() > 1.0, np.abs(want[3:, 3:]).max() > 1.0) == (True, True)
+        assert not want[:3, 3:].any()
+
+
+def test_there_is_room_for_what_is_kept_of_each_line() -> None:
+    """Compiled code looks at no bounds: what lay beyond would be other memory."""
+    ends, anchors = np.array([[0, 0], [4, 3], [9, 9]]), np.zeros((9, 2))  # lines of 3 and 6 coordinates
+    stations, body = batches.work(ends, anchors)
+    assert stations.shape == (7, 9, 2)
+    assert body.shape == (batches.BLOCK + 6 + 2 * batches.KEPT, 3 * TERMS)
 
 
 def test_a_state_taken_back_leaves_no_trace() -> None:

@@ -50,6 +50,18 @@ def test_rigid_stations_turn_with_the_body() -> None:
     np.testing.assert_allclose(V, [[0.3, -0.4], [-0.2, -0.4], [-0.7, -0.4]], atol=1e-15)
 
 
+def test_strips_are_shared_out_by_length_and_every_piece_has_one() -> None:
+    points = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.1], [0.3, 0.101]])
+    shares = [31, 10, 1]  # 41 times 0.3, 0.1 and 0.001 of 0.401 m: 30.7, 10.2 and 0.1
+    straight = rigid_stations(points, 41)
+    corners = [int(np.argmin(np.hypot(straight["x"] - x, straight["y"] - y))) for x, y in points]
+    assert np.diff(corners).tolist() == shares
+    assert [len(part) - 1 for part, _ in curved_stations(points, np.array([0.0, 0.4, 0.0]), 41)] == shares
+    ((whole, turn),) = curved_stations(points, np.zeros(3), 41)
+    assert turn == 0.0
+    np.testing.assert_array_equal(whole, straight)
+
+
 def test_stations_of_chords_lie_on_their_arcs() -> None:
     """Three chords of one circle and a straight side: stations on the circle, at equal angles; one run of each kind."""
     angles, radius = np.array([0.0, 0.5, 1.0, 1.5]), 0.2

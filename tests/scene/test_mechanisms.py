@@ -120,6 +120,26 @@ def test_the_joint_that_closes_a_loop_starts_with_its_bodies(crank: float) -> No
     assert parent.angle - child.angle + closed.offset == pytest.approx(closed.start, abs=1e-12)
 
 
+def test_the_slider_that_closes_a_crank_starts_where_and_as_fast_as_its_block() -> None:
+    """x = r cos q + sqrt(l^2 - r^2 sin^2 q) of a crank r at the angle q, a rod l and a block on the level through a."""
+    text = """
+model:
+  name: crank
+  bodies: {crank: {type: link, length_m: 0.1, BAR}, rod: {type: link, length_m: 0.3, BAR}, block: {type: link, LINK}}
+  joints:
+    a: {type: hinge, parent: ground, child: crank, parent_point_m: [0.02, 0.01], home_deg: -30}
+    b: {type: hinge, parent: crank, child: rod, parent_point_m: [0.1, 0], home_deg: 39.594}
+    p: {type: hinge, parent: rod, child: block, parent_point_m: [0.3, 0], home_deg: -9.594}
+  closures: {c: {type: slider, parent: ground, child: block, parent_point_m: [0, 0.01]}}
+initial: {joints: {a: {angle_deg: -50, rate_rad_s: 2}}}
+""".replace("LINK", BAR).replace("BAR", "diameter_m: 0.01, density_kg_m3: 7700")
+    (closed,) = (joint for joint in scene_of(text).joints if joint.closes)
+    r, rod, q, rate = 0.1, 0.3, math.radians(50.0), -2.0
+    level = math.sqrt(rod**2 - (r * math.sin(q)) ** 2)
+    assert closed.start == pytest.approx(0.02 + r * math.cos(q) + level, abs=1e-9)
+    assert closed.rate == pytest.approx(-r * math.sin(q) * rate * (1.0 + r * math.cos(q) / level), abs=1e-9)
+
+
 def test_joints_that_follow_a_weld_are_kept() -> None:
     scene = scene_of(
         f"""

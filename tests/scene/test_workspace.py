@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support_runs import scenario_of, scene_of, simulate
+from support_runs import L_RB, LENGTH, scenario_of, scene_of, simulate
 
 from granular_contact.errors import SceneError
 from granular_contact.geometry.surface import greatest_depth, height_at, surface
 from granular_contact.scene import build
 from granular_contact.scene.bed import Bed
-from granular_contact.scene.workspace import MARGIN, can_be_immersed
+from granular_contact.scene.workspace import MARGIN, can_be_immersed, can_get_below
 
 # A hub of radius 20 mm, 100 mm above the sand, of a kind that its medium (for bars) does not take, and a link on it.
 HUB = """
@@ -105,6 +105,20 @@ def test_a_ball_reaches_by_its_radius() -> None:
         (ball,) = (shape for shape in body.shapes if shape.kind == "ball")
         assert scene.bed is not None
         assert can_be_immersed(scene.bed, body, ball) == touches
+
+
+def test_layers_are_refused_to_a_ball_however_little_of_it_gets_in() -> None:
+    layer = "{top_m: 0.01, medium: {from: glass_beads_katsuragi_durian, stiffness_N_m: 900}}"
+    assert shifted(BALL, (f"bed.layers=[{layer}]",), (0.0, 0.0)) == "bed.layers"
+    assert shifted(BALL, (f"bed.layers=[{layer}]", "surface_height_m=-0.13"), (0.0, 0.0)) != "bed.layers"
+
+
+def test_a_beam_reaches_by_its_length_from_the_pivot() -> None:
+    for share, touches in ((0.999, True), (1.001, False)):
+        scene = scene_of("pendulum", f"surface_height_m={-share * MARGIN * (L_RB + LENGTH)}")
+        (link,) = scene.links
+        assert scene.bed is not None
+        assert can_get_below(scene.bed, link, np.array([[0.0, 0.0], [link.length, 0.0]])) == touches
 
 
 def test_what_is_welded_at_an_angle_reaches_no_farther_than_it_does() -> None:
