@@ -11,7 +11,6 @@ import numpy as np
 
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System
-from granular_contact.multibody.views import Views
 from granular_contact.results import Progress
 from granular_contact.scene.types import FASTEST, Vector
 
@@ -25,6 +24,8 @@ class Recorder:
     def __init__(self, system: System, progress: Progress | None) -> None:
         self.system = system
         self.solver = system.scene.solver
+        from granular_contact.multibody.views import Views  # here, as runs without the engine need `levers` alone
+
         self.views = Views(system.mbs)
         self.progress = progress
         data = system.mbs.systemData
