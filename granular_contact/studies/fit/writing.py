@@ -13,9 +13,11 @@ from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_
 from granular_contact.results.summary import versions
 from granular_contact.studies.fit.fitting import Fit
 from granular_contact.studies.fit.force_columns import DEPTH, RATE, SPEED
+from granular_contact.studies.fit.goodness import Goodness
 from granular_contact.studies.fit.law_alone import LawAlone
 from granular_contact.studies.fit.medium import media
-from granular_contact.studies.fit.problem import MeasuredRun, Parameter
+from granular_contact.studies.fit.problem import MeasuredRun, Parameter, Problem
+from granular_contact.studies.fit.uncertainty import Estimate
 
 SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
 
@@ -58,40 +60,10 @@ def summary(fit: Fit) -> dict[str, Any]:
         "status": good.status,
         "converged": fit.solution.converged,
         "warnings": list(fit.warnings),
-        "parameters": {
-            one.parameter.label: {
-                "value": one.value,
-                "standard_error": one.error,
-                "interval_95": [one.low, one.high],
-                "bounds": [one.parameter.low, one.parameter.high],
-                "start": one.parameter.start,
-                "scale": "log" if one.parameter.log else "linear",
-                "at_bound": bool(one.at_bound),
-                "runs": [problem.runs[i].name for i in one.parameter.runs],
-            }
-            for one in known.estimates
-        },
+        "parameters": {one.parameter.label: _estimate(one, problem) for one in known.estimates},
         "correlation": {"labels": labels, "matrix": known.correlation.tolist()},
         "directions": [{"relative_error": size, "parts": parts} for size, parts in known.directions],
-        "goodness": {
-            "degrees_of_freedom": good.degrees_of_freedom,
-            "reduced_chi_square": good.reduced_chi_square,
-            "ljung_box_probability": good.ljung_box,
-            "outlier_share": good.outliers,
-            "reduced_chi_square_without_outliers": good.without_outliers,
-            "columns": {
-                one.column: {
-                    "noise": one.noise,
-                    "noise_given": one.given,
-                    "rows": one.rows,
-                    "residual_rms": one.rms,
-                    "row_to_row_noise": one.roughness,
-                    "reduced_chi_square": one.reduced_chi_square,
-                    "durbin_watson": one.durbin_watson,
-                }
-                for one in good.columns
-            },
-        },
+        "goodness": _goodness(good),
         **_scatter(fit),
         "runs": [
             {
@@ -111,6 +83,43 @@ def summary(fit: Fit) -> dict[str, Any]:
             "seed": problem.seed,
         },
         "versions": versions(),
+    }
+
+
+def _estimate(one: Estimate, problem: Problem) -> dict[str, Any]:
+    """A parameter: its value, how sure it is, and what it was looked for in."""
+    return {
+        "value": one.value,
+        "standard_error": one.error,
+        "interval_95": [one.low, one.high],
+        "bounds": [one.parameter.low, one.parameter.high],
+        "start": one.parameter.start,
+        "scale": "log" if one.parameter.log else "linear",
+        "at_bound": bool(one.at_bound),
+        "runs": [problem.runs[i].name for i in one.parameter.runs],
+    }
+
+
+def _goodness(good: Goodness) -> dict[str, Any]:
+    """How the residuals compare with noise, of all data and of each column."""
+    return {
+        "degrees_of_freedom": good.degrees_of_freedom,
+        "reduced_chi_square": good.reduced_chi_square,
+        "ljung_box_probability": good.ljung_box,
+        "outlier_share": good.outliers,
+        "reduced_chi_square_without_outliers": good.without_outliers,
+        "columns": {
+            one.column: {
+                "noise": one.noise,
+                "noise_given": one.given,
+                "rows": one.rows,
+                "residual_rms": one.rms,
+                "row_to_row_noise": one.roughness,
+                "reduced_chi_square": one.reduced_chi_square,
+                "durbin_watson": one.durbin_watson,
+            }
+            for one in good.columns
+        },
     }
 
 
