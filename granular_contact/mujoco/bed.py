@@ -96,10 +96,8 @@ class MujocoBed:
                 raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
             from granular_contact.bed.space.load import SpatialLoad
 
-            self.load: Any = SpatialLoad(medium, surface, up=self.up, **options, floor=floor)
+            self.load: Any = SpatialLoad(medium, surface, up=self.up, **options, floor=floor, spread=WIDER)
             self.turn: Vector = self.load.turn
-            for one in self.load.records:
-                one["pressed"] *= WIDER
         else:
             along = _unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ self.up) * self.up)
             self.load = GranularLoad(medium, surface, **options, form=form, floor=floor)

@@ -51,6 +51,8 @@ class SpatialLoad(GranularLoad):
         A map of heights above such a surface; for a bed whose `up` is z.
     watch : bool
         Whether the history has how far what is immersed reaches along x and y.
+    spread : float
+        Over how much more of its bristles' yield the loading of a face that rests is spread.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class SpatialLoad(GranularLoad):
         end_cap: bool = False,
         floor: Floor | None = None,
         watch: bool = False,
+        spread: float = 1.0,
     ) -> None:
         self.layers = layers_of(medium, "distributed")
         self.media = tuple(layer.medium for layer in self.layers)
@@ -76,6 +79,8 @@ class SpatialLoad(GranularLoad):
             for key in one.lacking_in_space:
                 raise ValueError(f"medium: {one.name} has no {key}, but in space a number is needed there")
         self.records = records_of(self.layers, static, gravity)
+        for record in self.records:
+            record["pressed"] *= spread
         self.turn = turn_to(up)
         self.ground = _ground(surface, slope, self.turn)
         if heights is not None:
