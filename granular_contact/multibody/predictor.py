@@ -89,14 +89,17 @@ class Predictor:
         multipliers[:] = views.multipliers_before
         if self.lever is not None:
             if self._go_on is None:
-                self._compile(q, multipliers)
+                self.load(views)
             self._arguments = q, v, a, multipliers, self.lever, self._kept, self._multipliers, of_q, of_v
 
-    def _compile(self, q: Vector, multipliers: Vector) -> None:
+    def load(self, views: Views) -> None:
+        """Load the kernel that leads iterations on, where they are."""
+        if self.lever is None:
+            return
         from granular_contact.kernels import anderson
         from granular_contact.kernels.entry import entry
 
-        self._kept, self._multipliers = np.zeros((3, len(q))), np.zeros(len(multipliers))
-        q = np.zeros_like(q)
+        q = np.zeros_like(views.q)
+        self._kept, self._multipliers = np.zeros((3, len(q))), np.zeros(len(views.multipliers))
         given = q, q, q, self._multipliers, q, self._kept, self._multipliers, 0.0, 0.0, 0
         self._go_on = entry(anderson.go_on, *given)

@@ -104,8 +104,11 @@ class Solve:
                 )
             )
             mbs.SetPreNewtonResidualUserFunction(self._predictor or 0)
+            # Kernels are loaded here, which is no part of the solve.
             if system.bed is not None:
-                system.bed.accept()  # loads its kernels, which is no part of the solve
+                system.bed.accept()
+            if self._predictor is not None:
+                self._predictor.load(Views(mbs))
             if pauses:
                 from granular_contact.multibody.state import Keeper
 
