@@ -12,6 +12,7 @@ from granular_contact.config.schema.scenario import Load
 Tree = dict[str, Any]
 GROUND = "ground"
 AWAY = (800.0, 600.0)  # m
+STEP = 2e-4  # s, of runs that name none
 
 
 class NoImage(Exception):
@@ -185,7 +186,7 @@ def finer(tree: Tree, factor: float) -> Tree:
     elif method is not None:
         tree["method"]["reduced"]["rtol"] = 1e-6 / factor**2
     else:
-        solver["step_s"] = solver.get("step_s", 2e-4) / factor
+        solver["step_s"] = solver.get("step_s", STEP) / factor
         solver.pop("accuracy", None)
     return tree
 
@@ -197,6 +198,8 @@ def chosen(tree: Tree) -> Tree:
         raise NoImage("not by the engine")
     if tree["solver"].pop("accuracy", None) is None:
         tree["solver"]["accuracy"] = 1e-3
+    else:
+        tree["solver"].setdefault("step_s", STEP)
     return tree
 
 

@@ -19,6 +19,7 @@ from granular_contact.run import run
 from granular_contact.scene import build
 from validation.fuzzing.media import law
 from validation.random_scenes.bodies import media
+from validation.random_scenes.images import STEP
 from validation.random_scenes.mechanisms import KINDS
 
 Tree = dict[str, Any]
@@ -71,15 +72,15 @@ def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:
 
 
 def _solver(rng: Random, tree: Tree) -> str:
-    """How it is solved; steps are mostly the default."""
+    """How it is solved; fixed steps are mostly those that are usual."""
     method = tree.get("method")
     if method is not None:
         return "minimal" if method == "minimal" else "reduced"
     if rng.random() < 0.3:
         tree["solver"]["accuracy"] = rng.choice((1e-2, 1e-3, 1e-3))
         return "chosen steps"
-    if rng.random() < 0.3:
-        tree["solver"]["step_s"] = 10.0 ** rng.uniform(-4.0, -3.0)
+    # Given, or a driven mechanism's steps would be chosen.
+    tree["solver"]["step_s"] = 10.0 ** rng.uniform(-4.0, -3.0) if rng.random() < 0.3 else STEP
     return "fixed steps"
 
 
