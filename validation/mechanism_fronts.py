@@ -3,11 +3,11 @@
     python validation/mechanism_fronts.py [--quick]
 
 The runner, the walker, the stepping leg, the chain and the C-leg as shipped, with fixed steps of several lengths, with
-several accuracies, and in MuJoCo (implicitfast) through `MujocoBed`, whose forces come from the same kernels, by one
-call from Python a step. There a prescribed motion is a stiff servo; the stepping leg, whose carriage has dry friction
-and stops, is not tried. An error is the largest distance of the tip from the path of a run with an accuracy of 1e-4,
-over the length of the path, or how far the tip comes, over the same length. Times are processor time of the solve, the
-least of repeats in turn.
+several accuracies, and in MuJoCo (implicitfast) through `MujocoBed`, whose forces come from the same kernels: by one
+call from Python a step, and by a compiled loop without Python. There a prescribed motion is a stiff servo, and the dry
+friction and the stops of the stepping leg are those of our joints, which Python calls too. An error is the largest
+distance of the tip from the path of a run with an accuracy of 1e-4, over the length of the path, or how far the tip
+comes, over the same length. Times are processor time of the solve, the least of repeats in turn.
 """
 
 from __future__ import annotations
@@ -30,24 +30,28 @@ from granular_contact.config import load_scenario
 from granular_contact.results import Cost
 from granular_contact.scene import Scene, build
 from validation.mechanism_cost import CONFIGS, FIXED, REFERENCE, SHIPPED, Run, run
-from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
+from validation.peers import mujoco_native
+from validation.peers.mujoco_scene import Laws, bed_of, controls_of, model_of, start
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
 Vector = NDArray[np.float64]
 FIGURE = Path(__file__).parent / "figures" / "mechanism_fronts.png"
-TIMES_FIXED, TIMES_QUICK = (8.0, 4.0, 2.0, 1.0, 0.5), (4.0, 1.0)
-ACCURACIES, ACCURACIES_QUICK = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3), (1e-1, 1e-2, 1e-3)
+TIMES_FIXED, TIMES_QUICK = (64.0, 32.0, 16.0, 8.0, 4.0), (32.0, 4.0)
+ACCURACIES, ACCURACIES_QUICK = (1e-1, 5e-2, 3e-2, 1e-2, 1e-3), (1e-1, 1e-2, 1e-3)
 # Steps (s) of MuJoCo, from the longest at which it runs.
 THEIRS = {
-    "runner": (1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
-    "walker": (2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
-    "c_leg": (1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
-    "chain": (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5),
+    "runner": (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "walker": (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "c_leg": (2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "stepping_leg": (2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "chain": (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
 }
+COMPILED = ("runner", "walker", "c_leg", "chain")  # without joints that Python is asked for
 LEVELS = (1e-2, 3e-3, 1e-3, 3e-4)  # of the path
+ASKED = ("runner", "walker", "chain")
 NEAR, BEHIND = 1.3, 1.5  # times the best of the front; times MuJoCo's best
-OURS, MUJOCO = "granular-contact", "MuJoCo"
+OURS, MUJOCO, NATIVE = "granular-contact", "MuJoCo", "MuJoCo, compiled"
 
 
 @dataclass(frozen=True)
@@ -66,23 +70,31 @@ class Setting:
         return max(self.path, self.end)
 
 
-def by_mujoco(scene: Scene, step: float) -> Run:
-    """Solve a scene in MuJoCo."""
+def by_mujoco(scene: Scene, step: float, compiled: bool = False) -> Run:
+    """Solve a scene in MuJoCo; compiled: without Python in the loop."""
     model, seconds = model_of(scene, step), scene.solver.end_time_s
     bed, data = bed_of(scene, model), start(scene, model)
     steps = round(seconds / step)
     controls, states = controls_of(scene, np.arange(steps) * step), np.empty((steps + 1, model.nq))
+    spent = (mujoco_native.run if compiled else _from_python)(bed, model, data, controls, states, Laws(scene, model))
+    tip = _tips(model, states, mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, scene.tip[0]), scene.tip[1])
+    return Run(_counted(steps), spent, np.arange(steps + 1) * step, tip)
+
+
+def _from_python(bed: Any, model: Any, data: Any, controls: Vector, states: Vector, laws: Laws) -> float:
+    """As `mujoco_native.run`."""
+    steps = len(controls)
     began = time.process_time()
     for i in range(steps):
         states[i] = data.qpos
         if model.nu:
             data.ctrl[:] = controls[i]
+        laws.apply(data)
         bed.apply(data)
         mujoco.mj_step(model, data)
     spent = time.process_time() - began
     states[steps] = data.qpos
-    tip = _tips(model, states, mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, scene.tip[0]), scene.tip[1])
-    return Run(_counted(steps), spent, np.arange(steps + 1) * step, tip)
+    return spent
 
 
 def _tips(model: Any, states: Vector, number: int, point: Vector) -> Vector:
@@ -114,6 +126,8 @@ def ways(name: str, quick: bool) -> dict[tuple[str, str], Callable[[], Run]]:
     scene = build(load_scenario(CONFIGS / f"{name}.yaml"))
     for step in THEIRS.get(name, ())[: 3 if quick else None]:
         made[MUJOCO, f"steps of {1e3 * step:g} ms"] = lambda step=step: by_mujoco(scene, step)
+        if name in COMPILED:
+            made[NATIVE, f"steps of {1e3 * step:g} ms"] = lambda step=step: by_mujoco(scene, step, True)
     return made
 
 
@@ -160,14 +174,16 @@ def study(quick: bool) -> Outcome:
         assert best is not None  # the shipped one at the least
         near.append((_seconds(shipped) / _seconds(best), name, best.name))
         for level in LEVELS if name in THEIRS else ():
-            ours, theirs = fastest(found, OURS, level), fastest(found, MUJOCO, level)
-            levels.append([name, f"{1e2 * level:g}", _told(ours), _told(theirs), _ratio(ours, theirs)])
-            if ours is not None and theirs is not None:
+            ours, theirs, native = (fastest(found, tool, level) for tool in (OURS, MUJOCO, NATIVE))
+            ratios = _ratio(ours, theirs), _told(native) if name in COMPILED else "", _ratio(ours, native)
+            levels.append([name, f"{1e2 * level:g}", _told(ours), _told(theirs), *ratios])
+            if ours is not None and theirs is not None and name in ASKED:
                 behind.append((_seconds(ours) / _seconds(theirs), name, level))
     if not quick:
         draw(every)
     head = ["mechanism", "tool", "setting", "steps", "CPU s", "error of path %", "of the end %"]
     short = ["mechanism", "error at most %", "granular-contact, CPU s", "MuJoCo, CPU s", "ratio"]
+    short += ["MuJoCo compiled, CPU s", "ratio"]
     text = f"{markdown(head, rows)}\n\nThe fastest within an error:\n\n{markdown(short, levels)}"
     return Outcome(text, _claims(near, behind))
 
@@ -211,6 +227,7 @@ def draw(every: dict[str, list[Setting]]) -> None:
 
     figure, axes = plt.subplots(1, len(every), figsize=(3.0 * len(every), 3.2), sharey=True, layout="constrained")
     kinds = {"fixed steps": (OURS, "steps", "o-"), "accuracy": (OURS, "accuracy", "s-"), MUJOCO: (MUJOCO, "", "^--")}
+    kinds[NATIVE] = NATIVE, "", "v:"
     for panel, (name, found) in zip(axes, every.items(), strict=True):
         for label, (tool, begins, style) in kinds.items():
             some = [one for one in found if one.tool == tool and one.name.startswith(begins) and one.name != SHIPPED]

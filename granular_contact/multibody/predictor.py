@@ -26,13 +26,15 @@ from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
 PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
+LATE = 3  # iterations by which links that bend are led on later
 
 
 class Predictor:
     """Function that the engine calls before each residual.
 
     lever (m,): factors from coordinate rates to speeds (m/s), by which changes are compared; None where iterations go
-    on as the engine does, as for links that bend, whose stiff elements leave round-off in accelerations.
+    on as the engine does. bends: whether there are links that bend. Their stiff elements leave round-off in changes,
+    so that iterations are led on only where they have not ended after some.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
@@ -49,9 +51,12 @@ class Predictor:
         lever: Vector | None,
         tolerances: tuple[float, float, float] | None,
         patience: tuple[float, float] | None = None,
+        *,
+        bends: bool = False,
     ) -> None:
         self.solver, self.lever, self.tolerances, self.patience = solver, lever, tolerances, patience
         self.views: Views | None = None  # given before the first step
+        self._late = LATE if bends else 0
         self._go_on: Callable[..., Any] | None = None  # compiled
         self._arguments: tuple[Any, ...] = ()  # of the step under way
         self._multipliers = np.zeros(0)
@@ -67,7 +72,7 @@ class Predictor:
         if not iteration:
             self._begin(self.views or Views(mbs))
         elif self._go_on is not None:
-            self._go_on(*self._arguments, iteration)
+            self._go_on(*self._arguments, iteration - self._late)
 
     def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""

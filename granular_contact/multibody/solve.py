@@ -101,6 +101,7 @@ class Solve:
                     self.recorder.lever if self._goes_round() else None,
                     tolerances(scene, self.simulation),
                     patience(scene, self.simulation),
+                    bends=bool(scene.links),
                 )
             )
             mbs.SetPreNewtonResidualUserFunction(self._predictor or 0)
@@ -120,8 +121,14 @@ class Solve:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
 
     def _goes_round(self) -> bool:
-        """Whether iterations of Newton's method may go to and fro, so that they are led on by those before."""
-        return not self.system.scene.links and (self.system.bed is not None or bool(self.system.loads))
+        """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.
+
+        Of links that bend only where steps are fixed: where they are chosen, such iterations have ended by then.
+        """
+        scene = self.system.scene
+        if scene.links and scene.solver.accuracy is not None:
+            return False
+        return self.system.bed is not None or bool(self.system.loads)
 
     def _run(self, part: Callable[[], bool]) -> None:
         """Do a part of the solve and keep how it ended, with the time that it took."""

@@ -47,8 +47,8 @@ FINE, LONGER = 1e-2, 2.0  # accuracy up to which that holds, and how much longer
 SLOWED = 4.0
 ROLLING = 6.0
 # Estimates hold for small steps: how much more an error may be, over the accuracy; of a free body that nothing drives,
-# which may tumble on after its impact, and of all else.
-COARSE_TUMBLING, COARSE = 100.0, 10.0
+# which may tumble on after its impact, and in space; and of all else.
+COARSE_TUMBLING, COARSE = 100.0, 5.0
 BETWEEN = 8  # steps between two bends, at the least
 SLOWEST = 0.02  # of the speed that such a swing has; below it what starts from rest counts as moving so fast
 
@@ -79,7 +79,8 @@ class StepControl:
         self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
         self.bends = bends(drive.signal for drive in scene.drives)
         self.rolls = scene.in_space and not scene.drives
-        self.coarse = COARSE_TUMBLING if scene.floating is not None and not scene.drives else COARSE
+        tumbles = scene.floating is not None and not scene.drives
+        self.coarse = COARSE_TUMBLING if tumbles or scene.in_space else COARSE
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
         self.chosen = self.next  # step to come, but for where it has to end

@@ -1,7 +1,8 @@
 """A planar scene of rigid bodies in MuJoCo: its bodies, hinges and drives as MJCF, its sand by `MujocoBed`.
 
 x ahead, z up, y into the plane, so that hinges about +y turn clockwise, as scenes have them. Joint coordinates are
-those of the scene. Of what acts in joints only dampers of hinges are there.
+those of the scene. Linear dampers of hinges are MuJoCo's own; stops, dry friction and springs come from the kernels of
+the engine's runs, once a step (`Laws`).
 """
 
 from __future__ import annotations
@@ -11,10 +12,14 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from granular_contact.bed.of_scene import lines_of
+from granular_contact.kernels.joint_laws import follow, total
+from granular_contact.kernels.joint_loads import JOINT
 from granular_contact.mujoco import MujocoBed
+from granular_contact.multibody.joint_loads import fill
 from granular_contact.scene import Scene
 from granular_contact.scene.types import Drive, Joint, RigidBody, rotation
 
@@ -52,9 +57,7 @@ def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -
         along, up = (float(one) for one in joint.axis)
         degrees = f'<joint type="slide" name="{joint.name}" axis="{along!r} 0 {up!r}" ref="{joint.start!r}"/>'
     else:
-        assert joint.law.is_linear
-        assert joint.law.stiffness == 0.0
-        place_there = f'pos="{x!r} 0 {z!r}" ref="{joint.start!r}" damping="{joint.law.damping!r}"'
+        place_there = f'pos="{x!r} 0 {z!r}" ref="{joint.start!r}" damping="{_damper(joint)!r}"'
         degrees = f'<joint name="{joint.name}" axis="0 1 0" {place_there}/>'
     inner = "".join(_body(scene, other, children) for other in children.get(body.name, []))
     inertia = " ".join([repr(body.inertia)] * 3)
@@ -67,6 +70,41 @@ def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -
         .replace("np.float64(", "")
         .replace(")", "")
     )
+
+
+def _damper(joint: Joint) -> float:
+    """Damping (N m s/rad) of a hinge that has nothing but a damper; others have all they do from `Laws`."""
+    law = joint.law
+    return law.damping if joint.kind == "hinge" and law.is_linear and law.stiffness == 0.0 else 0.0
+
+
+class Laws:
+    """Springs, stops and dry friction of joints, held over a step; the bristles of friction begin at its anchors."""
+
+    def __init__(self, scene: Scene, model: Any) -> None:
+        acting = [joint for joint in scene.joints if not joint.law.is_idle and not _damper(joint)]
+        self.places = np.array([model.joint(joint.name).qposadr[0] for joint in acting], int)
+        self.rates = np.array([model.joint(joint.name).dofadr[0] for joint in acting], int)
+        self.records = np.zeros(len(acting), JOINT)
+        for i, joint in enumerate(acting):
+            fill(self.records[i : i + 1], joint.law, None)
+        self.anchors = np.array([joint.start for joint in acting])
+
+    def apply(self, data: Any) -> None:
+        """Set the forces of the step from here; the step before is accepted."""
+        if len(self.places):
+            act(
+                self.records, self.anchors, data.qpos[self.places], data.qvel[self.rates], self.rates, data.qfrc_applied
+            )
+
+
+@njit
+def act(joints, anchors, s, rate, places, out):  # type: ignore[no-untyped-def]
+    """Fill out at these places with the forces of joints (k,) at coordinates s (k,), and lead anchors (k,) along."""
+    for k in range(joints.shape[0]):
+        if joints[k].friction > 0.0:
+            anchors[k] = follow(joints[k], s[k], anchors[k])
+        out[places[k]], _, _ = total(joints[k], s[k], rate[k], anchors[k], 0.0, 0.0)
 
 
 def _drive(drive: Drive) -> str:

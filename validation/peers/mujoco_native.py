@@ -1,0 +1,91 @@
+"""Steps of `mujoco_scene` without Python: the sand and all of MuJoCo are called by one compiled loop.
+
+What `MujocoBed.apply` does in a step, with the same kernels in the same order, is done by their addresses, and MuJoCo's
+functions by those of its library. So this is what whoever writes the callback in C gets. One medium, fixed steps,
+implicit integrators.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP
+from granular_contact.mujoco import MujocoBed
+from validation.peers.mujoco_scene import Laws
+
+Array = NDArray[np.float64]
+_VOID, _PLACE = None, ctypes.c_void_p
+_LIBRARY = ctypes.CDLL(str(next(Path(mujoco.__file__).parent.glob("libmujoco.so*"))))
+
+
+def _engine(name: str, *more: Any) -> Any:
+    """A function of MuJoCo's library: of model, data, and what is named besides."""
+    function = getattr(_LIBRARY, name)
+    return ctypes.CFUNCTYPE(_VOID, _PLACE, _PLACE, *more)(ctypes.cast(function, _PLACE).value)
+
+
+def _kernel(bound: Any) -> tuple[int, int]:
+    """Address of a function of `kernels.entry.bound`, and the place of its arguments."""
+    return int(ctypes.cast(bound.func, _PLACE).value or 0), int(bound.args[0])
+
+
+def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, laws: Laws) -> float:
+    """Make a step for each row of controls (n, drives), fill states (n + 1, nq); processor time of the steps (s)."""
+    assert not model.dof_simplenum.any()
+    assert not len(laws.places)
+    step = bed.of(data)._step
+    (act,) = step._acts
+    addresses, places = zip(*map(_kernel, (step._begin, act, step._burden, step._relieve)), strict=True)
+    march = _march(addresses)
+    given = model._address, data._address, np.array(places), step._clock, data.ctrl, data.qpos, np.zeros(1)
+    march(*given, model.opt.timestep, controls[:0], states)  # compiles
+    began = time.process_time()
+    march(*given, model.opt.timestep, controls, states)
+    return time.process_time() - began
+
+
+@lru_cache
+def _march(addresses: tuple[int, ...]) -> Any:
+    """The loop, with the functions at these addresses: begin, forces, burden and relieve of `kernels.held_step`."""
+    begins, acts, burdens, relieves = (ctypes.CFUNCTYPE(ctypes.c_bool, _PLACE)(one) for one in addresses)
+    position, velocity = _engine("mj_fwdPosition"), _engine("mj_fwdVelocity")
+    actuation, acceleration = _engine("mj_fwdActuation"), _engine("mj_fwdAcceleration")
+    constraint, factor = _engine("mj_fwdConstraint"), _engine("mj_factorM")
+    implicit, whole = _engine("mj_implicit"), _engine("mj_step")
+    get, put = (_engine(name, _PLACE, ctypes.c_uint) for name in ("mj_getState", "mj_setState"))
+    now = int(mujoco.mjtState.mjSTATE_TIME)
+
+    @njit
+    def march(model, data, places, clock, controls_now, place, instant, step, controls, states):
+        clock[STEP] = step
+        for i in range(controls.shape[0]):
+            states[i] = place
+            controls_now[:] = controls[i]
+            position(model, data)
+            clock[PASSED], clock[BEGINS] = step if i else 0.0, i == 0
+            begins(places[0])
+            acts(places[1])
+            if burdens(places[2]):
+                velocity(model, data)
+                factor(model, data)
+                actuation(model, data)
+                acceleration(model, data)
+                constraint(model, data)
+                get(model, data, instant.ctypes, now)
+                implicit(model, data)
+                relieves(places[3])
+                put(model, data, instant.ctypes, now)
+                factor(model, data)
+            whole(model, data)
+        states[controls.shape[0]] = place
+
+    return march
