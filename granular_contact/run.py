@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar, cast
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked
@@ -14,12 +14,15 @@ from granular_contact.errors import scene_error
 from granular_contact.kernels.compiling import announced
 from granular_contact.laws.kinds import WORDS
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
-from granular_contact.results.observation import Observation, results
+from granular_contact.results.observation import Observation, key_numbers, results
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
     from granular_contact.multibody.system import System, Trajectory
+    from granular_contact.reduced.solve import Solve
+
+Made = TypeVar("Made")
 
 
 def run(
@@ -63,6 +66,42 @@ def run(
     if inspect is None:  # whose caller may go on with the system
         begun.solving.close()
     return made
+
+
+def summary_of(scene: Scene) -> dict[str, Any]:
+    """The summary of a scene's run, as `run` gives it, without the table and pictures that a sweep does not keep."""
+    begun, seen = _observed(scene, None, None, None)
+    summary, _ = key_numbers(seen)
+    begun.solving.close()
+    return summary
+
+
+def summaries_of(scenes: Sequence[Scene]) -> list[dict[str, Any] | Exception]:
+    """As `summary_of`, of several scenes; or what went wrong with one. Those of the reduced model march together.
+
+    While they march other threads of Python go on.
+    """
+    from granular_contact.reduced.batch import advance
+
+    begun = {i: tried(_by_modes, one, None, None) for i, one in enumerate(scenes) if isinstance(one.method, Reduced)}
+    advance([cast("Solve", one.solving) for one in begun.values() if isinstance(one, Begun)])
+    return [_told(begun[i]) if i in begun else tried(summary_of, scene) for i, scene in enumerate(scenes)]
+
+
+def _told(begun: Begun | Exception) -> dict[str, Any] | Exception:
+    """Key numbers of a solve at its end."""
+    if isinstance(begun, Exception):
+        return begun
+    observed = tried(begun.observe, begun.solving.trajectory())
+    return observed if isinstance(observed, Exception) else tried(lambda: key_numbers(observed)[0])
+
+
+def tried(function: Callable[..., Made], *given: Any) -> Made | Exception:
+    """What a function gives, or the exception that it raises."""
+    try:
+        return function(*given)
+    except Exception as error:
+        return error
 
 
 def scenario_of(scene: Scene, given: Scenario | None = None) -> Scenario:

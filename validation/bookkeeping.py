@@ -26,11 +26,11 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.g
 
 from granular_contact.config import Scenario, load_optimise, load_sweep
 from granular_contact.results import Results
+from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies import sweep as sweeps
 from granular_contact.studies.optimise.search import search
 from granular_contact.studies.sweep.journal import Journal, Row
-from granular_contact.studies.sweep.worker import simulate
 from validation.tables import machine, markdown
 
 WORKERS, MOST = 2, 0.05
@@ -63,7 +63,7 @@ class Spent:
 def timed(scenario: Scenario) -> Results:
     """A run that tells its times."""
     cpu, clock = time.process_time(), time.time()
-    results = simulate(scenario)
+    results = run(build(scenario))
     ended = time.process_time()
     told = {"pid": os.getpid(), "cpu": ended - cpu, "ended": ended, "begin": clock, "end": time.time()}
     return replace(results, summary=results.summary | {"timed": told})

@@ -9,6 +9,10 @@ others use for a while counts less.
 Efficiency is the time on one worker over twice that on two. `whole` has starting, reading, checking and writing in it,
 `running` is from the first rows to the last. `by CPU` does not depend on who else uses the cores: CPU seconds that one
 worker takes for the rows, over those that two workers and the parent, which shares the cores with them, take together.
+
+A second table has the same impacts of reduced models in this process, by CPU time: each alone with whole results, each
+alone with its key numbers, and marched together by one compiled call; on one thread and on two. --together prints that
+table alone.
 """
 
 from __future__ import annotations
@@ -20,12 +24,19 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
+from granular_contact.config import Case, Sweep, load_sweep
+from granular_contact.run import run as run_whole
+from granular_contact.run import summaries_of, summary_of
+from granular_contact.scene.again import Builder
+from granular_contact.scene.build import built
 from validation.tables import machine, markdown
 
 CONFIG = ROOT / "configs" / "pendulum.yaml"
@@ -64,9 +75,10 @@ class Timing:
 
 
 def sweep_file(method: str, count: int, folder: Path) -> Path:
+    """A sweep of so many impacts; method: as a config has it, or a name of METHODS."""
     path = folder / "many.yaml"
     sample = f"sample:\n  method: latin_hypercube\n  count: {count}\n  ranges:{RANGES}"
-    path.write_text(f"config: {CONFIG}\nset: {{method: {METHODS[method]}}}\n{sample}", encoding="utf-8")
+    path.write_text(f"config: {CONFIG}\nset: {{method: {METHODS.get(method, method)}}}\n{sample}", encoding="utf-8")
     return path
 
 
@@ -176,13 +188,84 @@ HEAD = (
 )
 
 
+REDUCED = {
+    "rigid, true sign": "{reduced: {modes: 0}}",
+    "single mode, elastoplastic": "{reduced: {modes: 1}}",
+}
+CHUNK = 64  # runs that go together
+
+
+def whole(sweep: Sweep, cases: list[Case]) -> None:
+    """Each alone, from the config to all that results hold."""
+    for case in cases:
+        run_whole(built(sweep.scenario(case)))
+
+
+def key_numbers(sweep: Sweep, cases: list[Case]) -> None:
+    """Each alone, with what a row of a sweep holds; a scene is built from the last."""
+    builder = Builder()
+    for case in cases:
+        summary_of(builder(sweep.scenario(case)))
+
+
+def together(sweep: Sweep, cases: list[Case], threads: int = 1) -> None:
+    """The same, marched together."""
+    builder = Builder()
+
+    def some(first: int) -> None:
+        summaries_of([builder(sweep.scenario(case)) for case in cases[first : first + CHUNK]])
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(some, range(0, len(cases), CHUNK)))
+
+
+WAYS: dict[str, Callable[[Sweep, list[Case]], None]] = {
+    "alone, whole results": whole,
+    "alone, key numbers": key_numbers,
+    "together, 1 thread": together,
+    "together, 2 threads": lambda sweep, cases: together(sweep, cases, 2),
+}
+
+
+def in_this_process(count: int, repeats: int) -> list[list[str]]:
+    """Rows of the second table: least CPU and wall time of several rounds, in each of which all ways take turns."""
+    found = []
+    for name, method in REDUCED.items():
+        with tempfile.TemporaryDirectory() as folder:
+            sweep = load_sweep(sweep_file(method, count, Path(folder)))
+        cases, spent = list(sweep.cases), {way: [] for way in WAYS}
+        for way in WAYS.values():
+            way(sweep, cases[:4])
+        for _ in range(repeats):
+            for way, act in WAYS.items():
+                clock, cpu = time.perf_counter(), time.process_time()
+                act(sweep, cases)
+                spent[way].append((time.process_time() - cpu, time.perf_counter() - clock))
+        least = {way: [min(column) / count for column in zip(*times, strict=True)] for way, times in spent.items()}
+        first = least[next(iter(WAYS))][0]
+        found += [
+            [name, way, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}"]
+            for way, (cpu, clock) in least.items()
+        ]
+    return found
+
+
+HEAD_TOGETHER = ("runs", "how", "CPU ms a run", "times as many for the same CPU", "per s, wall")
+
+
 def main() -> int:
     """Print the table; 0 when two workers keep 95 % of what they could do, else 1."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true", help="a tenth of the impacts, once")
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--together", action="store_true", help="the second table alone")
     chosen = parser.parse_args()
     share, repeats = (10, 1) if chosen.quick else (1, chosen.repeats)
+    beside = in_this_process(64 if chosen.quick else 256, repeats)
+    print(f"{machine('numba', 'scipy')}; least of {repeats} rounds after a warm-up\n")
+    print(markdown(HEAD_TOGETHER, beside) + "\n")
+    if chosen.together:
+        return 0
     found = [measure(method, count // share, repeats) for method, count in COUNTS.items()]
     print(f"{machine('exudyn', 'numba', 'scipy')}; best of {repeats} after a warm-up\n")
     print(markdown(HEAD, [cells for cells, _ in found]))

@@ -70,12 +70,12 @@ def act(chosen: argparse.Namespace) -> int:
 
 
 def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
-    from granular_contact import scene
+    from granular_contact.scene.again import Builder
     from granular_contact.studies.sweep import table
     from granular_contact.studies.sweep.checkpoint import is_finished
     from granular_contact.studies.sweep.runner import faults
 
-    sweep = load_sweep(chosen.file, probe=scene.build, check=partial(faults, pool=pool))
+    sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
     work = table.work_of(sweep)
     if is_finished(work, folder, chosen.plots and not chosen.restart) and not chosen.restart:
         return _nothing_to_do(folder, chosen.quiet)

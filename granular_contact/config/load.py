@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 Change = Callable[[tree.Node], tree.Node]
 NAMELESS = "scenario"  # a config that is in no file
 _MOST_KEPT = 64  # trees with their model and medium read in
+_SHARED = ("model", "load", "solver", "output", "method")  # parts of a scenario that are the same in many
+Known = dict[str, tuple[tree.Node, Any]]
 
 
 class SourceMap:
@@ -192,6 +194,8 @@ class Template:
             raise ConfigError(sorted(faults, key=by_place))
         self._root, self._path = root, path
         self._resolved: dict[tuple[setting.Override, ...], tree.Node] = {}
+        self._plainly: tuple[tree.Node, tree.Node] | None = None  # the last model, before and after `renewed`
+        self._known: Known = {}
 
     def make(self, overrides: Sequence[setting.Override], faults: Sequence[Fault] = ()) -> Loaded:
         """The scenario with the overrides in it.
@@ -206,12 +210,24 @@ class Template:
         read = node
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
         notices: list[str] = []
-        node = renewed(_restated(read, node), notices)
-        found += too_large(node)
+        node = self._renewed(_restated(read, node), notices)
+        found += too_large(_others(node, self._known))
         node = with_columns(_named(node, self._path), self._path.parent, found)
         node = with_tables(node, self._path.parent, found)
         node = with_paths(node, self._path.parent)
-        return Loaded(scenario_of(node, found), SourceMap(node, notices))
+        scenario = scenario_of(node, found, self._known)
+        self._known = _validated(node, scenario)
+        return Loaded(scenario, SourceMap(node, notices))
+
+    def _renewed(self, node: tree.Node, notices: list[str]) -> tree.Node:
+        """`renewed`, which goes through a model once."""
+        given = tree.child(node, "model")
+        if self._plainly is not None and self._plainly[0] is given and isinstance(node, tree.Mapping):
+            return tree.set_key(node, "model", self._plainly[1], node.keys["model"])
+        made = renewed(node, notices)
+        model = tree.child(made, "model")
+        self._plainly = None if notices or given is None or model is None else (given, model)
+        return made
 
     @property
     def names_columns(self) -> bool:
@@ -236,8 +252,35 @@ class Template:
         return node
 
 
-def scenario_of(node: tree.Node, faults: Sequence[Fault]) -> Scenario:
+def _others(node: tree.Node, known: Known) -> tree.Node:
+    """The tree without what is known to be valid."""
+    if not known or not isinstance(node, tree.Mapping):
+        return node
+    return tree.Mapping(node.position, {k: n for k, n in node.nodes.items() if not _is_known(k, n, known)}, node.keys)
+
+
+def _is_known(key: str, node: tree.Node, known: Known) -> bool:
+    return key in known and known[key][0] is node
+
+
+def _plain(node: tree.Node, known: Known) -> Any:
+    """The tree as plain data, with the parts of a scenario that are known to be valid in their places."""
+    if not known or not isinstance(node, tree.Mapping):
+        return tree.plain(node)
+    return {k: known[k][1] if _is_known(k, n, known) else tree.plain(n) for k, n in node.nodes.items()}
+
+
+def _validated(node: tree.Node, scenario: Scenario) -> Known:
+    """The parts of a scenario that another one may have as they are, by their keys, with their trees."""
+    nodes = node.nodes if isinstance(node, tree.Mapping) else {}
+    parts = {key: (nodes[key], getattr(scenario, key)) for key in _SHARED if key in nodes}
+    return {key: both for key, both in parts.items() if both[1] is not None}
+
+
+def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Known | None = None) -> Scenario:
     """The scenario of a tree in which nothing is left to be resolved.
+
+    known: parts of other scenarios, by their keys, that are valid for the very same trees.
 
     Raises
     ------
@@ -246,7 +289,7 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault]) -> Scenario:
     """
     found, scenario, kind = list(faults), None, scenario_class(node)
     try:
-        scenario = kind.model_validate(tree.plain(node))
+        scenario = kind.model_validate(_plain(node, known or {}))
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=False)
         found += faults_of([*errors, *_structure_errors(node, errors)], node, kind)

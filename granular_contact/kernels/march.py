@@ -6,20 +6,30 @@ it is found there, see `events`.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
+from granular_contact.kernels.borrowing import borrowed
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.dormand_prince import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
+from granular_contact.kernels.memory import clear, piece, room1, room2
+from granular_contact.kernels.memory import rows as rows_of
+from granular_contact.kernels.modal import MOST
 from granular_contact.kernels.modal_calls import rates
-from granular_contact.kernels.modal_load import drag
-from granular_contact.kernels.modal_motion import follow
+from granular_contact.kernels.modal_load import World, drag, lent
+from granular_contact.kernels.modal_motion import decide, follow
 from granular_contact.kernels.slip import middle, slip_velocity
 
-# Why `march` came back: its share of steps is done, a regime ended, everything rests, the end, no step is small enough.
-PAUSE, REGIME_END, REST, END, FAILED = 0, 1, 2, 3, 4
+# Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the static
+# force turns round again and again.
+PAUSE, REST, END, FAILED, CHATTERING = 0, 1, 2, 3, 4
 
-# Times and speeds in SI units; reach: greatest distance of a point from the pivot (m); rest_time infinite for never.
+CROWD = 50  # ends of regimes within `crowd` that are taken for chattering
+
+# Times and speeds in SI units; reach: greatest distance of a point from the pivot (m); rest_time infinite for never;
+# crowd: see CROWD (s); blurred: the most that may count as no speed (m/s).
 CONTROL = np.dtype(
     [
         ("end", "f8"),
@@ -28,17 +38,56 @@ CONTROL = np.dtype(
         ("reach", "f8"),
         ("rest_speed", "f8"),
         ("rest_time", "f8"),
+        ("crowd", "f8"),
+        ("blurred", "f8"),
     ]
 )
+SIZE = 2 * MOST + 2
 NOW, STEP, RESTING_SINCE = 0, 1, 2  # of clock (3,), s
-STEPS, REJECTED, RATES, ROWS = 0, 1, 2, 3  # of counts (4,)
+# Of counts (6,): ends of regimes, and those of them since they were last found to crowd.
+STEPS, REJECTED, RATES, ROWS, TURNS, CROWDED = 0, 1, 2, 3, 4, 5
+
+
+class State(NamedTuple):
+    """All that changes while a pendulum is solved, of several one after another.
+
+    y (runs, size) as of `modal_motion`; regime, stopped (runs, components): of the static law, and which components
+    ended the last one; clock (runs, 3), counts (runs, 6), watch (runs, 6), see above and `events`; turns (runs, CROWD):
+    latest ends of regimes (s), the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9): tables to be filled.
+    """
+
+    y: Any
+    regime: Any
+    stopped: Any
+    clock: Any
+    counts: Any
+    watch: Any
+    turns: Any
+    rows: Any
+
+
+class Room(NamedTuple):
+    """To work in: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,)."""
+
+    slopes: Any
+    path: Any
+    end: Any
 
 
 @kernel
 def write_row(t, y, s, w, row):
     """Fill a row: time, state, forces of the medium (3, 3) as in `strips`."""
-    size = y.shape[0]
-    dy, sigma, totals = np.empty_like(y), np.zeros_like(s), np.zeros((3, 3))
+    fill_row(t, borrowed(y), borrowed(s), lent(w), borrowed(row))
+
+
+@part
+def fill_row(t, y, s, w, row):
+    """`write_row`."""
+    m = w.pendulum[0].modes + 1
+    size, totals = y.shape[0], room2(3, 3)
+    dy, sigma = rows_of(room1(SIZE), 0, 2 * m + 2), rows_of(room1(2), 0, s.shape[0])
+    clear(totals)
+    clear(sigma)
     rates(y, s, w, sigma, totals, dy)
     row[0] = t
     for i in range(size):
@@ -47,25 +96,32 @@ def write_row(t, y, s, w, row):
         row[1 + size + i] = totals[i // 3, i % 3]
 
 
+@part
+def ahead(control):
+    """Rows that a step may fill, and one more: a table without room for them is full."""
+    return int(control.longest / control.interval) + 2
+
+
 @kernel
 def finish(t, h, C, s, w, control, rows, counts, watch):
     """Take a step from t as accepted: rows, stop, anchors."""
-    y, m = np.empty(C.shape[1]), w.pendulum[0].modes + 1
+    m = w.pendulum[0].modes + 1
+    y = rows_of(room1(SIZE), 0, C.shape[1])
     due = counts[ROWS] * control.interval
     while due <= t + h and counts[ROWS] < rows.shape[0]:
         inside(C, (due - t) / h, y)
-        write_row(due, y, s, w, rows[counts[ROWS]])
+        fill_row(due, y, s, w, piece(rows, counts[ROWS], rows.shape[1]))
         counts[ROWS] += 1
         due = counts[ROWS] * control.interval
     if w.lines.shape[0] == 0:
         return
     inside(C, 1.0, y)
-    if watch[TOUCHED] == 0.0 and middle(y[:m], w)[2]:
+    if watch[TOUCHED] == 0.0 and middle(rows_of(y, 0, m), w)[2]:
         watch[TOUCHED] = 1.0
     if watch[TOUCHED] != 0.0:
         look_for_stop(t, h, C, w, watch)
     if not w.pendulum[0].true_sign:
-        drag(y[:m], y[m : 2 * m], w)
+        drag(rows_of(y, 0, m), rows_of(y, m, m), w)
 
 
 @kernel
@@ -80,12 +136,30 @@ def rests(y, s, w, control, clock):
     for i in range(m + 1, 2 * m):
         speed = max(speed, abs(y[i]))
     if speed > control.rest_speed and m > 1 and w.pendulum[0].true_sign:
-        g = np.empty_like(s)
-        if slip_velocity(y[:m], y[m : 2 * m], w, g):
+        g = rows_of(room1(2), 0, s.shape[0])
+        if slip_velocity(rows_of(y, 0, m), rows_of(y, m, m), w, g):
             speed = max(abs(g[0]), abs(g[1]))
     if speed > control.rest_speed:
         clock[RESTING_SINCE] = clock[NOW]
     return clock[NOW] - clock[RESTING_SINCE] >= control.rest_time
+
+
+@kernel
+def turn(y, s, w, control, clock, counts, stopped, turns):
+    """Go on from the end of a regime: choose the next; False where regimes end again and again.
+
+    Before that ten times the speed counts as none, to get out of it, unless that would be too much.
+    """
+    turns[counts[CROWDED] % CROWD] = clock[NOW]
+    counts[TURNS] += 1
+    counts[CROWDED] += 1
+    if counts[CROWDED] > CROWD and clock[NOW] - turns[counts[CROWDED] % CROWD] < control.crowd:
+        counts[CROWDED] = 0
+        w.pendulum[0].still *= 10.0
+        if w.pendulum[0].still > control.blurred:
+            return False
+    decide(y, s, stopped, w)
+    return True
 
 
 @part
@@ -105,23 +179,21 @@ def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
             return 0.0
 
 
-@kernel
-def march(share, y, s, w, control, allowed, clock, rows, counts, watch, stopped):
+@part
+def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, turns, room):
     """Step on from y until one of the reasons above; at most `share` steps. Everything passed in is kept up to date.
 
-    y state, s regime of `modal_motion`; allowed: error of a step that each coordinate and rate may have; rows: table
-    to be filled, (capacity, 1 + size + 9); stopped: the components that ended a regime.
+    y, s, ...: of one run, as in `State`; c record of CONTROL; allowed: error of a step that each coordinate and rate
+    may have.
     """
-    c = control[0]
-    size = y.shape[0]
-    k, C, end = np.empty((STAGES, size)), np.empty((5, size)), np.empty(size)
-    sigma, totals = np.zeros_like(s), np.zeros((3, 3))
+    k, C, end, totals = room.slopes, room.path, room.end, room2(3, 3)
+    sigma = rows_of(room1(2), 0, s.shape[0])
     for _ in range(share):
-        if counts[ROWS] >= rows.shape[0]:
+        if counts[ROWS] + ahead(c) > rows.shape[0]:
             return PAUSE
         if w.pendulum[0].true_sign:
             follow(y, s, w)
-        rates(y, s, w, sigma, totals, k[0])
+        rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
         h = attempt(y, s, w, c, allowed, clock, counts, k, sigma, totals, end)
         if h == 0.0:
             return FAILED
@@ -142,14 +214,48 @@ def march(share, y, s, w, control, allowed, clock, rows, counts, watch, stopped)
             shorten(C, theta)
             inside(C, 1.0, end)
         finish(clock[NOW], h, C, s, w, c, rows, counts, watch)
-        for i in range(size):
+        for i in range(y.shape[0]):
             y[i] = end[i]
         clock[NOW] += h
         counts[STEPS] += 1
         if theta <= 1.0:
-            return REGIME_END
+            if not turn(y, s, w, c, clock, counts, stopped, turns):
+                return CHATTERING
+            continue
         if rests(y, s, w, c, clock):
             return REST
         if clock[NOW] >= c.end * (1.0 - 1e-14):
             return END
     return PAUSE
+
+
+@kernel(nogil=True)
+def march(share, codes, state, worlds, control, allowed, room):
+    """March on all runs whose code is PAUSE, each by at most `share` steps; codes (runs,) get why it came back.
+
+    Other threads of Python go on meanwhile.
+
+    state: of State; worlds: of `modal_load.World` with a first axis more in all but `starts` and what is to work in;
+    control (runs,), allowed (runs, coordinates and rates); room: of Room.
+    """
+    for i in range(codes.shape[0]):
+        if codes[i] != PAUSE:
+            continue
+        size, parts = state.y.shape[1], state.regime.shape[1]
+        codes[i] = march_one(
+            share, piece(state.y, i, size), piece(state.regime, i, parts), world_of(worlds, i), control[i],
+            piece(allowed, i, allowed.shape[1]), piece(state.clock, i, 3), piece(state.rows, i, state.rows.shape[1]),
+            piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.stopped, i, parts),
+            piece(state.turns, i, CROWD), Room(borrowed(room.slopes), borrowed(room.path), borrowed(room.end)),
+        )  # fmt: skip
+
+
+@part
+def world_of(w, i):
+    """World of a run."""
+    stations = w.geometry.shape[1]
+    return World(
+        rows_of(w.pendulum, i, 1), piece(w.geometry, i, stations), borrowed(w.starts),
+        piece(w.lines, i, w.lines.shape[1]), piece(w.profile, i, w.profile.shape[1]), rows_of(w.medium, i, 1),
+        piece(w.anchors, i, stations), borrowed(w.room), borrowed(w.depths),
+    )  # fmt: skip

@@ -23,7 +23,8 @@ _RECORDS = {name: types.Array(from_dtype(dtype), 1, "C") for name, dtype in zip(
     ("pendulum", "geometry", "lines", "medium"), (PENDULUM, MODAL_STATION, LINE, LAW), strict=True
 )}  # fmt: skip
 _STARTS = types.Array(types.int64, 1, "C")
-_KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS}
+_ROOM = types.Array(types.float64, 3, "C")
+_KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS, "room": _ROOM, "depths": _ROW}
 _WORLD = types.NamedTuple([_KINDS[name] for name in World._fields], World)
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "rates": (_ROW, _ROW, _WORLD, _ROW, _ROWS, _ROW),

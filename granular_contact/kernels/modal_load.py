@@ -10,9 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from granular_contact.kernels.borrowing import borrowed
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.law import forces
 from granular_contact.kernels.lines import drag_anchors
+from granular_contact.kernels.memory import clear, piece, rows
 from granular_contact.kernels.modal import modal_scatter, modal_stations
 
 
@@ -21,7 +23,8 @@ class World(NamedTuple):
 
     pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
     station of each line; lines: (lines,) records of `kernels.law`; profile: (k, 2) of `kernels.surface`; medium: (1,)
-    record of the law; anchors: (stations, 2) m.
+    record of the law; anchors: (stations, 2) m; room, depths: to work in, (6, stations of the longest line, 2) and
+    (stations of it,).
     """
 
     pendulum: Any
@@ -31,6 +34,29 @@ class World(NamedTuple):
     profile: Any
     medium: Any
     anchors: Any
+    room: Any
+    depths: Any
+
+
+@part
+def lent(w):
+    """The same world for the time of a call, see `borrowing`."""
+    return World(
+        borrowed(w.pendulum), borrowed(w.geometry), borrowed(w.starts), borrowed(w.lines), borrowed(w.profile),
+        borrowed(w.medium), borrowed(w.anchors), borrowed(w.room), borrowed(w.depths),
+    )  # fmt: skip
+
+
+@part
+def stations_of(w, r):
+    """Stations of a line."""
+    return rows(w.geometry, w.starts[r], w.starts[r + 1] - w.starts[r])
+
+
+@part
+def anchors_of(w, r):
+    """Anchors (n, 2) m of a line."""
+    return rows(w.anchors, w.starts[r], w.starts[r + 1] - w.starts[r])
 
 
 @part
@@ -56,14 +82,11 @@ def load(q, v, sigma, w, totals, Q):
     pendulum = w.pendulum[0]
     for i in range(Q.shape[0]):
         Q[i] = 0.0
-    for term in range(totals.shape[0]):
-        for i in range(3):
-            totals[term, i] = 0.0
+    clear(totals)
     for r in range(w.lines.shape[0]):
-        geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
-        anchors = w.anchors[w.starts[r] : w.starts[r + 1]]
+        geometry, anchors = stations_of(w, r), anchors_of(w, r)
         n = geometry.shape[0]
-        P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
+        P, V, F = piece(w.room, 0, n), piece(w.room, 1, n), piece(w.room, 2, n)
         modal_stations(q, v, geometry, P, V)
         if pendulum.true_sign:
             aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
@@ -75,11 +98,10 @@ def load(q, v, sigma, w, totals, Q):
 def drag(q, v, w):
     """Let the anchors follow after an accepted step."""
     for r in range(w.lines.shape[0]):
-        geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
-        n = geometry.shape[0]
-        P, V = np.empty((n, 2)), np.empty((n, 2))
+        geometry = stations_of(w, r)
+        P, V = piece(w.room, 0, geometry.shape[0]), piece(w.room, 1, geometry.shape[0])
         modal_stations(q, v, geometry, P, V)
-        drag_anchors(P, w.anchors[w.starts[r] : w.starts[r + 1]], w.lines[r], w.profile, w.medium[0])
+        drag_anchors(P, anchors_of(w, r), w.lines[r], w.profile, w.medium[0])
 
 
 @kernel

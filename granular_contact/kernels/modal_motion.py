@@ -10,7 +10,8 @@ import numpy as np
 
 from granular_contact.kernels import modal_calls
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.memory import copy
+from granular_contact.kernels.memory import clear, copy, room1, rows
+from granular_contact.kernels.modal import MOST
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
 from granular_contact.kernels.slip import slip_bias, slip_rows, slip_velocity
@@ -22,9 +23,10 @@ BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the compon
 def rates(y, s, w, sigma, totals, dy):
     """Fill dy with y', sigma with the directions of the static force, totals (3, 3) with the forces of the medium."""
     m = w.pendulum[0].modes + 1
-    q, v = y[:m], y[m : 2 * m]
-    f, Q = np.empty(m), np.zeros(m)
+    q, v = rows(y, 0, m), rows(y, m, m)
+    f, Q = rows(room1(MOST), 0, m), rows(room1(MOST), 0, m)
     own_forces(q, v, w.pendulum[0], f)
+    clear(Q)
     if w.lines.shape[0] > 0:
         for c in range(s.shape[0]):
             sigma[c] = s[c]
@@ -47,17 +49,17 @@ def rates(y, s, w, sigma, totals, dy):
 def margins(y, s, w, margin):
     """Fill margin with how far each component is from the end of its regime: negative beyond it."""
     m = w.pendulum[0].modes + 1
-    q, v = y[:m], y[m : 2 * m]
-    g = np.empty_like(s)
+    q, v = rows(y, 0, m), rows(y, m, m)
+    g, sigma = rows(room1(2), 0, s.shape[0]), rows(room1(2), 0, s.shape[0])
     if not slip_velocity(q, v, w, g):
         for c in range(s.shape[0]):
             margin[c] = 1.0
         return
-    sigma, sticks = np.zeros(s.shape[0]), False
+    sticks = False
     for c in range(s.shape[0]):
-        sticks = sticks or s[c] == 0.0
+        sigma[c], sticks = 0.0, sticks or s[c] == 0.0
     if sticks:
-        h = np.empty(m)
+        h = rows(room1(MOST), 0, m)
         own_forces(q, v, w.pendulum[0], h)
         modal_calls.hold(q, v, h, s, w, sigma)
     for c in range(s.shape[0]):
@@ -69,8 +71,8 @@ def margins(y, s, w, margin):
 def follow(y, s, w):
     """Above the surface the regime is the direction of motion."""
     m = w.pendulum[0].modes + 1
-    g = np.empty_like(s)
-    if slip_velocity(y[:m], y[m : 2 * m], w, g):
+    g = rows(room1(2), 0, s.shape[0])
+    if slip_velocity(rows(y, 0, m), rows(y, m, m), w, g):
         return
     for c in range(s.shape[0]):
         if g[c] != 0.0:

@@ -16,9 +16,9 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.memory import copy
+from granular_contact.kernels.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.kernels.modal import modal_scatter, modal_stations
-from granular_contact.kernels.modal_load import load
+from granular_contact.kernels.modal_load import load, stations_of
 from granular_contact.kernels.pendulum import accelerate
 from granular_contact.kernels.strips import at, halfway, immersed_segment
 from granular_contact.kernels.surface import depth
@@ -34,11 +34,10 @@ def middle(q, w):
     """
     line, place, deepest = 0, 0.0, -np.inf
     for r in range(w.lines.shape[0] - 1, -1, -1):
-        geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+        geometry = stations_of(w, r)
         n = geometry.shape[0]
-        P, V = np.empty((n, 2)), np.empty((n, 2))
-        modal_stations(q, np.zeros_like(q), geometry, P, V)
-        Z = np.empty(n)
+        P, V, Z = piece(w.room, 3, n), piece(w.room, 4, n), rows(w.depths, 0, n)
+        modal_stations(q, q, geometry, P, V)
         for i in range(n):
             Z[i] = depth(w.profile, P[i, 0], P[i, 1])
         first, last = immersed_segment(Z)
@@ -57,9 +56,8 @@ def slip_velocity(q, v, w, g):
     if q.shape[0] == 1:
         g[0] = v[0]
         return immersed
-    geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
-    n = geometry.shape[0]
-    P, V = np.empty((n, 2)), np.empty((n, 2))
+    geometry = stations_of(w, r)
+    P, V = piece(w.room, 3, geometry.shape[0]), piece(w.room, 4, geometry.shape[0])
     modal_stations(q, v, geometry, P, V)
     g[0], g[1] = at(V, place)
     return immersed
@@ -72,12 +70,13 @@ def slip_rows(q, w, J):
         J[0, 0] = 1.0
         return
     r, place, _ = middle(q, w)
-    geometry = w.geometry[w.starts[r] : w.starts[r + 1]]
+    geometry = stations_of(w, r)
     n = geometry.shape[0]
-    P, V, F = np.empty((n, 2)), np.empty((n, 2)), np.zeros((n, 2))
-    modal_stations(q, np.zeros_like(q), geometry, P, V)
+    P, V, F = piece(w.room, 3, n), piece(w.room, 4, n), piece(w.room, 5, n)
+    modal_stations(q, q, geometry, P, V)
     i = min(int(place), n - 2)
-    J[:] = 0.0
+    clear(F)
+    clear(J)
     for c in range(2):
         F[i, c], F[i + 1, c] = 1.0 - (place - i), place - i
         modal_scatter(q, geometry, P, F, J[c])
@@ -115,17 +114,36 @@ def solve_small(A, b, count):
 
 
 @part
+def hold_rigid(q, v, h, w, sigma):
+    """`hold` without modes, where one component sticks: the bound pulls against what is to be held."""
+    totals, free, pull = room2(3, 3), room1(1), room1(1)
+    sigma[0] = 0.0
+    load(q, v, sigma, w, totals, free)
+    held = h[0] + free[0]
+    side = 1.0 if held > 0.0 else -1.0
+    sigma[0] = side
+    load(q, v, sigma, w, totals, pull)
+    gain = (pull[0] - free[0]) * side
+    sigma[0] = -held / gain if gain < 0.0 else np.copysign(NONE_HOLDS, held)
+
+
+@part
 def hold(q, v, h, s, w, sigma):
     """Fill sigma from the directions s, where 0 stands for a component that sticks: its multiplier is found.
 
     h: generalised forces other than those of the medium.
     """
     copy(sigma, s)
-    stuck = np.flatnonzero(s == 0.0)
-    count, m = stuck.shape[0], q.shape[0]
+    count, m = 0, q.shape[0]
+    for c in range(s.shape[0]):
+        count += s[c] == 0.0
     if count == 0:
         return
-    J, bias, totals = np.zeros((s.shape[0], m)), np.zeros(s.shape[0]), np.empty((3, 3))
+    if m == 1:
+        hold_rigid(q, v, h, w, sigma)
+        return
+    stuck = np.flatnonzero(s == 0.0)
+    J, bias, totals = np.zeros((s.shape[0], m)), np.zeros(s.shape[0]), room2(3, 3)
     slip_rows(q, w, J)
     slip_bias(q, v, w, bias)
     Q, pull, probe = np.empty(m), np.empty(m), s.copy()

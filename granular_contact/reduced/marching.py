@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
-from granular_contact.kernels.modal_load import rest
+from granular_contact.kernels.dormand_prince import STAGES
+from granular_contact.kernels.modal_load import World, rest
 from granular_contact.kernels.modal_motion import decide, follow, rates
 from granular_contact.reduced.model import Model
 from granular_contact.reduced.world import world
@@ -22,40 +23,116 @@ SLOW_SHARE = 128  # of scipy's, each a hundred times slower
 # A bristle yields at the end of a step, so its steps must be short; the true sign has no such memory.
 LONGEST = 50.0
 MOST_STILL = 1e-5  # of the speed of the scene
+SHORT = 0.1  # of the scene's step: the first one, and the time in which regimes crowd
+
+
+def started(y: Vector, capacity: int) -> kernels.State:
+    """State of several runs at their starts y (runs, size), with room for so many rows each."""
+    count, size = y.shape
+    parts = min(2, (size - 2) // 2)
+    watch = np.tile([0.0, 0.0, np.nan, np.nan, 0.0, np.nan], (count, 1))
+    return kernels.State(
+        y=y.copy(),
+        regime=np.ones((count, parts)),
+        stopped=np.zeros((count, parts), dtype=bool),
+        clock=np.zeros((count, 3)),
+        counts=np.zeros((count, 6), dtype=np.int64),
+        watch=watch,
+        turns=np.zeros((count, kernels.CROWD)),
+        rows=np.zeros((count, capacity, 1 + size + 9)),
+    )
+
+
+def room(modes: int) -> kernels.Room:
+    """To work in."""
+    size = 2 * modes + 4
+    return kernels.Room(np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
+
+
+_SHARED = ("starts", "room", "depths")  # of the worlds of runs that are alike
+
+
+def alone(w: World) -> World:
+    """The world of one run as `kernels.march` takes those of several."""
+    return w._replace(**{name: getattr(w, name)[None] for name in ("geometry", "lines", "profile", "anchors")})
+
+
+def joined(several: Sequence[Any]) -> Any:
+    """Named tuples of arrays (1, ...) as one of arrays (several, ...); what all share is that of the first."""
+    first = several[0]
+    made = {}
+    for name in first._fields:
+        arrays = [getattr(one, name) for one in several]
+        if name in _SHARED:
+            made[name] = arrays[0]
+            continue
+        made[name] = np.empty((len(arrays), *arrays[0].shape[1:]), arrays[0].dtype)
+        for i, array in enumerate(arrays):
+            made[name][i] = array[0]
+    return type(first)(**made)
+
+
+def control(model: Model, w: World) -> NDArray[np.void]:
+    """Record (1,) of the kernels' CONTROL."""
+    solver, made = model.scene.solver, np.zeros(1, kernels.CONTROL)
+    made["end"], made["interval"] = solver.end_time_s, solver.step_s
+    bristles = len(w.lines) > 0 and not w.pendulum["true_sign"][0]
+    made["longest"] = solver.step_s if bristles else LONGEST * solver.step_s
+    made["reach"], made["rest_speed"] = model.reach, solver.rest_speed_m_s
+    made["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s
+    made["crowd"], made["blurred"] = SHORT * solver.step_s, MOST_STILL * model.speed
+    return made
+
+
+def ahead(limits: NDArray[np.void]) -> NDArray[np.int64]:
+    """`kernels.ahead` of runs, from their records of CONTROL (runs,)."""
+    found: NDArray[np.int64] = (limits["longest"] / limits["interval"]).astype(np.int64) + 2
+    return found
+
+
+def allowed(model: Model) -> Vector:
+    """Error (2 n + 2,) of a step that each coordinate and each rate may have."""
+    lengths = np.array([1.0] + [model.reach] * model.method.modes)
+    found: Vector = model.method.rtol * np.concatenate([lengths, lengths * model.speed / model.reach])
+    return found
 
 
 class March:
     """State of a solve, as `kernels.march` keeps it up to date; the arrays are explained there."""
 
     def __init__(self, model: Model) -> None:
-        solver, method = model.scene.solver, model.method
-        self.model = model
-        self.size = method.modes + 1
-        self.world = world(model)
+        self.model, self.world = model, world(model)
+        self.size = model.method.modes + 1
         self.true_sign = bool(self.world.pendulum["true_sign"][0])
-        self.y = model.start.copy()
-        self.regime = np.ones(min(2, self.size))
-        self.stopped = np.zeros(len(self.regime), dtype=bool)
-        lengths = np.array([1.0] + [model.reach] * method.modes)
-        self.allowed = method.rtol * np.concatenate([lengths, lengths * model.speed / model.reach])
-        self.control = np.zeros(1, kernels.CONTROL)
-        self.control["end"], self.control["interval"] = solver.end_time_s, solver.step_s
-        bristles = len(self.world.lines) > 0 and not self.true_sign
-        self.control["longest"] = solver.step_s if bristles else LONGEST * solver.step_s
-        self.control["reach"], self.control["rest_speed"] = model.reach, solver.rest_speed_m_s
-        self.control["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s
-        self.clock = np.array([0.0, 0.1 * solver.step_s, 0.0])
-        self.counts = np.zeros(4, dtype=np.int64)
-        self.watch = np.array([0.0, 0.0, np.nan, np.nan, 0.0, np.nan])
-        self.rows = np.zeros((1024, 1 + len(self.y) + 9))
+        self.control = control(model, self.world)
+        self._take_places(started(model.start[None], 1024))
+        self.clock[kernels.STEP] = SHORT * model.scene.solver.step_s
+        self.allowed, self.room = allowed(model), room(model.method.modes)
+        self.codes = np.zeros(1, dtype=np.int64)
         self._rest_bristles()
         self.decide()
         self.warm()
+
+    def _take_places(self, state: kernels.State) -> None:
+        self.state = state
+        self.y, self.regime, self.stopped, self.clock, self.counts, self.watch, *_ = (one[0] for one in state)
+
+    def move(self, state: kernels.State, worlds: World, i: int) -> None:
+        """Go on in the i-th places of arrays of several runs, which hold what its own do."""
+        self._take_places(kernels.State(*(array[i : i + 1] for array in state)))
+        own = {name: getattr(worlds, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
+        self.world = worlds._replace(pendulum=worlds.pendulum[i : i + 1], medium=worlds.medium[i : i + 1], **own)
 
     def _rest_bristles(self) -> None:
         w, q = self.world, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
             rest(q, w.geometry[first:end], w.anchors[first:end])
+
+    @property
+    def rows(self) -> Vector:
+        """Table to be filled."""
+        table: Vector = self.state.rows[0]
+        return table
 
     @property
     def time(self) -> float:
@@ -67,23 +144,28 @@ class March:
         lever = np.array([self.model.reach] + [1.0] * (self.size - 1))
         return float(np.max(np.abs(lever * self.y[self.size : 2 * self.size])))
 
-    def blur(self) -> bool:
-        """Let ten times the speed count as none, to get out of chattering; False if it would be too much."""
-        still = self.world.pendulum["still"]
-        still *= 10.0
-        return bool(still[0] <= MOST_STILL * self.model.speed)
-
     def decide(self) -> None:
-        """Choose the regime to go on with."""
+        """Choose the regime to begin with."""
         if self.true_sign:
             decide(self.y, self.regime, self.stopped, self.world)
 
     def go_on(self) -> int:
-        """March until something is to be decided, and make room for more rows; why is one of the kernels' codes."""
+        """March until something ends it or its share is done, and make room for rows; one of the kernels' codes."""
         code = self._march()
-        if self.counts[kernels.ROWS] >= len(self.rows):
-            self.rows = np.concatenate([self.rows, np.zeros_like(self.rows)])
+        if self.full:
+            self._more_rows(2 * len(self.rows))
         return code
+
+    @property
+    def full(self) -> bool:
+        """Whether the rows of a step might not fit into the table any more."""
+        return bool(self.counts[kernels.ROWS] + ahead(self.control)[0] > len(self.rows))
+
+    def _more_rows(self, capacity: int) -> None:
+        used = min(int(self.counts[kernels.ROWS]), len(self.rows))
+        table = np.zeros((1, capacity, self.rows.shape[1]))
+        table[0, :used] = self.rows[:used]
+        self.state = self.state._replace(rows=table)
 
     def warm(self) -> None:
         """Compile what the march needs, or load it, which is no part of a solve; nothing is changed."""
@@ -91,12 +173,9 @@ class March:
         kernels.write_row(self.time, self.y, self.regime, self.world, np.zeros_like(self.rows[0]))
 
     def _march(self, share: int = SHARE) -> int:
-        return int(
-            kernels.march(
-                share, self.y, self.regime, self.world, self.control, self.allowed, self.clock, self.rows, self.counts,
-                self.watch, self.stopped,
-            )
-        )  # fmt: skip
+        self.codes[0] = kernels.PAUSE
+        kernels.march(share, self.codes, self.state, alone(self.world), self.control, self.allowed[None], self.room)
+        return int(self.codes[0])
 
     def table(self) -> Vector:
         """Rows so far, and one for the instant reached if it is not the last of them."""
@@ -122,12 +201,12 @@ class March:
         for name, array in self._changing().items():
             array[...] = kept[name]
         used = len(kept["rows"])
-        if used >= len(self.rows):
-            self.rows = np.zeros((2 * used, self.rows.shape[1]))
+        if used > len(self.rows):
+            self._more_rows(2 * used)
         self.rows[:used] = kept["rows"]
 
     def _changing(self) -> dict[str, NDArray[Any]]:
-        own = {name: getattr(self, name) for name in ("y", "regime", "stopped", "clock", "counts", "watch")}
+        own = {name: array[0] for name, array in self.state._asdict().items() if name != "rows"}
         return own | {"anchors": self.world.anchors, "still": self.world.pendulum["still"]}
 
 
@@ -166,6 +245,9 @@ class ScipyMarch(March):
         still._take(_Standing(still.y))
         events.shorten(np.ascontiguousarray(FIT @ np.tile(still.y, (len(NODES), 1))), 1.0)
         kernels.rests(still.y, still.regime, still.world, still.control[0], still.clock)
+        end = still.control[0], still.clock, still.counts, still.stopped, still.state.turns[0]
+        if self.true_sign:
+            kernels.turn(still.y, still.regime, still.world, *end)
 
     def _march(self, share: int = SLOW_SHARE) -> int:
         if share == 0:
@@ -182,7 +264,7 @@ class ScipyMarch(March):
         control, clock = self.control[0], self.clock
         slopes, sigma, totals = np.empty_like(self.y), np.zeros_like(self.regime), np.zeros((3, 3))
 
-        def slope(_: float, y: Vector) -> Vector:
+        def slope(_: float, y: Vector) -> Any:
             self.counts[kernels.RATES] += 1
             rates(np.ascontiguousarray(y), self.regime, self.world, sigma, totals, slopes)
             if not np.isfinite(slopes).all():
@@ -200,14 +282,16 @@ class ScipyMarch(March):
             atol=np.concatenate([self.allowed, [ANY, ANY]]),
         )
         for _ in range(SLOW_SHARE):
-            if self.counts[kernels.ROWS] >= len(self.rows):
+            if self.full:
                 return kernels.PAUSE
             if self.true_sign:
                 follow(self.y, self.regime, self.world)
             if stepper.step() is not None:
                 return kernels.FAILED
             if self._take(stepper):
-                return kernels.REGIME_END
+                w, stopped, turns = self.world, self.stopped, self.state.turns[0]
+                fine = kernels.turn(self.y, self.regime, w, control, clock, self.counts, stopped, turns)
+                return kernels.PAUSE if fine else kernels.CHATTERING
             if kernels.rests(self.y, self.regime, self.world, control, clock):
                 return kernels.REST
             if stepper.status == "finished":

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
+from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.reduced.modes import Modes, roots
 from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector, rotation
@@ -47,7 +50,15 @@ class Bar:
 
     def places(self, count: int) -> Vector:
         """`count` equally spaced points (count, 2) m."""
-        return np.linspace(self.start, self.end, count)
+        placed: Vector = self.start + _shares(count) * (self.end - self.start)
+        return placed
+
+
+@lru_cache(maxsize=64)
+def _shares(count: int) -> Vector:
+    """Equally spaced numbers (count, 1) from 0 to 1."""
+    shares: Vector = np.linspace(0.0, 1.0, count)[:, None]
+    return shares
 
 
 @dataclass(frozen=True)
@@ -75,6 +86,19 @@ class Model:
     def bends(self) -> bool:
         """Whether there is any mode."""
         return len(self.modes.beta) > 0
+
+    @cached_property
+    def stations(self) -> tuple[NDArray[np.void], ...]:
+        """Ends of the strips of each bar, as the kernels take them."""
+        return tuple(self._stations(bar) for bar in self.bars)
+
+    def _stations(self, bar: Bar) -> NDArray[np.void]:
+        places = bar.places(bar.strips + 1)
+        made = np.zeros(len(places), MODAL_STATION)
+        made["along"], made["across"], made["pivot"] = places[:, 0], places[:, 1], self.view.pivot
+        if bar.bends:
+            made["phi"][:, : self.method.modes] = self.shapes(bar, places)
+        return made
 
     def shapes(self, bar: Bar, places: Vector) -> Vector:
         """Mode shapes (points, n) at places (points, 2) of a bar."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from granular_contact.kernels.modal import DEEPEST, observe_stations
 from granular_contact.laws.law import term_names
 from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
@@ -122,20 +125,22 @@ class Motion:
         return Track(self.bends.sum(axis=1), self.bend_rates.sum(axis=1)) if self.model.bends else None
 
     @cached_property
-    def _lines(self) -> list[tuple[Vector, Vector]]:
-        """Positions (m) and velocities (m/s) of the ends of all strips of every bar, (instants, points, 2) each."""
-        places = [(bar, bar.places(bar.strips + 1)) for bar in self.model.bars]
-        return [(self.positions(*one), self.velocities(*one)) for one in places]
+    def _lines(self) -> list[_Line]:
+        """All bars, by the ends of their strips."""
+        surface = self.scene.surface
+        assert surface is not None
+        q, v = (np.ascontiguousarray(both) for both in (self.trajectory.q, self.trajectory.v))
+        pairs = zip(self.model.bars, self.model.stations, strict=True)
+        return [_line(q, v, stations, surface, 0.5 * bar.diameter) for bar, stations in pairs]
 
     def all_depths(self) -> list[Track]:
         """Depths (m) of all ends and corners that may get into the medium, negative above the surface."""
         if self.scene.surface is None:
             return []
         found = []
-        for i, bar in enumerate(self.model.bars):
+        for bar, line in zip(self.model.bars, self._lines, strict=True):
             ends = slice(None) if bar.bends else slice(None, None, bar.strips)
-            positions, velocities = self._lines[i]
-            found += self._depths(positions[:, ends], velocities[:, ends], 0.0)
+            found += [Track(*both) for both in zip(line.depths[ends], line.rates[ends], strict=True)]
         for shape in (shape for shape in self.model.others if shape.in_sand):
             moved = self.positions(None, shape.points), self.velocities(None, shape.points)
             found += self._depths(*moved, shape.drop)
@@ -161,21 +166,15 @@ class Motion:
         """Extremes of what was immersed; None where nothing could meet the medium."""
         if not self.scene.media or self.scene.surface is None or not self.model.bars:
             return None
-        lines, velocities = zip(*self._lines, strict=True)
-        points, surface = np.concatenate(lines, axis=1), self.scene.surface
-        pairs = list(zip(self.model.bars, lines, strict=True))
-        met = [bar for bar, line in pairs if line[..., 1].min() < surface]
-        depth = surface - points[..., 1]
-        under = depth > 0.0
-        speeds = np.linalg.norm(np.concatenate(velocities, axis=1)[under], axis=-1)
-        x = points[..., 0][under]
-        beside = np.concatenate([_beside(bar, line) for bar, line in pairs], axis=1)[under]
+        lines = self._lines
+        speed, depth, lowest, left, right = zip(*(line.extremes.tolist() for line in lines), strict=True)
+        met = [bar for bar, line in zip(self.model.bars, lines, strict=True) if line.extremes[DEEPEST] > 0.0]
         return Reach(
-            speed=float(speeds.max(initial=0.0)),
-            depth=float(depth.max()),
-            lowest=float(points[..., 1].min()),
-            left=float((x - beside).min(initial=np.inf)),
-            right=float((x + beside).max(initial=-np.inf)),
+            speed=max(speed),
+            depth=max(depth),
+            lowest=min(lowest),
+            left=min(left),
+            right=max(right),
             sizes=tuple(sorted({("round", bar.diameter) for bar in met})),
         )
 
@@ -206,8 +205,17 @@ class Motion:
         return tuple(outlines)
 
 
-def _beside(bar: Bar, line: Vector) -> Vector:
-    """How far (instants, points) m a bar reaches to the sides of the points (instants, points, 2) of its axis."""
-    along = np.diff(line, axis=1, append=2.0 * line[:, -1:] - line[:, -2:-1])
-    beside: Vector = 0.5 * bar.diameter * np.abs(along[..., 1]) / np.linalg.norm(along, axis=-1)
-    return beside
+class _Line(NamedTuple):
+    """Ends of the strips of a bar: depths (m) and their rates (m/s), (ends, instants); extremes as of the kernel."""
+
+    depths: Vector
+    rates: Vector
+    extremes: Vector
+
+
+def _line(q: Vector, v: Vector, stations: NDArray[np.void], surface: float, beside: float) -> _Line:
+    depths, rates = np.empty((2, len(stations), len(q)))
+    extremes = np.array([0.0, -np.inf, np.inf, np.inf, -np.inf])
+    P, V = np.empty((2, len(stations), 2))
+    observe_stations(q, v, stations, surface, beside, P, V, depths, rates, extremes)
+    return _Line(depths, rates, extremes)

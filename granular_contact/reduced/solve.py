@@ -19,8 +19,7 @@ from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Vector
 
 OWN = "dormand_prince"
-CROWD = 50  # ends of regimes within a tenth of the scene's step that are taken for chattering
-CHATTERING, OVERTIME = kernels.FAILED + 1, kernels.FAILED + 2
+OVERTIME = kernels.CHATTERING + 1
 
 
 @dataclass(frozen=True)
@@ -48,11 +47,9 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class SolveState:
-    """State of a solve: arrays of the march, when regimes ended, and how it stands."""
+    """State of a solve: arrays of the march, and how it stands."""
 
     march: dict[str, NDArray[Any]]
-    turns: tuple[float, ...]
-    crowd: tuple[float, ...]
     code: int
     seconds: float
     interrupted: bool
@@ -65,8 +62,6 @@ class Solve:
         self.model, self.progress = model, progress
         self.march = (March if model.method.integrator == OWN else ScipyMarch)(model)
         self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
-        self._turns: list[float] = []  # times (s) at which regimes ended
-        self._crowd: list[float] = []  # the latest of them
 
     @property
     def time(self) -> float:
@@ -76,7 +71,7 @@ class Solve:
     @property
     def over(self) -> bool:
         """Whether there is nothing to come."""
-        stopped = self._code in (kernels.REST, kernels.FAILED, CHATTERING, OVERTIME)
+        stopped = self._code in (kernels.REST, kernels.FAILED, kernels.CHATTERING, OVERTIME)
         return self._interrupted or stopped or self.time >= self.model.scene.solver.end_time_s * (1.0 - 1e-14)
 
     def advance(self, until: float = math.inf) -> None:
@@ -93,24 +88,21 @@ class Solve:
 
     def _integrate(self, began: float) -> int:
         """March on until something ends it; began: by the clock (s)."""
-        solver, march, crowd = self.model.scene.solver, self.march, self._crowd
+        solver, march = self.model.scene.solver, self.march
         deadline = math.inf if solver.max_wall_s is None else began + solver.max_wall_s - self.seconds
         while True:
             code = march.go_on()
-            if code == kernels.REGIME_END:
-                self._turns.append(march.time)
-                crowd.append(march.time)
-                if len(crowd) > CROWD and crowd[-1] - crowd[-CROWD] < 0.1 * solver.step_s:
-                    crowd.clear()
-                    if not march.blur():
-                        return CHATTERING
-                march.decide()
-            elif code != kernels.PAUSE:
+            if code != kernels.PAUSE:
                 return code
             if time.perf_counter() > deadline:
                 return OVERTIME
             if self.progress is not None:
                 self.progress(march.time, solver.end_time_s)
+
+    def ended(self, code: int, seconds: float) -> None:
+        """It was marched to its end elsewhere, in so many seconds; code: why it ended, as of the kernels."""
+        self._code = code
+        self.seconds += seconds
 
     def observe(self) -> Observations:
         """What is seen of the present state."""
@@ -126,13 +118,11 @@ class Solve:
 
     def state(self) -> SolveState:
         """The present state."""
-        turns, crowd = tuple(self._turns), tuple(self._crowd)
-        return SolveState(self.march.kept(), turns, crowd, self._code, self.seconds, self._interrupted)
+        return SolveState(self.march.kept(), self._code, self.seconds, self._interrupted)
 
     def restore(self, kept: SolveState) -> None:
         """Go back to a state of this solve or another one of the same scene."""
         self.march.restore(kept.march)
-        self._turns[:], self._crowd[:] = kept.turns, kept.crowd
         self._code, self.seconds, self._interrupted = kept.code, kept.seconds, kept.interrupted
 
     def close(self) -> None:
@@ -144,11 +134,17 @@ class Solve:
 
     def _rows(self, rows: Vector) -> Trajectory:
         march, m = self.march, self.march.size
-        steps, _, evaluations, _ = (int(count) for count in march.counts)
+        counts = march.counts.tolist()
         _, _, stop_time, stop_angle, _, hub_time = march.watch
         return Trajectory(
             status=self.status(),
-            cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
+            cost=Cost(
+                solve_s=self.seconds,
+                steps=counts[kernels.STEPS],
+                newton_iterations=0,
+                jacobians=0,
+                load_calls=counts[kernels.RATES],
+            ),
             time=rows[:, 0],
             q=rows[:, 1 : 1 + m],
             v=rows[:, 1 + m : 1 + 2 * m],
@@ -156,7 +152,7 @@ class Solve:
             damping=rows[:, 2 + 2 * m],
             terms=rows[:, 3 + 2 * m :].reshape(-1, 3, 3),
             stop=(float(stop_time), float(stop_angle), float(hub_time)),
-            turns=len(self._turns),
+            turns=counts[kernels.TURNS],
             world=march.world,
         )
 
@@ -176,10 +172,10 @@ def solve(model: Model, progress: Progress | None = None) -> Trajectory:
 
 def _status(model: Model, march: March, code: int) -> Status:
     solver, t = model.scene.solver, march.time
-    if code == CHATTERING:
+    if code == kernels.CHATTERING:
         return Status(
             "failed",
-            f"the static force turned round {CROWD} times within {0.1 * solver.step_s:g} s at {t:.6g} s; take "
+            f"the static force turned round {kernels.CROWD} times within {0.1 * solver.step_s:g} s at {t:.6g} s; take "
             "method.reduced.static: elastoplastic, whose bristle gives way",
         )
     if code == OVERTIME:

@@ -23,22 +23,17 @@ STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 def world(reduced: Model) -> World:
     """Mass properties, and stations, lines and medium of all that can reach the surface."""
     scene = reduced.scene
-    geometry, lines = [np.zeros(0, MODAL_STATION)], [np.zeros(0, LINE)]
-    for bar in reduced.bars:
-        if not _reaches(reduced, bar):
-            continue
-        places = bar.places(bar.strips + 1)
-        stations, line = np.zeros(len(places), MODAL_STATION), np.zeros(1, LINE)
-        stations["along"], stations["across"] = places.T
-        stations["phi"][:, : reduced.method.modes] = reduced.shapes(bar, places)
-        stations["pivot"] = reduced.view.pivot
-        line["width"] = bar.diameter
-        line["cap"], line["resultant"] = scene.load.end_cap and bar.free, scene.load.form == "resultant"
-        geometry.append(stations)
-        lines.append(line)
-    starts = np.cumsum([len(stations) for stations in geometry])
+    pairs = zip(reduced.bars, reduced.stations, strict=True)
+    met = [(bar, stations) for bar, stations in pairs if _reaches(reduced, bar)]
+    starts = np.cumsum([0, *(len(stations) for _, stations in met)])
+    geometry, lines = np.zeros(starts[-1], MODAL_STATION), np.zeros(len(met), LINE)
+    for i, (bar, stations) in enumerate(met):
+        geometry[starts[i] : starts[i + 1]] = stations
+        line = lines[i]
+        line["width"], line["cap"] = bar.diameter, scene.load.end_cap and bar.free
+        line["resultant"] = scene.load.form == "resultant"
     record = _pendulum(reduced)
-    record["true_sign"] = reduced.method.static == "true_sign" and len(lines) > 1
+    record["true_sign"] = reduced.method.static == "true_sign" and len(lines) > 0
     parts = {"rates": modal_motion.rates}
     if record["true_sign"]:
         parts |= {"margins": modal_motion.margins, "hold": slip.hold}
@@ -47,10 +42,11 @@ def world(reduced: Model) -> World:
     medium = np.zeros(1, LAW)
     if scene.media:
         own = scene.media[0].record(static, scene.gravity)
-        medium = medium_record(own, np.concatenate(lines), paths=False, bodies=False)
+        medium = medium_record(own, lines, paths=False, bodies=False)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
-    anchors = np.zeros((starts[-1], 2))
-    return World(record, np.concatenate(geometry), starts, np.concatenate(lines), profile, medium, anchors)
+    anchors, most = np.zeros((starts[-1], 2)), max((len(stations) for _, stations in met), default=0)
+    room, depths = np.zeros((6, most, 2)), np.zeros(most)
+    return World(record, geometry, starts, lines, profile, medium, anchors, room, depths)
 
 
 def _pendulum(reduced: Model) -> NDArray[np.void]:

@@ -45,9 +45,8 @@ class SpatialObservation(Observation):
         """All columns, with the table (instants, columns)."""
         found: series.Series = {"time_s": ("time since the start", self.time)}
         found |= self.motion | vector("tip_{}_m", "position of the tip", self.tip)
-        if self.depths:
-            depth = np.max([track.values for track in self.depths], axis=0)
-            found["depth_m"] = ("depth of the deepest point below the surface", depth)
+        if self.depth is not None:
+            found["depth_m"] = ("depth of the deepest point below the surface", self.depth)
         if self.scene.media:
             for i, term in enumerate(self.terms):
                 found |= force(term, self.term_forces[:, i], self.moments_about)

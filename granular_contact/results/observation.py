@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -58,16 +59,20 @@ class Observation:
     more: dict[str, Any]
     accuracy: Sequence[AccuracyWarning] = ()
 
+    @cached_property
+    def depth(self) -> Vector | None:
+        """Depth (n,) m of the deepest of all points that can meet the medium."""
+        return np.max([track.values for track in self.depths], axis=0) if self.depths else None
+
     def film(self, most: int) -> dict[str, Any]:
         """Pictures evenly spaced in time, at most so many, as `Results` has them."""
         return {"frames": _frames(self, most)}
 
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
-        depth = np.max([track.values for track in self.depths], axis=0) if self.depths else None
         bend = None if self.deflection is None else self.deflection.values
         found: series.Series = {"time_s": ("time since the start", self.time)}
-        found |= self.motion | series.shape(self.mean_rate, self.tip, bend, depth)
+        found |= self.motion | series.shape(self.mean_rate, self.tip, bend, self.depth)
         if self.scene.media:
             at_pivot = self.scene.pivot is not None
             found |= series.forces(self.terms, self.term_forces, self.moments_about, at_pivot=at_pivot)
@@ -87,27 +92,34 @@ def pictures(
     return lambda: [drawn(i) for i in range(len(at))]
 
 
+def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
+    """The summary of a run, and when it touched the medium."""
+    scene, time = seen.scene, seen.time
+    energies = {name: values for name, (_, values) in seen.energies.items()}
+    greatest = extremes(time, seen.depths, seen.deflection)
+    touch = find_touch(time, seen.depths) if scene.media else None
+    stop = None if touch is None else seen.stop(touch)
+    summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, greatest) | seen.more
+    summary["warnings"] += [
+        *map(str, scene.notes),
+        *told(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
+        *warnings(scene, seen.reach, seen.depth, None if greatest.depth is None else greatest.depth[0]),
+    ]
+    if scene.stiff:
+        summary["too_stiff_to_bend"] = list(scene.stiff)
+    return summary, touch
+
+
 def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:
     """Results of a run; scenario: as plain YAML types; most_frames: from 2, at most so many frames of an animation."""
     scene, time = seen.scene, seen.time
     columns, table = seen.columns()
-    series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    depth, greatest = series.get("depth_m"), extremes(time, seen.depths, seen.deflection)
-    touch = find_touch(time, seen.depths) if scene.media else None
-    stop = None if touch is None else seen.stop(touch)
+    summary, touch = key_numbers(seen)
     moments = {
         "touch": 0 if touch is None else touch.index,
-        "deepest": len(time) - 1 if depth is None else int(np.argmax(depth)),
+        "deepest": len(time) - 1 if seen.depth is None else int(np.argmax(seen.depth)),
         "end": len(time) - 1,
     }
-    summary = summarise(scene, seen.status, seen.cost, series, touch, stop, greatest) | seen.more
-    summary["warnings"] += [
-        *map(str, scene.notes),
-        *told(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
-        *warnings(scene, seen.reach, depth, None if greatest.depth is None else greatest.depth[0]),
-    ]
-    if scene.stiff:
-        summary["too_stiff_to_bend"] = list(scene.stiff)
     return Results(
         name=scene.name,
         status=seen.status,

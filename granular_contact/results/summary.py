@@ -39,12 +39,12 @@ def summarise(
     scene: Scene,
     status: Status,
     cost: Cost,
-    series: dict[str, Vector],
+    energies: dict[str, Vector],
     touch: Touch | None,
     stop: Stop | None,
     extremes: Extremes,
 ) -> dict[str, Any]:
-    """Key numbers of a run from all its accepted steps; series by column name, (n,) each. Warnings are left to others.
+    """Key numbers of a run from all its accepted steps; energies by column name, (n,) each. Warnings are left out.
 
     None depends on which steps those are beyond the error of the steps: times, and what is greatest, are found between
     them (see `interpolation`), and works are integrals over time.
@@ -64,7 +64,7 @@ def summarise(
         "max_depth_m": None if depth is None else depth[0],
         "max_deflection_m": None if deflection is None else abs(deflection[0]),
         "max_deflection_time_s": None if deflection is None else deflection[1],
-        "energy": energy.key_numbers(series, scene.force_scale * scene.least_path),
+        "energy": energy.key_numbers(energies, scene.force_scale * scene.least_path),
         "cost": asdict(cost),
         "versions": versions(),
         "warnings": [],

@@ -101,7 +101,7 @@ def _built(scenario: schema.Scenario) -> Scene:
     if scenario.initial.impact_tip_speed_m_s is not None:
         layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
-    ends = list(_ends(rigid, links))
+    ends = ends_of(rigid, links)
     faults += [*_motion_faults(scenario), *_joint_faults(layout), *closure_faults(layout.model, layout.groups)]
     placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
@@ -126,15 +126,28 @@ def _built(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
     )
+    if stiff := verified(scene, scenario):
+        return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
+    return scene
+
+
+def verified(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
+    """Check that a scene can be solved by its method; names of links so stiff that the engine has them rigid.
+
+    Raises
+    ------
+    SceneError
+        It can't.
+    """
     if faults := [*beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
     if isinstance(scene.method, Reduced):
         check_reduced(scene, scene.method.modes)
     elif scene.method is not None:
         check_minimal(scene)
-    elif stiff := tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW):
-        return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
-    return scene
+    else:
+        return tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW)
+    return ()
 
 
 def _bow(link: FlexibleLink, force: float) -> float:
@@ -185,7 +198,7 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]
     if not pins:
         return 0.0  # which is refused
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
-    name, at = _tip(list(_ends(rigid, links)), rigid, layout)
+    name, at = _tip(ends_of(rigid, links), rigid, layout)
     motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
     arm = float(np.linalg.norm(place(motions[name], at) - pins[0]))
     if not arm > 0.0:
@@ -237,7 +250,7 @@ def _all_joints(model: schema.Model) -> Iterator[tuple[str, str, schema.Joint | 
 
 
 @dataclass(frozen=True)
-class _End:
+class End:
     """End or corner of a part that a medium may act on: its body, point in the body's frame, initial world position,
     (2,) m.
 
@@ -255,19 +268,24 @@ class _End:
         return float(self.world[1]) - self.drop
 
 
-def _ends(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> Iterator[_End]:
+def ends_of(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> list[End]:
+    """Ends and corners of all parts that a medium may act on."""
+    return list(_ends(rigid, links))
+
+
+def _ends(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> Iterator[End]:
     for body in rigid:
         for shape in body.shapes:
             if shape.in_sand:
                 for corner in shape.points:
-                    yield _End(body.name, corner, place(body.motion, corner), shape.drop)
+                    yield End(body.name, corner, place(body.motion, corner), shape.drop)
     for link in links:
         for x in (0.0, link.length):
             end = np.array([x, 0.0])
-            yield _End(link.name, end, place(link.motion, end))
+            yield End(link.name, end, place(link.motion, end))
 
 
-def _tip(ends: list[_End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:
+def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:
     """End that is farthest from the first joint to the ground, or lowest if the mechanism slides or flies.
 
     Of several the last.
@@ -292,7 +310,7 @@ def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], l
     return bool(moving) and not pendulum and len(rigid) + len(links) <= MOST_BODIES
 
 
-def _nothing_to_act_on(scenario: schema.Scenario, ends: list[_End]) -> Iterator[Fault]:
+def _nothing_to_act_on(scenario: schema.Scenario, ends: list[End]) -> Iterator[Fault]:
     if scenario.media and not ends:
         yield scene_fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
 

@@ -8,6 +8,7 @@ take seconds to start and to end. A lost task raises `BrokenExecutor` in all of 
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import pickle
@@ -134,6 +135,7 @@ def _serve(pipe: Connection) -> None:
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     else:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+    gc.freeze()  # what is imported stays, and need not be looked through again and again
     while True:
         try:
             task = pipe.recv_bytes()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from granular_contact import scene
 from granular_contact.config import Loaded, Scenario, Sweep, scenario_to_dict, tree
 from granular_contact.config.sweep import case_faults, sweep_of
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.laws.scatter import SEEDS
+from granular_contact.scene.again import Builder
 from granular_contact.studies.ensemble.runs import observed
 from granular_contact.studies.ensemble.statistics import Summary, of_rows
 from granular_contact.studies.sweep.executor import WorkerPool
@@ -45,7 +45,7 @@ def cases(scenario: Scenario, count: int, first: int | None = None, name: str = 
     root = tree.made(asked, tree.Position(name, None))
     assert isinstance(root, tree.Mapping)
     # They differ in their seed alone, so what is true of one is true of all.
-    return sweep_of(root, Path(name), [], scene.build, lambda found, all_, probe: case_faults(found, all_[:1], probe))
+    return sweep_of(root, Path(name), [], Builder(), lambda found, all_, probe: case_faults(found, all_[:1], probe))
 
 
 def ensemble(scenario: Scenario | Loaded, count: int = 200, *, workers: int | None = None) -> Summary:

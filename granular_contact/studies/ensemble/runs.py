@@ -8,7 +8,7 @@ import numpy as np
 
 from granular_contact.config import Scenario
 from granular_contact.results import Results
-from granular_contact.studies.sweep.worker import simulate
+from granular_contact.studies.sweep.worker import simulate_whole
 
 INSTANTS = 121  # of a history
 SERIES = "series"
@@ -18,7 +18,7 @@ _ENDS = ("_drawbar_pull_N", "_sinkage_m")
 
 def observed(scenario: Scenario) -> Results:
     """Results of a run whose summary has histories, too: `series`, by column, at equal steps of the run's time."""
-    results = simulate(scenario)
+    results = simulate_whole(scenario)
     time = results["time_s"]
     at = np.linspace(time[0], time[-1], INSTANTS)
     found = {name: np.interp(at, time, results[name]).tolist() for name in _columns(results.names)}

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granular_contact import scene
 from granular_contact.config import Loaded, Scenario, scenario_to_dict, tree
 from granular_contact.config.given import plain_data
 from granular_contact.config.sweep import sweep_of
+from granular_contact.scene.again import Builder
 from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 
@@ -54,6 +54,14 @@ def sweep(
 
     >>> rows = sweep(load("pendulum"), {"medium.eta_d": [4, 5, 6]})
     >>> [row["stopping_time_s"] for row in rows]
+
+    Many runs of the reduced model, with values and key numbers as arrays; they are marched together by compiled calls,
+    and a few hundred of them in threads of this process.
+
+    >>> speeds, angles = np.random.default_rng(0).uniform([[2], [22]], [[9], [60]], (2, 10_000))
+    >>> values = {"initial.impact_speed_rad_s": speeds, "initial.impact_angle_deg": angles}
+    >>> rows = sweep(load("pendulum", method={"reduced": {"modes": 1}}), values, combine="zip")
+    >>> depths = np.array([row["max_depth_m"] for row in rows])
     """
     given = {"vary": vary, "sample": sample, "combine": combine}
     if isinstance(scenario, Loaded):
@@ -61,7 +69,7 @@ def sweep(
     asked = {"config": scenario_to_dict(scenario)} | {key: one for key, one in given.items() if one is not None}
     root = tree.made(plain_data(asked), tree.Position("sweep", None))
     assert isinstance(root, tree.Mapping)
-    found = sweep_of(root, Path("sweep"), [], scene.build)
+    found = sweep_of(root, Path("sweep"), [], Builder())
     with WorkerPool(workers) as pool:
         rows = sorted(run(found, pool), key=lambda row: row.index)
     return [{"case": row.name, **row.values, **row.summary} for row in rows]

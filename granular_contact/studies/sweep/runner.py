@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, ThreadPoolExecutor, wait
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
@@ -18,6 +18,8 @@ from granular_contact.studies.sweep.worker import Job, Simulate, Task, check, er
 CHUNK_SECONDS = 0.5  # long against the 2 ms that it takes to hand over a chunk, short against a sweep
 LARGEST_CHUNK = 256
 MOST_CHECKED_HERE = 400  # cases that are checked sooner here than workers are started
+MOST_IN_THREADS = 400  # the same of cases that are marched together, see `run.summaries_of`
+MOST_STEPS = 1e5  # of such a case: a worker that runs out of memory may be lost, this process not
 _DIED = "the process died; run this case alone to see why, it may need more memory than is available"
 
 Work = Future[tuple[list[bytes], float]]
@@ -96,18 +98,26 @@ class CaseRunner:
         self._local = journal is not None and pool.local  # then the workers write
         self._keep = None if journal is None else journal.writer()
         folder = journal.folder if journal is not None and self._local else None
-        self._job = Job(sweep, function, cases_folder, folder).packed()
+        job = Job(sweep, function, cases_folder, folder)
+        self._job, self._marches = job.packed(), job.marches and pool.local and _is_short(sweep)
 
     def rows(self, tasks: Iterator[Task], count: int) -> Iterator[Row]:
         """Rows of so many tasks as they are finished; errors as of `run`."""
-        scheduler, suspects = _Scheduler(tasks, count, self._pool.count), list[Task]()
-        for line in _together(scheduler, self._pool, self._job, suspects):
+        if self._marches and count <= MOST_IN_THREADS:
+            with WorkerPool(self._pool.count, _Threads) as threads:
+                yield from self._rows(tasks, count, threads)
+        else:
+            yield from self._rows(tasks, count, self._pool)
+
+    def _rows(self, tasks: Iterator[Task], count: int, pool: WorkerPool) -> Iterator[Row]:
+        scheduler, suspects = _Scheduler(tasks, count, pool.count), list[Task]()
+        for line in _together(scheduler, pool, self._job, suspects):
             if self._keep is not None and not self._local:
                 self._keep.append(line)
             yield Row.of(line)
         if suspects and self._journal is not None and self._local:
             suspects = yield from _without_finished(suspects, self._journal)
-        for line, lost in _one_by_one(suspects, self._sweep, self._pool, self._job) if suspects else ():
+        for line, lost in _one_by_one(suspects, self._sweep, pool, self._job) if suspects else ():
             if self._keep is not None and (lost or not self._local):
                 self._keep.append(line)
             yield Row.of(line)
@@ -116,6 +126,21 @@ class CaseRunner:
         """No more rows; the pool stays as it is."""
         if self._keep is not None:
             self._keep.close()
+
+
+class _Threads(ThreadPoolExecutor):
+    """Threads that have come to the end of what they do when they are told to end, so that nothing is written later."""
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        super().shutdown(wait=True, cancel_futures=cancel_futures)
+
+
+def _is_short(sweep: Sweep) -> bool:
+    """Whether no case can have so many rows that they need much memory."""
+    from granular_contact.scene.steps import steps
+
+    solver, varies = steps(sweep.base), any(key.startswith("solver") for key in sweep.keys)
+    return not varies and solver.end_time_s / solver.step_s <= MOST_STEPS
 
 
 def _without_finished(tasks: Sequence[Task], journal: Journal) -> Generator[Row, None, list[Task]]:

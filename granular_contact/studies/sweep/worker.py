@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from granular_contact.config import Case, Scenario, Sweep
 from granular_contact.config.sweep import Probe, case_faults
@@ -18,7 +18,25 @@ from granular_contact.errors import ConfigError, Fault
 from granular_contact.results import Results
 from granular_contact.studies.sweep.journal import Journal, Row, Writer
 
-Simulate = Callable[[Scenario], Results]
+if TYPE_CHECKING:
+    from granular_contact.scene.again import Builder
+
+
+class Told(Protocol):
+    """What a row is made of: a run's results, or its key numbers alone."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """As of Results."""
+
+
+Simulate = Callable[[Scenario], Told]
+
+
+class KeyNumbers(NamedTuple):
+    """The summary of a run, and nothing else."""
+
+    summary: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -44,27 +62,53 @@ class Job:
     journal: Path | None = None
     token: str = field(default_factory=lambda: secrets.token_hex(8))
 
+    @property
+    def marches(self) -> bool:
+        """Whether several of its tasks are marched by one compiled call."""
+        return self.sweep.base.method.reduced is not None and self.function is simulate and self.folder is None
+
     def packed(self) -> bytes:
         """As `work` and `check` take it."""
         return pickle.dumps(replace(self, sweep=self.sweep.without_cases()))
 
 
+class _Held(NamedTuple):
+    """A job in a process: itself, where its rows go, and what builds the scenes of those that march together."""
+
+    job: Job
+    writer: Writer | None
+    build: Builder | None
+
+
 @lru_cache(maxsize=2)
-def _unpacked(job: bytes) -> tuple[Job, Writer | None]:
+def _unpacked(job: bytes) -> _Held:
     held: Job = pickle.loads(job)
-    return held, None if held.journal is None else Journal(held.journal).writer()
+    writer = None if held.journal is None else Journal(held.journal).writer()
+    if not held.marches:
+        return _Held(held, writer, None)
+    from granular_contact.scene.again import Builder
+
+    return _Held(held, writer, Builder(held.sweep.base))
 
 
-def simulate(scenario: Scenario) -> Results:
+def simulate(scenario: Scenario) -> KeyNumbers:
     """One run, as the command line does it, of a scenario that comes straight from a config."""
+    from granular_contact.run import summary_of
+    from granular_contact.scene.build import built
+
+    return KeyNumbers(summary_of(built(scenario)))  # which was checked as it was made of its case
+
+
+def simulate_whole(scenario: Scenario) -> Results:
+    """The same with all that results hold."""
     from granular_contact.run import run
     from granular_contact.scene.build import built
 
-    return run(built(scenario))  # which was checked as it was made of its case
+    return run(built(scenario))
 
 
 def simulate_with_pictures(scenario: Scenario) -> Results:
-    """The same, with what the player of its page needs."""
+    """The same, and what the player of its page needs."""
     from granular_contact import scene
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
@@ -80,31 +124,31 @@ def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
     OSError
         The results can't be saved.
     """
-    held, writer = _unpacked(job)
+    held, writer, build = _unpacked(job)
     begin = time.perf_counter()
     lines = []
-    for task in tasks:
-        lines.append(_line(task, held))
+    for line in (_line(task, held) for task in tasks) if build is None else _marched(tasks, held, build):
+        lines.append(line)
         if writer is not None:
-            writer.append(lines[-1])
+            writer.append(line)
     return lines, time.perf_counter() - begin
 
 
 def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
     """Faults of some cases."""
-    return case_faults(_unpacked(job)[0].sweep, cases, probe)
+    return case_faults(_unpacked(job).job.sweep, cases, probe)
 
 
 def _line(task: Task, job: Job) -> bytes:
     try:
-        scenario = task.scenario or job.sweep.scenario(task.case)
+        scenario = _scenario(task, job)
         kept = job.folder is not None and job.function is simulate
         results = (simulate_with_pictures if kept else job.function)(scenario)
         values = job.sweep.values(task.case, scenario)
         line = Row(task.index, task.case.name, values, dict(_flat(results.summary))).line()
     except Exception as error:
         return error_row(task, job.sweep, error).line()
-    if job.folder is not None:
+    if job.folder is not None and isinstance(results, Results):
         from granular_contact import report
 
         try:
@@ -114,6 +158,32 @@ def _line(task: Task, job: Job) -> bytes:
         except Exception as error:
             return error_row(task, job.sweep, error).line()
     return line
+
+
+def _marched(tasks: Sequence[Task], job: Job, build: Builder) -> list[bytes]:
+    """Lines of tasks that are solved together; up to round-off each is what it would be alone, but for its times."""
+    from granular_contact.run import summaries_of, tried
+
+    scenarios, scenes = [], []
+    for task in tasks:
+        made = tried(_scenario, task, job)
+        scenarios.append(made)
+        scenes.append(made if isinstance(made, Exception) else tried(build, made))
+    fine = [one for one in scenes if not isinstance(one, Exception)]
+    told = iter(summaries_of(fine))
+    lines = []
+    for task, scenario, scene in zip(tasks, scenarios, scenes, strict=True):
+        found = scene if isinstance(scene, Exception) else next(told)
+        if isinstance(found, Exception):
+            lines.append(error_row(task, job.sweep, found).line())
+        elif not isinstance(scenario, Exception):  # or its scene would be one
+            values = job.sweep.values(task.case, scenario)
+            lines.append(Row(task.index, task.case.name, values, dict(_flat(found))).line())
+    return lines
+
+
+def _scenario(task: Task, job: Job) -> Scenario:
+    return task.scenario or job.sweep.scenario(task.case)
 
 
 def error_row(task: Task, sweep: Sweep, error: BaseException) -> Row:
