@@ -87,7 +87,7 @@ def _same_but_strike(one: schema.Scenario, other: schema.Scenario) -> bool:
         mine, theirs = getattr(one, name), getattr(other, name)
         if name in ("medium", "initial") or mine is theirs:
             continue
-        if name == "model" or mine != theirs:
+        if mine != theirs:
             return False
     # Static friction that is chosen by the medium has to be chosen anew.
     by_component = all(medium.by_component for medium in (*one.media, *other.media))
