@@ -215,7 +215,8 @@ def test_a_search_killed_goes_on_to_the_same_best(tmp_path):
     best = load(tmp_path / "out" / "best.yaml").scenario
     assert scenario_to_dict(best) == scenario_to_dict(whole.scenario)
     results = Results.open(tmp_path / "out" / "best")
-    assert results.summary["stopping_time_s"] == whole.value
+    # A run of its own builds its scene anew, one of a search takes it over from the one before: round-off apart.
+    assert results.summary["stopping_time_s"] == pytest.approx(whole.value, rel=1e-12)
     assert results.summary["max_depth_m"] <= 0.02
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         *("optimise.yaml", "history.csv", "optimise.json", "best.yaml", "best"),

@@ -24,12 +24,13 @@ CHANGES: tuple[tuple[str, object, str], ...] = (
     ("bed.profile_m", np.array([[-1.0, 0.0], [1.0, -0.2]]), "[[-1.0, 0.0], [1.0, -0.2]]"),
     ("model.bodies.link.flexible", None, "null"),
     ("output.figures", False, "false"),
+    ("solver.step_s", None, "null"),
 )
 FAULTY: tuple[tuple[str, object, str], ...] = (
     ("medium.eta_d", -5, "-5"),
     ("medium.eta_q", 5, "5"),
     ("initial.impact_angle_deg", 120, "120"),
-    ("solver.step_s", None, "null"),
+    ("solver.end_time_s", None, "null"),
     ("solver.step_s", "fast", "fast"),
     ("medium", "no_sand", "no_sand"),
     ("model.joints.pivot.parent", "nobody", "nobody"),

@@ -22,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from granular_contact.config import load_scenario
 from granular_contact.run import begin
 from granular_contact.scene import build
+from granular_contact.scene.steps import steps
 from validation.runner import HEAVY, SHORT
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
@@ -110,7 +111,7 @@ def row(name: str, quick: bool) -> tuple[list[str], dict[float, float], bool]:
     ratios = {a: one.error(reference) / (a * reference.way) for a, one in runs.items()}
     check, every = "", [reference, *runs.values()]
     if not quick:
-        step = load_scenario(CONFIGS / f"{config}.yaml", sets).solver.step_s
+        step = steps(load_scenario(CONFIGS / f"{config}.yaml", sets)).step_s
         fixed = run(config, (*sets, "solver.accuracy=null", f"solver.step_s={FINER * step}"))
         check = f"{fixed.error(reference) / (ACCURACIES[-1] * reference.way):.3f}"
         every.append(fixed)

@@ -31,6 +31,7 @@ from granular_contact.config import is_run, load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.run import run
 from granular_contact.scene import build
+from granular_contact.scene.steps import steps
 from granular_contact.studies.processes import cores, local_processes
 from validation.stability_cases import Case, cases, heat
 from validation.study import Claim, Outcome, script
@@ -125,7 +126,7 @@ class Coarse:
 def ten_times(path: Path) -> Coarse:
     """Run a config, and again at ten times its step; where that is chosen, at ten times the usual one."""
     own = load_scenario(path)
-    step = 10.0 * own.solver.step_s
+    step = 10.0 * steps(own).step_s
     wide = load_scenario(path, [f"solver.step_s={step:.9g}", "solver.accuracy=null"])
     fine, results = (run(build(scenario), scenario) for scenario in (own, wide))
     imbalance = results.summary["energy"]["imbalance_relative"]

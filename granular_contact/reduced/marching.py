@@ -239,14 +239,14 @@ class ScipyMarch(March):
 
         super().warm()
         still = copy.deepcopy(self)
-        follow(still.y, still.regime, still.world)
         sigma, slopes = np.zeros_like(still.regime), np.empty_like(still.y)
         rates(still.y, still.regime, still.world, sigma, np.zeros((3, 3)), slopes)
         still._take(_Standing(still.y))
         events.shorten(np.ascontiguousarray(FIT @ np.tile(still.y, (len(NODES), 1))), 1.0)
         kernels.rests(still.y, still.regime, still.world, still.control[0], still.clock)
         end = still.control[0], still.clock, still.counts, still.stopped, still.state.turns[0]
-        if self.true_sign:
+        if self.true_sign:  # else there may be no line to be followed
+            follow(still.y, still.regime, still.world)
             kernels.turn(still.y, still.regime, still.world, *end)
 
     def _march(self, share: int = SLOW_SHARE) -> int:
