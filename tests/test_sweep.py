@@ -44,6 +44,20 @@ sys.exit(code)
 """
 
 
+PLAIN = """from granular_contact import load, sweep
+print("read")
+rigid = load("pendulum_rigid", solver={"end_time_s": 0.002})
+print(len(list(sweep(rigid, {"initial.impact_speed_rad_s": [3.0, 4.0]}, workers=2))))
+"""
+
+
+def test_a_script_that_does_not_ask_whether_it_is_the_main_program_is_read_once(tmp_path):
+    (tmp_path / "script.py").write_text(PLAIN)
+    line = [sys.executable, str(tmp_path / "script.py")]
+    done = subprocess.run(line, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "read\n2\n", "")
+
+
 @pytest.fixture(scope="module")
 def paper(tmp_path_factory: pytest.TempPathFactory) -> tuple[subprocess.CompletedProcess[str], Path]:
     """The twelve cases, run on two workers."""

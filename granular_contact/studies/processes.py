@@ -18,7 +18,7 @@ import sysconfig
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as await_any
 from pathlib import Path
@@ -62,7 +62,7 @@ def prepare() -> None:
         # A folder of installed packages is on the path anyway, behind the standard library.
         first = "" if sysconfig.get_path("purelib") == _FOLDER else _FOLDER
         path = os.pathsep.join(filter(None, [first, os.environ.get("PYTHONPATH")]))
-        with _as_workers(PYTHONSAFEPATH="1", PYTHONPATH=path):
+        with _as_workers(PYTHONSAFEPATH="1", PYTHONPATH=path), _without_script():
             forkserver.ensure_running()
 
 
@@ -101,7 +101,7 @@ class _Processes(Executor):
         task = pickle.dumps(call)
         try:
             if not hasattr(self._own, "pipe"):
-                self._own.pipe = self._start()
+                self._own.pipe = self._start(of_script=b"__main__" in task)
             self._own.pipe.send_bytes(task)
             answer = self._own.pipe.recv_bytes()
         except (EOFError, OSError):
@@ -112,9 +112,9 @@ class _Processes(Executor):
             return outcome
         raise outcome
 
-    def _start(self) -> Connection:
-        """The pipe to a new process."""
-        with self._lock, _as_workers():
+    def _start(self, of_script: bool) -> Connection:
+        """The pipe to a new process; of_script: whether what it is to do stands in the script that runs here."""
+        with self._lock, _as_workers(), nullcontext() if of_script else _without_script():
             if self._ended:
                 raise BrokenExecutor("the work was ended")
             here, there = self._context.Pipe()
@@ -123,6 +123,20 @@ class _Processes(Executor):
             there.close()  # so that the process alone can write to it
             self._started.append((process, here))
             return here  # type: ignore[no-any-return]
+
+
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """Processes that start now do not read the script that runs here: one that asks for a sweep without the question
+    whether it is the main program would ask for it again in each of them.
+    """
+    script = vars(sys.modules["__main__"])
+    before: dict[str, Any] = {name: script[name] for name in ("__file__", "__spec__") if name in script}
+    script.update(dict.fromkeys(before))
+    try:
+        yield
+    finally:
+        script.update(before)
 
 
 def _serve(pipe: Connection) -> None:
