@@ -30,10 +30,8 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
-TOUCHES, AHEAD = (
-    1e-9,
-    1e-9,
-)  # m, s: what touches at the start is looked at so much later, or round-off decides if it does
+# What touches at the start, to so many metres, is looked at so many seconds later, or round-off decides if it does.
+TOUCHES, AHEAD = 1e-9, 1e-9
 
 
 class Acting(NamedTuple):

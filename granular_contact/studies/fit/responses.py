@@ -17,7 +17,7 @@ from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import FINISHED, Results
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.scene.steps import STEP
+from granular_contact.scene.steps import steps
 
 Vector = NDArray[np.float64]
 Key = tuple[str, ...]
@@ -116,7 +116,7 @@ class Simulator:
         turned = {
             ("medium",): None,
             ("initial", "impact_speed_rad_s"): -scenario.initial.impact_speed_rad_s,
-            ("solver", "end_time_s"): max(self.early, 2.0 * (scenario.solver.step_s or STEP)),
+            ("solver", "end_time_s"): max(self.early, 2.0 * steps(scenario).step_s),
             ("solver", "rest_time_s"): None,
         }
         if "depth_m" in self.columns:
