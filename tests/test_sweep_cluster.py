@@ -60,18 +60,24 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, s
 
 
 @pytest.fixture(scope="module")
-def workers(scheduler, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of the scheduler, once two workers have come."""
-    from distributed import Client
-
+def cluster_of_two(scheduler, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a scheduler to which two workers come, and come again when they have died."""
     address, _ = scheduler
     folder = tmp_path_factory.mktemp("workers")
     words = ["--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
     process = daemon(folder, "distributed.cli.dask_worker", address, *words)
-    with Client(address, timeout=20, set_as_default=False) as client:
-        client.wait_for_workers(2, timeout=60)
     yield address
     end(process)
+
+
+@pytest.fixture
+def workers(cluster_of_two) -> str:
+    """Address of the scheduler, once both workers are there: the test before may have killed them."""
+    from distributed import Client
+
+    with Client(cluster_of_two, timeout=20, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=60)
+    return cluster_of_two
 
 
 @pytest.fixture
