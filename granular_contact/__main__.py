@@ -7,8 +7,8 @@ OF_MANY = ("sweep", "ensemble", "optimise")  # commands that work in processes
 
 def main() -> int:
     """Run the command of this process; returns the exit code."""
-    told = sys.argv[1:]
-    if told and told[0] in OF_MANY and not any(word.startswith(("-h", "--h", "--sc")) for word in told):
+    arguments = sys.argv[1:]
+    if arguments and arguments[0] in OF_MANY and not any(word.startswith(("-h", "--h", "--sc")) for word in arguments):
         from granular_contact.studies.processes import prepare
 
         prepare()  # before all that reading a file takes: the server loads as much, on another core

@@ -85,10 +85,10 @@ def summaries_of(scenes: Sequence[Scene]) -> list[dict[str, Any] | Exception]:
 
     begun = {i: tried(_by_modes, one, None, None) for i, one in enumerate(scenes) if isinstance(one.method, Reduced)}
     advance([cast("Solve", one.solving) for one in begun.values() if isinstance(one, Begun)])
-    return [_told(begun[i]) if i in begun else tried(summary_of, scene) for i, scene in enumerate(scenes)]
+    return [_key_numbers(begun[i]) if i in begun else tried(summary_of, scene) for i, scene in enumerate(scenes)]
 
 
-def _told(begun: Begun | Exception) -> dict[str, Any] | Exception:
+def _key_numbers(begun: Begun | Exception) -> dict[str, Any] | Exception:
     """Key numbers of a solve at its end."""
     if isinstance(begun, Exception):
         return begun

@@ -449,12 +449,12 @@ def _steer(simulation: Simulation, control: Controller, rate: float, progress: P
         except KeyboardInterrupt:
             simulation.interrupt()
         except Exception as error:  # whatever the controller of a user raises
-            simulation.fail(f"the controller failed at {seen.time:.6g} s: {_told(error)}")
+            simulation.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
         if progress is not None:
             progress(seen.time, end)
 
 
-def _told(error: Exception) -> str:
+def _words(error: Exception) -> str:
     """An error in one sentence, with the place in the controller where it was raised."""
     if isinstance(error, ControlError):
         return str(error).replace("\n", "; ")

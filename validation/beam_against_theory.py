@@ -32,8 +32,8 @@ sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
 from granular_contact.multibody.build import build as assemble
+from granular_contact.reduced.arrays import arrays_of
 from granular_contact.reduced.model import model
-from granular_contact.reduced.world import world
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run
@@ -136,7 +136,7 @@ def fe_frequencies(scene: Scene) -> Vector:
 
 def reduced_record(modes: int) -> np.void:
     """Inertia, couplings c, static moments p and stiffness k of the modal pendulum."""
-    return world(
+    return arrays_of(
         model(pendulum(), Reduced(modes=modes, static="true_sign", rtol=1e-10, integrator="dormand_prince"))
     ).pendulum[0]
 

@@ -64,8 +64,8 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.compare import cells, compare, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_compare", "compare")
-    with running(chosen) as told:
-        comparison = compare(chosen.config, chosen.modes, chosen.elements, tolerance=chosen.tolerance, **told)
+    with running(chosen) as progress:
+        comparison = compare(chosen.config, chosen.modes, chosen.elements, tolerance=chosen.tolerance, **progress)
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
         rows = map(cells, comparison.rows)

@@ -50,8 +50,8 @@ def act(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.compare_media import cells, compare_media, write
 
     folder = output_folder(chosen.out, f"{Path(chosen.config).stem}_media", "compare-media")
-    with running(chosen) as told:
-        rows = compare_media(chosen.config, chosen.media, **told)
+    with running(chosen) as progress:
+        rows = compare_media(chosen.config, chosen.media, **progress)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
         found = [cells(row) for row in rows]

@@ -105,6 +105,6 @@ def _show(found: Summary) -> None:
     rows = []
     for key, one in list(found.numbers.items())[:MOST_SHOWN]:
         low, _, middle, _, high = one.quantiles
-        told = (one.mean, 1.96 * one.error, one.deviation, low, middle, high)
-        rows.append([key, *(f"{x:.4g}" for x in told)])
+        statistics = (one.mean, 1.96 * one.error, one.deviation, low, middle, high)
+        rows.append([key, *(f"{x:.4g}" for x in statistics)])
     print_table("key number", heads, rows)

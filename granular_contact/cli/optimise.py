@@ -86,38 +86,38 @@ def _show(place: Path, folder: Path, quiet: bool) -> int:
     """Print what a search found, as it lies in a place; returns the exit code."""
     from granular_contact.report import OPTIMUM
 
-    told: dict[str, Any] = json.loads((place / OPTIMUM).read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads((place / OPTIMUM).read_text(encoding="utf-8"))
     if not quiet:
-        _tables(told)
-    if told["failed"]:
-        reasons = list(told["failures"].items())
-        complain(f"{told['failed']} of {told['runs']} runs failed and count as worst:")
+        _tables(found)
+    if found["failed"]:
+        reasons = list(found["failures"].items())
+        complain(f"{found['failed']} of {found['runs']} runs failed and count as worst:")
         for words, count in reasons[:MOST_REASONS]:
             complain(f"  {count} times: {words}")
-    if told["ended"]:
-        complain(f"notice: it ended before all runs were taken: {told['ended']}")
-    if told["best"] is None:
+    if found["ended"]:
+        complain(f"notice: it ended before all runs were taken: {found['ended']}")
+    if found["best"] is None:
         complain(f"every run failed, so there is no best; saved in {folder}")
         return FAILED
-    if not told["best_is_allowed"]:
+    if not found["best_is_allowed"]:
         complain("warning: no run keeps all constraints; the best is the one that breaks them least")
     return FINE
 
 
-def _tables(told: dict[str, Any]) -> None:
+def _tables(found: dict[str, Any]) -> None:
     rows = [
         [name, *(_number(one[key]) for key in ("from", "to", "start", "best"))]
-        for name, one in told["parameters"].items()
+        for name, one in found["parameters"].items()
     ]
     print_table("parameter", ("from", "to", "as it was", "best"), rows)
-    worth = [[told["objective"], "", "", *(_number(told[key]) for key in ("start", "best"))]]
+    worth = [[found["objective"], "", "", *(_number(found[key]) for key in ("start", "best"))]]
     worth += [
         [name, *(_number(one[key]) for key in ("at_least", "at_most", "start", "best"))]
-        for name, one in told["constraints"].items()
+        for name, one in found["constraints"].items()
     ]
-    print_table(f"{told['sense']}, and constraints", ("at least", "at most", "as it was", "best"), worth)
-    if told["gain_relative"] is not None:
-        print(f"better by {100 * told['gain_relative']:.3g} % than the config as it was")
+    print_table(f"{found['sense']}, and constraints", ("at least", "at most", "as it was", "best"), worth)
+    if found["gain_relative"] is not None:
+        print(f"better by {100 * found['gain_relative']:.3g} % than the config as it was")
 
 
 def _number(value: float | None) -> str:

@@ -146,9 +146,9 @@ def _film_problem(film: str | None) -> str | None:
     return None
 
 
-def _view_problem(wanted: bool, scene: Scene) -> str | None:
+def _view_problem(asked: bool, scene: Scene) -> str | None:
     """Why the run can't be viewed, or None."""
-    if not wanted:
+    if not asked:
         return None
     if scene.method is not None:
         return "--view: the viewer is the engine's, which this method does not run in; --animate shows both"

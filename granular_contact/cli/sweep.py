@@ -166,9 +166,9 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
     columns = there(_SHOWN if sweep.base.wheel is None else _OF_WHEEL, [row.summary for row in first])
     if not quiet:
         heads = [*_short_names(keys), "status", *headings(columns)]
-        told = ((*(_value(row.values.get(key)) for key in keys), row.summary["status"]) for row in first)
+        of_case = ((*(_value(row.values.get(key)) for key in keys), row.summary["status"]) for row in first)
         values = (numbers(row.summary, columns) for row in first)
-        print_table("case", heads, [(r.name, *t, *v) for r, t, v in zip(first, told, values, strict=True)])
+        print_table("case", heads, [(r.name, *t, *v) for r, t, v in zip(first, of_case, values, strict=True)])
         if len(sweep.cases) > MOST_SHOWN:
             print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
         for line in failed:

@@ -46,15 +46,15 @@ def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[
 
 
 def _lines(stream: TextIO, count: int, done: int, noun: str) -> Callable[[], None]:
-    begin = told = time.perf_counter()
+    begin = printed = time.perf_counter()
     new = 0
 
     def advance() -> None:
-        nonlocal new, told
+        nonlocal new, printed
         new += 1
         now = time.perf_counter()
-        if now - told >= LINE_SECONDS:
-            told = now
+        if now - printed >= LINE_SECONDS:
+            printed = now
             rate = new / (now - begin)
             left = (count - done - new) / rate
             print(f"{done + new} of {count} {noun}, {rate:.3g} per s, about {left:.0f} s left", file=stream, flush=True)

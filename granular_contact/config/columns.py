@@ -78,19 +78,19 @@ def _read(
     file: Path, names: tuple[str, str], at: Position, path: tuple[str, ...], faults: list[Fault]
 ) -> tuple[list[float], list[float]] | None:
     """Times and values of a column, or None with faults."""
-    told = list[Fault]()
-    table = read_table(shown(file), told)
+    found_faults = list[Fault]()
+    table = read_table(shown(file), found_faults)
     if table is None:  # of a file that can't be read, the line that names it is at fault
         words = f"got {file.name!r}, but {shown(file)} can't be read"
-        told = [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in told]
+        found_faults = [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in found_faults]
     else:
         words = "there is no column"
         lost = [f"{words} {name!r}; {unknown(name, table.header)}" for name in names if name not in table.header]
         found = _pairs(table, names) if not lost else [Fault(table.file, table.header_line, "", one) for one in lost]
         if isinstance(found, tuple):
             return found
-        told = found
-    faults += [one if one.key else replace(one, key=".".join(path[:-1])) for one in told]
+        found_faults = found
+    faults += [one if one.key else replace(one, key=".".join(path[:-1])) for one in found_faults]
     return None
 
 

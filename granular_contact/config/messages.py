@@ -112,8 +112,8 @@ def _places_of_content(node: Node, above: Path, holder: allowed.Schema, model: t
     """Where the keys below an unknown key belong; empty if they are known nowhere."""
     keys = node.nodes if isinstance(node, MappingNode) else ()
     found = {str(key): allowed.places(str(key), above, holder, model) for key in keys}
-    told = [f"{key} belongs at {' or '.join(places)}" for key, places in found.items() if places]
-    return ", ".join(told)
+    hints = [f"{key} belongs at {' or '.join(places)}" for key, places in found.items() if places]
+    return ", ".join(hints)
 
 
 def _missing(tree: Node, path: Path, schema: allowed.Schema, around: allowed.Schema) -> Fault | None:

@@ -142,10 +142,10 @@ def study_of(root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe |
     common = read_overrides(root.nodes.get("set"), ("set",), faults)
     base = base_of(root, path, common, faults)
     if base is not None:
-        told = _without_faults(root) if file is None else file
-        keys = _keys(root, told, faults)
+        checked = _without_faults(root) if file is None else file
+        keys = _keys(root, checked, faults)
         dotted = tuple(".".join(key.path) for held in keys.values() for key in held)
-        study = Study(Sweep(path.stem, base[1], dotted, (), base[0], tuple(common)), told, keys, root)
+        study = Study(Sweep(path.stem, base[1], dotted, (), base[0], tuple(common)), checked, keys, root)
         unknown = _unknown(study)
         faults += [*unknown.values(), *one_a_place(case_faults(study.sweep, _ends(study, unknown), probe))]
         if not faults:

@@ -80,9 +80,9 @@ class Resolver:
             return base
         if library is not MEDIA:
             return merge(base, drop_key(node, FROM))
-        law, wanted = child(base, LAW), child(node, LAW)
-        if law is not None and wanted is not None and plain(law) != plain(wanted):
-            why = f"got {got(wanted)}, but {plain(node.nodes[FROM])} is of the law {plain(law)}"
+        law, given = child(base, LAW), child(node, LAW)
+        if law is not None and given is not None and plain(law) != plain(given):
+            why = f"got {got(given)}, but {plain(node.nodes[FROM])} is of the law {plain(law)}"
             message = f"{why}, and law can't change under from: leave one of the two out"
             return self._refuse(node.keys[LAW], (library.key, LAW), message)
         return restated(base, merge(base, drop_key(node, FROM)))

@@ -53,30 +53,30 @@ def _replaced(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
 
 def _read(file: Path, faults: list[Fault], named: Scalar, key: str) -> dict[str, list[float]] | None:
     """Axes and stresses of a file; None, with faults."""
-    told: list[Fault] = []
-    table = read_table(shown(file), told)
+    own_faults: list[Fault] = []
+    table = read_table(shown(file), own_faults)
     if table is None:
         words = f"got {file.name!r}, but {shown(file)} can't be read"
-        faults += [named.position.fault((key,), f"{words}: {o.message}") if o.line is None else o for o in told]
+        faults += [named.position.fault((key,), f"{words}: {o.message}") if o.line is None else o for o in own_faults]
         return None
-    told = form_faults(table)
+    own_faults = form_faults(table)
     lost = [name for name in COLUMNS if name not in table.header]
-    told += [
+    own_faults += [
         Fault(table.file, table.header_line, "", f"there is no column {name!r}; {unknown(name, table.header)}")
         for name in lost
     ]
-    rows = {} if told else _rows(table, told)
+    rows = {} if own_faults else _rows(table, own_faults)
     axes = [sorted({place[i] for place in rows}) for i in range(3)]
-    if not told:
-        told += few(table.file, [*_holes(table, rows, axes)])
-    if told:
-        faults += told
+    if not own_faults:
+        own_faults += few(table.file, [*_holes(table, rows, axes)])
+    if own_faults:
+        faults += own_faults
         return None
     ordered = [rows[place] for place in product(*axes)]  # type: ignore[index]
     return dict(zip(COLUMNS, (*axes, [x for x, _ in ordered], [z for _, z in ordered]), strict=True))
 
 
-def _rows(table: Table, told: list[Fault]) -> Rows:
+def _rows(table: Table, own_faults: list[Fault]) -> Rows:
     """Stresses by depth, beta and gamma; faults of cells, of places that come twice, and of what would drive a body."""
     where = [table.header.index(name) for name in COLUMNS]
     found: Rows = {}
@@ -100,7 +100,7 @@ def _rows(table: Table, told: list[Fault]) -> Rows:
     for (z, b, g), (x, up) in found.items():
         if power(g, x, up) > MOST_DRIVING * scale:
             wrong.append(Fault(table.file, lines[z, b, g], "", driving(z, b, g, power(g, x, up))))
-    told += few(table.file, wrong)
+    own_faults += few(table.file, wrong)
     return found
 
 

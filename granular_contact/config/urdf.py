@@ -38,8 +38,8 @@ def mechanism(node: Mapping, faults: list[Fault]) -> Node:
         found = _translated(node, asked, folder, faults)
     except ConfigError as error:  # of the file as a whole; without a line of its own it is a fault of its name
         shown = error.faults[0].file
-        told = [at.fault(("model", URDF), f"{shown} {one.message}") for one in error.faults]
-        faults += [one if one.line is not None else new for one, new in zip(error.faults, told, strict=True)]
+        own_faults = [at.fault(("model", URDF), f"{shown} {one.message}") for one in error.faults]
+        faults += [one if one.line is not None else new for one, new in zip(error.faults, own_faults, strict=True)]
         found = None
     if found is None or len(faults) > before:
         return _lost(node)
@@ -64,9 +64,9 @@ def _asked(node: Mapping, faults: list[Fault]) -> RobotFile | None:
         if key not in known:
             words = f"unknown key; {did_you_mean(key, known) or 'allowed are ' + ', '.join(known)}"
             faults.append(node.keys[key].fault(("model", key), words))
-    told = list[Fault]()
-    asked = validated(RobotFile, _part(node, RobotFile.model_fields), told)
-    faults += [replace(fault, key=f"model.{fault.key}".rstrip(".")) for fault in told]
+    own_faults = list[Fault]()
+    asked = validated(RobotFile, _part(node, RobotFile.model_fields), own_faults)
+    faults += [replace(fault, key=f"model.{fault.key}".rstrip(".")) for fault in own_faults]
     return asked
 
 

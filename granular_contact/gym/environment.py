@@ -92,9 +92,9 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         self._middle, self._half = bounds.mean(axis=1), 0.5 * np.ptp(bounds, axis=1)
         self._seen = self.simulation.observe()
         self.action_space = spaces.Box(-1.0, 1.0, (len(bounds),), np.float32)
-        self.observation_space = spaces.Box(-np.inf, np.inf, self._told().shape, np.float32)
+        self.observation_space = spaces.Box(-np.inf, np.inf, self._observed().shape, np.float32)
 
-    def _told(self) -> Array:
+    def _observed(self) -> Array:
         """What the agent sees now."""
         what = self._observation
         found = what(self._seen) if callable(what) else self._seen.array(what)
@@ -122,7 +122,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         super().reset(seed=seed)
         drawn = {key: self._drawn(how) for key, how in self._vary.items()}
         self._seen = self.simulation.reset(**(drawn | (options or {})))
-        return self._told(), self._info()
+        return self._observed(), self._info()
 
     def _drawn(self, how: Draw) -> Any:
         return how(self.np_random) if callable(how) else self.np_random.uniform(*how)
@@ -152,7 +152,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         self._seen = self.simulation.step(self._middle + self._half * given, self._pause)
         fell = self._terminated is not None and bool(self._terminated(self._seen))
         info, reward = self._info(), float(self._reward(before, self._seen))
-        return self._told(), reward, fell, self.simulation.ended is not None and not fell, info
+        return self._observed(), reward, fell, self.simulation.ended is not None and not fell, info
 
     @property
     def failed(self) -> bool:
@@ -210,4 +210,4 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         """
         self._seen = self.simulation.restore(state.simulation)
         self.np_random.bit_generator.state = state.random
-        return self._told()
+        return self._observed()

@@ -36,11 +36,11 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
         """Tells of the first start, and adds up the time from each start to its end; compilations may be nested."""
 
-        told, depth, begin = False, 0, 0.0
+        has_said, depth, begin = False, 0, 0.0
 
         def on_start(self, event: Any) -> None:  # noqa: ARG002
-            if not self.told:
-                self.told = True
+            if not self.has_said:
+                self.has_said = True
                 say(f"compiling {what}, once in an installation: 2 to 20 s, or half a minute if it is the first")
             if self.depth == 0:
                 self.begin = time.perf_counter()

@@ -102,9 +102,9 @@ def frictions(joint, s, rate, anchor):
 
 
 @kernel
-def drive_forces(joint, wanted, s, rate):
-    """Force (n,) of a drive that wants values and rates, wanted (n, 2)."""
+def drive_forces(joint, targets, s, rate):
+    """Force (n,) of a drive towards values and rates, targets (n, 2)."""
     forces = np.zeros(s.shape[0])
     for i in range(s.shape[0]):
-        forces[i], _, _ = drive_force(joint[0], wanted[i, 0], wanted[i, 1], s[i], rate[i])
+        forces[i], _, _ = drive_force(joint[0], targets[i, 0], targets[i, 1], s[i], rate[i])
     return forces

@@ -109,8 +109,8 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
             at = builder.bitcast(record, cgutils.voidptr_t)
             passed = [builder.extract_value(given, i) for i in range(len(arguments))]
             for i, have in enumerate(signature.args[1].types):
-                wanted = [kind for kind in kinds if kind not in (OWN, medium)][i]
-                passed[i] = context.cast(builder, passed[i], have, wanted)
+                expected = [kind for kind in kinds if kind not in (OWN, medium)][i]
+                passed[i] = context.cast(builder, passed[i], have, expected)
             if OWN in kinds:
                 passed.insert(kinds.index(OWN), builder.bitcast(_offset(builder, at, layout, "own"), record.type))
             elif medium in kinds:
@@ -283,7 +283,7 @@ def provide(stub, argument: str, dtype: np.dtype, inline: bool = False):
     TypeError
         One record type begins with all the fields of another.
     """
-    wanted = from_dtype(dtype)
+    expected = from_dtype(dtype)
 
     def decorate(implementation):
         function = getattr(implementation, "py_func", implementation)
@@ -292,7 +292,7 @@ def provide(stub, argument: str, dtype: np.dtype, inline: bool = False):
 
         def choose(*arguments):
             given = arguments[names.index(argument)]
-            return function if getattr(given, "dtype", given) == wanted else None
+            return function if getattr(given, "dtype", given) == expected else None
 
         choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
         overload(stub, jit_options={"forceinline": inline})(choose)

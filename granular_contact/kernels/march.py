@@ -18,7 +18,7 @@ from granular_contact.kernels.memory import clear, piece, room1, room2
 from granular_contact.kernels.memory import rows as rows_of
 from granular_contact.kernels.modal import MOST
 from granular_contact.kernels.modal_calls import rates
-from granular_contact.kernels.modal_load import World, drag, lent
+from granular_contact.kernels.modal_load import PendulumArrays, drag, lent
 from granular_contact.kernels.modal_motion import decide, follow
 from granular_contact.kernels.slip import middle, slip_velocity
 
@@ -230,20 +230,20 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
 
 
 @kernel(nogil=True)
-def march(share, codes, state, worlds, control, allowed, room):
+def march(share, codes, state, stacked, control, allowed, room):
     """March on all runs whose code is PAUSE, each by at most `share` steps; codes (runs,) get why it came back.
 
     Other threads of Python go on meanwhile.
 
-    state: of State; worlds: of `modal_load.World` with a first axis more in all but `starts` and what is to work in;
-    control (runs,), allowed (runs, coordinates and rates); room: of Room.
+    state: of State; stacked: `modal_load.PendulumArrays` with a first axis more in all but `starts` and what is to
+    work in; control (runs,), allowed (runs, coordinates and rates); room: of Room.
     """
     for i in range(codes.shape[0]):
         if codes[i] != PAUSE:
             continue
         size, parts = state.y.shape[1], state.regime.shape[1]
         codes[i] = march_one(
-            share, piece(state.y, i, size), piece(state.regime, i, parts), world_of(worlds, i), control[i],
+            share, piece(state.y, i, size), piece(state.regime, i, parts), arrays_of_run(stacked, i), control[i],
             piece(allowed, i, allowed.shape[1]), piece(state.clock, i, 3), piece(state.rows, i, state.rows.shape[1]),
             piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.stopped, i, parts),
             piece(state.turns, i, CROWD), Room(borrowed(room.slopes), borrowed(room.path), borrowed(room.end)),
@@ -251,10 +251,10 @@ def march(share, codes, state, worlds, control, allowed, room):
 
 
 @part
-def world_of(w, i):
-    """World of a run."""
+def arrays_of_run(w, i):
+    """Arrays of one run."""
     stations = w.geometry.shape[1]
-    return World(
+    return PendulumArrays(
         rows_of(w.pendulum, i, 1), piece(w.geometry, i, stations), borrowed(w.starts),
         piece(w.lines, i, w.lines.shape[1]), piece(w.profile, i, w.profile.shape[1]), rows_of(w.medium, i, 1),
         piece(w.anchors, i, stations), borrowed(w.room), borrowed(w.depths),

@@ -15,7 +15,7 @@ from numba import from_dtype, types
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAW, LINE, address_of, caller
 from granular_contact.kernels.modal import MODAL_STATION
-from granular_contact.kernels.modal_load import World
+from granular_contact.kernels.modal_load import PendulumArrays
 from granular_contact.kernels.pendulum import PENDULUM
 
 _ROW, _ROWS = (types.Array(types.float64, n, "C") for n in (1, 2))
@@ -25,11 +25,11 @@ _RECORDS = {name: types.Array(from_dtype(dtype), 1, "C") for name, dtype in zip(
 _STARTS = types.Array(types.int64, 1, "C")
 _ROOM = types.Array(types.float64, 3, "C")
 _KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS, "room": _ROOM, "depths": _ROW}
-_WORLD = types.NamedTuple([_KINDS[name] for name in World._fields], World)
+_ARRAYS = types.NamedTuple([_KINDS[name] for name in PendulumArrays._fields], PendulumArrays)
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
-    "rates": (_ROW, _ROW, _WORLD, _ROW, _ROWS, _ROW),
-    "margins": (_ROW, _ROW, _WORLD, _ROW),
-    "hold": (_ROW, _ROW, _ROW, _ROW, _WORLD, _ROW),
+    "rates": (_ROW, _ROW, _ARRAYS, _ROW, _ROWS, _ROW),
+    "margins": (_ROW, _ROW, _ARRAYS, _ROW),
+    "hold": (_ROW, _ROW, _ROW, _ROW, _ARRAYS, _ROW),
 }
 _rates, _margins, _hold = (caller(name, _ARGUMENTS[name], types.none, PENDULUM) for name in _ARGUMENTS)
 

@@ -18,7 +18,7 @@ from granular_contact.kernels.memory import clear, piece, rows
 from granular_contact.kernels.modal import modal_scatter, modal_stations
 
 
-class World(NamedTuple):
+class PendulumArrays(NamedTuple):
     """What the kernels of the modal pendulum read.
 
     pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
@@ -40,8 +40,8 @@ class World(NamedTuple):
 
 @part
 def lent(w):
-    """The same world for the time of a call, see `borrowing`."""
-    return World(
+    """The same arrays for the time of a call, see `borrowing`."""
+    return PendulumArrays(
         borrowed(w.pendulum), borrowed(w.geometry), borrowed(w.starts), borrowed(w.lines), borrowed(w.profile),
         borrowed(w.medium), borrowed(w.anchors), borrowed(w.room), borrowed(w.depths),
     )  # fmt: skip

@@ -12,7 +12,7 @@ from granular_contact.kernels.compiled import part
 from granular_contact.kernels.tree import Motion, accelerate, place
 
 
-class Forest(NamedTuple):
+class TreeArrays(NamedTuple):
     """What the kernels of a tree read, and their room to work in.
 
     bodies (n,) records of `tree`, gravity (1,) m/s2, motion; the rest is a batch of `batches` with all contact

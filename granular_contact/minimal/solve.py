@@ -33,7 +33,7 @@ class March:
     """State of a solve, as `kernels.tree_march` keeps it up to date; the arrays are explained there."""
 
     def __init__(self, tree: Tree, method: Minimal) -> None:
-        scene, self.tree, bodies = tree.scene, tree, len(tree.forest.bodies)
+        scene, self.tree, bodies = tree.scene, tree, len(tree.arrays.bodies)
         solver = scene.solver
         reach, speed = _size(scene)
         self.y = tree.start.copy()
@@ -48,7 +48,7 @@ class March:
         self.blank = (HistoryTable() if tree.load is None else tree.load.table).blank
         self.states = np.zeros((SHARE, 6 * bodies + 1))
         self.rows = np.zeros((SHARE, len(self.blank)))
-        kernels.start(self.y, tree.forest, self.blank, self.states, self.rows)
+        kernels.start(self.y, tree.arrays, self.blank, self.states, self.rows)
         self._march(self.rows[:1])  # is full: compiles the march or loads it, which is no part of a solve
 
     def go_on(self) -> int:
@@ -63,7 +63,7 @@ class March:
         self.rows = np.concatenate([self.rows, np.zeros((SHARE, self.rows.shape[1]))])
 
     def _march(self, rows: Vector) -> int:
-        state = self.y, self.tree.forest, self.control, self.clock, self.counts, self.direction
+        state = self.y, self.tree.arrays, self.control, self.clock, self.counts, self.direction
         return int(kernels.march(*state, self.blank, self.states, rows))
 
     @property
@@ -157,13 +157,13 @@ class Solve:
 
     def observe(self) -> Observations:
         """What is seen of the present state."""
-        row, count = self.march.last, 3 * len(self.tree.forest.bodies)
+        row, count = self.march.last, 3 * len(self.tree.arrays.bodies)
         state = self.march.states[row]
         return self._senses.read(self.time, state[:count], state[count : 2 * count], self.march.rows[row])
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
-        count, system = 3 * len(self.tree.forest.bodies), self.tree.system
+        count, system = 3 * len(self.tree.arrays.bodies), self.tree.system
         state = self.march.states[self.march.last][None, :]
         now = at_one(system, np.array([self.time]), state[:, :count], state[:, count : 2 * count])
         return Kinematics(system, now).outlines(0)
@@ -187,7 +187,7 @@ class Solve:
         """All steps so far, in the engine's coordinates."""
         march, tree = self.march, self.tree
         steps, _, evaluations = (int(count) for count in march.counts)
-        count = 3 * len(tree.forest.bodies)
+        count = 3 * len(tree.arrays.bodies)
         states = march.states[: steps + 1]
         return Trajectory(
             status=self.status(),

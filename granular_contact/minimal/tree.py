@@ -14,7 +14,7 @@ from granular_contact.bed.of_scene import lines_of, load_of
 from granular_contact.kernels.kinematics import STATION
 from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.tree import BODY, motion
-from granular_contact.kernels.tree_load import Forest
+from granular_contact.kernels.tree_load import TreeArrays
 from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.scene.types import Joint, RigidBody, Scene, Vector
 from granular_contact.scene.workspace import can_be_immersed
@@ -49,7 +49,7 @@ class Tree:
 
     system: System
     load: GranularLoad | None
-    forest: Forest
+    arrays: TreeArrays
     start: Vector
 
     @property
@@ -66,7 +66,7 @@ def tree(scene: Scene) -> Tree:
     system = System(scene, None, Numbers(len(bodies)), handles, {}, None)
     load = _granular_load(scene, bodies)
     start = np.concatenate([[b.motion.angle for b in bodies], [b.motion.rate for b in bodies], [0.0]])
-    return Tree(system, load, _forest(system, joints, bodies, load), start)
+    return Tree(system, load, _arrays_of(system, joints, bodies, load), start)
 
 
 def _granular_load(scene: Scene, bodies: list[RigidBody]) -> GranularLoad | None:
@@ -94,7 +94,7 @@ def outward(joints: tuple[Joint, ...]) -> list[Joint]:
     return ordered
 
 
-def _forest(system: System, joints: list[Joint], bodies: list[RigidBody], load: GranularLoad | None) -> Forest:
+def _arrays_of(system: System, joints: list[Joint], bodies: list[RigidBody], load: GranularLoad | None) -> TreeArrays:
     records = np.zeros(len(bodies), BODY)
     for record, joint, body in zip(records, joints, bodies, strict=True):
         record["parent"] = -1 if joint.parent is None else system.rigid[joint.parent].node
@@ -102,11 +102,11 @@ def _forest(system: System, joints: list[Joint], bodies: list[RigidBody], load: 
         record["mass"], record["inertia"] = body.mass, body.inertia
         record["radius"] = system.scene.radius(body)
     gravity, nowhere = np.array([system.scene.gravity]), np.zeros(3 * len(bodies))
-    return Forest(records, gravity, motion(len(bodies)), nowhere, *_sand(load))
+    return TreeArrays(records, gravity, motion(len(bodies)), nowhere, *_sand(load))
 
 
 def _sand(load: GranularLoad | None) -> tuple[NDArray[Any], ...]:
-    """The fields of `Forest` from active to proximity."""
+    """The fields of `TreeArrays` from active to proximity."""
     if load is None:
         flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
         nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, STATION), np.zeros(0, LINE)

@@ -78,10 +78,10 @@ def joint_history(forces: JointForces, time: Vector, rate: Vector) -> JointHisto
 def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:
     """Torque or force (n,) of a drive that is no prescribed motion; set_to (n,): of one that is set from outside."""
     from granular_contact.kernels.joint_laws import drive_forces
-    from granular_contact.multibody.joint_loads import held, wanted
+    from granular_contact.multibody.joint_loads import held, setpoint
 
     if set_to is None:
-        targets = [wanted(drive, t) for t in time.tolist()]
+        targets = [setpoint(drive, t) for t in time.tolist()]
     else:
         targets = [held(drive, value) for value in set_to.tolist()]
     forces: Vector = drive_forces(_record(JointLaw(), drive), np.array(targets), s, rate)

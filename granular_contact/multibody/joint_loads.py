@@ -30,7 +30,7 @@ def fill(record: NDArray[np.void], law: JointLaw, drive: Drive | None) -> None:
             record[name] = getattr(drive, name)
 
 
-def wanted(drive: Drive, t: float) -> tuple[float, float]:
+def setpoint(drive: Drive, t: float) -> tuple[float, float]:
     """Signal of a drive at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
     if t < 0.0:
         return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
@@ -140,7 +140,7 @@ class JointLoads:
     def begin(self, t: float) -> None:
         """Forces are asked for at another time (s): learn what the drives want then."""
         for drive, loads in self._asked.values():
-            values = wanted(drive, t)
+            values = setpoint(drive, t)
             for load in loads:
                 load.want(values)
 

@@ -182,7 +182,7 @@ class _Last:
 
     def __init__(self, s: Coordinate) -> None:
         self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0)
-        self._t, self._wanted = math.nan, (0.0, 0.0)
+        self._t, self._setpoint = math.nan, (0.0, 0.0)
         self._slope, self.row = np.zeros(s.kernels.MOST), np.zeros((1, 0))
 
     def __call__(self, q: Numbers, v: Numbers) -> tuple[float, float]:
@@ -199,11 +199,11 @@ class _Last:
             self._q, self._v = q, v
         return self._found
 
-    def wanted(self, signal: Signal, t: float) -> tuple[float, float]:
+    def setpoint(self, signal: Signal, t: float) -> tuple[float, float]:
         """Value and rate of a signal; before the start it is held."""
         if t != self._t:
-            self._t, self._wanted = t, (signal.value(max(t, 0.0)), signal.rate(t) if t >= 0.0 else 0.0)
-        return self._wanted
+            self._t, self._setpoint = t, (signal.value(max(t, 0.0)), signal.rate(t) if t >= 0.0 else 0.0)
+        return self._setpoint
 
 
 def _motion_functions(s: Coordinate, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
@@ -211,8 +211,8 @@ def _motion_functions(s: Coordinate, drive: Drive) -> tuple[Callable[..., Number
 
     def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
         value, rate = at(q, v)
-        wanted, wanted_rate = at.wanted(signal, t)
-        return [rate - wanted_rate] if by_velocity else [value - wanted]
+        setpoint, rate_asked = at.setpoint(signal, t)
+        return [rate - rate_asked] if by_velocity else [value - setpoint]
 
     def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
         at(q, v)

@@ -53,9 +53,9 @@ def reactions(motion: Kinematics) -> dict[str, Reaction]:
     asked = _asked(drives, motion.trajectory.time)
     inverse = _inverse(motion.trajectory.mass)
     forces, inertias = (np.concatenate(part) for part in zip(*_parts(motion, drives, asked, inverse), strict=True))
-    told = motion.trajectory.multipliers
+    multipliers = motion.trajectory.multipliers
     # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-    forces = -np.column_stack([told[drive.joint] for drive in drives]) - forces
+    forces = -np.column_stack([multipliers[drive.joint] for drive in drives]) - forces
     rates = np.column_stack([motion.coordinate(motion.scene.joint(drive.joint))[1] for drive in drives])
     prescribed = _Prescribed(motion.trajectory.time, drives, asked, rates, forces, inertias)
     return {drive.joint: prescribed.reaction(i) for i, drive in enumerate(drives)}

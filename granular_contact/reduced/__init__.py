@@ -2,7 +2,7 @@
 
 model     Scene -> Model: what can be reduced, parts seen from the pivot
 modes     clamped-free modes and their integrals
-world     Model -> records and stations for the kernels
+arrays    Model -> records and stations for the kernels
 marching  a solve under way, with the project's stepper or one of scipy's
 solve     Model -> Trajectory: from regime to regime of the static law
 batch     many solves brought to their ends by one compiled call

@@ -31,7 +31,7 @@ def _alike(solves: Sequence[Solve]) -> Iterator[list[Solve]]:
     for i, one in enumerate(solves):
         solver, march = one.model.scene.solver, one.march
         watched = one.progress is not None or solver.max_wall_s is not None or one.model.method.integrator != OWN
-        w = march.world
+        w = march.arrays
         sizes = tuple(array.shape for array in w), tuple(w.starts.tolist()), march.state.y.shape
         groups.setdefault(i if watched else sizes, []).append(one)
     for group in groups.values():
@@ -46,8 +46,8 @@ def _advance(group: list[Solve]) -> None:
         group[0].advance()
         return
     begun, marches = time.perf_counter(), [one.march for one in group]
-    state, worlds = (
-        joined(several) for several in ([m.state for m in marches], [alone(march.world) for march in marches])
+    state, stacked = (
+        joined(several) for several in ([m.state for m in marches], [alone(march.arrays) for march in marches])
     )
     limits, allowed = np.concatenate([m.control for m in marches]), np.array([m.allowed for m in marches])
     needed = ahead(limits)
@@ -55,13 +55,13 @@ def _advance(group: list[Solve]) -> None:
     state = _with_rows(state, rows)
     codes = np.zeros(len(group), dtype=np.int64)
     while np.any(codes == kernels.PAUSE):
-        kernels.march(SHARE, codes, state, worlds, limits, allowed, marches[0].room)
+        kernels.march(SHARE, codes, state, stacked, limits, allowed, marches[0].room)
         if np.any(state.counts[:, kernels.ROWS] + needed > state.rows.shape[1]):
             state = _with_rows(state, 2 * state.rows.shape[1])
     evaluations = state.counts[:, kernels.RATES]
     seconds = (time.perf_counter() - begun) * evaluations / evaluations.sum()
     for i, one in enumerate(group):
-        one.march.move(state, worlds, i)
+        one.march.move(state, stacked, i)
         one.ended(int(codes[i]), float(seconds[i]))
 
 

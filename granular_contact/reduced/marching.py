@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.dormand_prince import STAGES
-from granular_contact.kernels.modal_load import World, rest
+from granular_contact.kernels.modal_load import PendulumArrays, rest
 from granular_contact.kernels.modal_motion import decide, follow, rates
+from granular_contact.reduced.arrays import arrays_of
 from granular_contact.reduced.model import Model
-from granular_contact.reduced.world import world
 from granular_contact.scene.types import Vector
 
 SHARE = 4096  # steps between two looks at the progress bar and at the clock
@@ -49,11 +49,11 @@ def room(modes: int) -> kernels.Room:
     return kernels.Room(np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
 
 
-_SHARED = ("starts", "room", "depths")  # of the worlds of runs that are alike
+_SHARED = ("starts", "room", "depths")  # of the arrays of runs that are alike
 
 
-def alone(w: World) -> World:
-    """The world of one run as `kernels.march` takes those of several."""
+def alone(w: PendulumArrays) -> PendulumArrays:
+    """The arrays of one run as `kernels.march` takes those of several."""
     return w._replace(**{name: getattr(w, name)[None] for name in ("geometry", "lines", "profile", "anchors")})
 
 
@@ -72,7 +72,7 @@ def joined(several: Sequence[Any]) -> Any:
     return type(first)(**made)
 
 
-def control(model: Model, w: World) -> NDArray[np.void]:
+def control(model: Model, w: PendulumArrays) -> NDArray[np.void]:
     """Record (1,) of the kernels' CONTROL."""
     solver, made = model.scene.solver, np.zeros(1, kernels.CONTROL)
     made["end"], made["interval"] = solver.end_time_s, solver.step_s
@@ -101,10 +101,10 @@ class March:
     """State of a solve, as `kernels.march` keeps it up to date; the arrays are explained there."""
 
     def __init__(self, model: Model) -> None:
-        self.model, self.world = model, world(model)
+        self.model, self.arrays = model, arrays_of(model)
         self.size = model.method.modes + 1
-        self.true_sign = bool(self.world.pendulum["true_sign"][0])
-        self.control = control(model, self.world)
+        self.true_sign = bool(self.arrays.pendulum["true_sign"][0])
+        self.control = control(model, self.arrays)
         self._take_places(started(model.start[None], 1024))
         self.clock[kernels.STEP] = SHORT * model.scene.solver.step_s
         self.allowed, self.room = allowed(model), room(model.method.modes)
@@ -117,14 +117,14 @@ class March:
         self.state = state
         self.y, self.regime, self.stopped, self.clock, self.counts, self.watch, *_ = (one[0] for one in state)
 
-    def move(self, state: kernels.State, worlds: World, i: int) -> None:
+    def move(self, state: kernels.State, stacked: PendulumArrays, i: int) -> None:
         """Go on in the i-th places of arrays of several runs, which hold what its own do."""
         self._take_places(kernels.State(*(array[i : i + 1] for array in state)))
-        own = {name: getattr(worlds, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
-        self.world = worlds._replace(pendulum=worlds.pendulum[i : i + 1], medium=worlds.medium[i : i + 1], **own)
+        own = {name: getattr(stacked, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
+        self.arrays = stacked._replace(pendulum=stacked.pendulum[i : i + 1], medium=stacked.medium[i : i + 1], **own)
 
     def _rest_bristles(self) -> None:
-        w, q = self.world, self.y[: self.size]
+        w, q = self.arrays, self.y[: self.size]
         for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
             rest(q, w.geometry[first:end], w.anchors[first:end])
 
@@ -147,7 +147,7 @@ class March:
     def decide(self) -> None:
         """Choose the regime to begin with."""
         if self.true_sign:
-            decide(self.y, self.regime, self.stopped, self.world)
+            decide(self.y, self.regime, self.stopped, self.arrays)
 
     def go_on(self) -> int:
         """March until something ends it or its share is done, and make room for rows; one of the kernels' codes."""
@@ -170,11 +170,11 @@ class March:
     def warm(self) -> None:
         """Compile what the march needs, or load it, which is no part of a solve; nothing is changed."""
         self._march(0)
-        kernels.write_row(self.time, self.y, self.regime, self.world, np.zeros_like(self.rows[0]))
+        kernels.write_row(self.time, self.y, self.regime, self.arrays, np.zeros_like(self.rows[0]))
 
     def _march(self, share: int = SHARE) -> int:
         self.codes[0] = kernels.PAUSE
-        kernels.march(share, self.codes, self.state, alone(self.world), self.control, self.allowed[None], self.room)
+        kernels.march(share, self.codes, self.state, alone(self.arrays), self.control, self.allowed[None], self.room)
         return int(self.codes[0])
 
     def table(self) -> Vector:
@@ -188,7 +188,7 @@ class March:
     def now(self) -> Vector:
         """Row of the instant reached, which the table need not have room for."""
         row: Vector = np.zeros_like(self.rows[0])
-        kernels.write_row(self.time, self.y, self.regime, self.world, row)
+        kernels.write_row(self.time, self.y, self.regime, self.arrays, row)
         return row
 
     def kept(self) -> dict[str, NDArray[Any]]:
@@ -207,7 +207,7 @@ class March:
 
     def _changing(self) -> dict[str, NDArray[Any]]:
         own = {name: array[0] for name, array in self.state._asdict().items() if name != "rows"}
-        return own | {"anchors": self.world.anchors, "still": self.world.pendulum["still"]}
+        return own | {"anchors": self.arrays.anchors, "still": self.arrays.pendulum["still"]}
 
 
 # scipy's interpolants are read at these places of a step, and taken on as polynomials.
@@ -240,14 +240,14 @@ class ScipyMarch(March):
         super().warm()
         still = copy.deepcopy(self)
         sigma, slopes = np.zeros_like(still.regime), np.empty_like(still.y)
-        rates(still.y, still.regime, still.world, sigma, np.zeros((3, 3)), slopes)
+        rates(still.y, still.regime, still.arrays, sigma, np.zeros((3, 3)), slopes)
         still._take(_Standing(still.y))
         events.shorten(np.ascontiguousarray(FIT @ np.tile(still.y, (len(NODES), 1))), 1.0)
-        kernels.rests(still.y, still.regime, still.world, still.control[0], still.clock)
+        kernels.rests(still.y, still.regime, still.arrays, still.control[0], still.clock)
         end = still.control[0], still.clock, still.counts, still.stopped, still.state.turns[0]
         if self.true_sign:  # else there may be no line to be followed
-            follow(still.y, still.regime, still.world)
-            kernels.turn(still.y, still.regime, still.world, *end)
+            follow(still.y, still.regime, still.arrays)
+            kernels.turn(still.y, still.regime, still.arrays, *end)
 
     def _march(self, share: int = SLOW_SHARE) -> int:
         if share == 0:
@@ -266,7 +266,7 @@ class ScipyMarch(March):
 
         def slope(_: float, y: Vector) -> Any:
             self.counts[kernels.RATES] += 1
-            rates(np.ascontiguousarray(y), self.regime, self.world, sigma, totals, slopes)
+            rates(np.ascontiguousarray(y), self.regime, self.arrays, sigma, totals, slopes)
             if not np.isfinite(slopes).all():
                 raise FloatingPointError  # scipy would shorten its step for ever
             return slopes.copy()
@@ -285,14 +285,14 @@ class ScipyMarch(March):
             if self.full:
                 return kernels.PAUSE
             if self.true_sign:
-                follow(self.y, self.regime, self.world)
+                follow(self.y, self.regime, self.arrays)
             if stepper.step() is not None:
                 return kernels.FAILED
             if self._take(stepper):
-                w, stopped, turns = self.world, self.stopped, self.state.turns[0]
+                w, stopped, turns = self.arrays, self.stopped, self.state.turns[0]
                 fine = kernels.turn(self.y, self.regime, w, control, clock, self.counts, stopped, turns)
                 return kernels.PAUSE if fine else kernels.CHATTERING
-            if kernels.rests(self.y, self.regime, self.world, control, clock):
+            if kernels.rests(self.y, self.regime, self.arrays, control, clock):
                 return kernels.REST
             if stepper.status == "finished":
                 return kernels.END
@@ -302,11 +302,11 @@ class ScipyMarch(March):
         """Accept a step up to its end or that of a regime; whether it was the latter."""
         start, h = stepper.t_old, stepper.t - stepper.t_old
         path = np.ascontiguousarray(FIT @ stepper.dense_output()(start + NODES * h).T)
-        theta = events.regime_end(path, self.regime, self.world, self.stopped) if self.true_sign else 2.0
+        theta = events.regime_end(path, self.regime, self.arrays, self.stopped) if self.true_sign else 2.0
         if theta <= 1.0:
             events.shorten(path, theta)
             h *= theta
-        kernels.finish(start, h, path, self.regime, self.world, self.control[0], self.rows, self.counts, self.watch)
+        kernels.finish(start, h, path, self.regime, self.arrays, self.control[0], self.rows, self.counts, self.watch)
         self.y[:] = path.sum(axis=0) if theta <= 1.0 else stepper.y
         self.clock[kernels.NOW] = start + h
         self.clock[kernels.STEP] = h

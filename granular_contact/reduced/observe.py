@@ -85,7 +85,7 @@ class Motion:
 
     def __init__(self, model: Model, trajectory: Trajectory) -> None:
         self.model, self.scene, self.trajectory = model, model.scene, trajectory
-        self.mass = trajectory.world.pendulum[0]
+        self.mass = trajectory.arrays.pendulum[0]
         self.angle, self.rate = trajectory.q[:, 0], trajectory.v[:, 0]
         self.bends, self.bend_rates = trajectory.q[:, 1:], trajectory.v[:, 1:]
         n = len(model.modes.beta)

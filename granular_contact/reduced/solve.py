@@ -10,7 +10,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from granular_contact.kernels import march as kernels
-from granular_contact.kernels.modal_load import World
+from granular_contact.kernels.modal_load import PendulumArrays
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
 from granular_contact.results import Cost, Outline, Progress, Status
@@ -29,7 +29,7 @@ class Trajectory:
     time (rows,) s; q, v (rows, n + 1); work, damping (rows,) J: of the medium and of the internal damping so far;
     terms (rows, 3, 3): see `bed.history`; stop: time (s) and q_1 (rad) at the first zero of the mean rate, and
     the time of the first zero of the hub's own, NaN for none; turns: how often a regime of the static law ended;
-    world: what the kernels worked on.
+    arrays: what the kernels worked on.
     """
 
     status: Status
@@ -42,7 +42,7 @@ class Trajectory:
     terms: Vector
     stop: tuple[float, float, float]
     turns: int
-    world: World
+    arrays: PendulumArrays
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ class Solve:
             terms=rows[:, 3 + 2 * m :].reshape(-1, 3, 3),
             stop=(float(stop_time), float(stop_angle), float(hub_time)),
             turns=counts[kernels.TURNS],
-            world=march.world,
+            arrays=march.arrays,
         )
 
     def status(self) -> Status:

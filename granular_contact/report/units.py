@@ -115,8 +115,8 @@ def label(key: str) -> str:
     last = of.rpartition(".")[2]
     words = split(last)[0]
     is_symbol = any(len(word) == 1 for word in words.split("_"))
-    told = _WORDS.get(last) or (words if is_symbol else words.replace("_", " "))
-    return f"{told}, {statistic}" if statistic else told
+    label_words = _WORDS.get(last) or (words if is_symbol else words.replace("_", " "))
+    return f"{label_words}, {statistic}" if statistic else label_words
 
 
 def is_number(value: Any) -> bool:

@@ -27,7 +27,7 @@ class AccuracyWarning:
     error: float = math.nan
 
 
-def told(imbalance: float, found: Sequence[AccuracyWarning], scene: Scene) -> list[str]:
+def warning_sentences(imbalance: float, found: Sequence[AccuracyWarning], scene: Scene) -> list[str]:
     """Sentences on the accuracy of a run; imbalance: relative to its largest energy."""
     fatal = [one.sentence for one in found if one.error == math.inf]
     said = f"the energy balance has an error of {share(imbalance)}"

@@ -60,8 +60,8 @@ class SpatialObservation(Observation):
         grounded = motion
         if bed is not None and self.scene.media:
             grounded = over_ground(motion, bed.height, level=bed.level)
-            told, walls = bed_of(self.scene), tuple((axis, place) for _, axis, place, _ in bed.walls)
-            grounded = replace(grounded, bedding=Bedding(told["layers"], told["floor"], walls))
+            bed_data, walls = bed_of(self.scene), tuple((axis, place) for _, axis, place, _ in bed.walls)
+            grounded = replace(grounded, bedding=Bedding(bed_data["layers"], bed_data["floor"], walls))
         return {"motion": grounded, "frames": Later(lambda: side_view(motion))}
 
 

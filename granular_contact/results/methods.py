@@ -141,10 +141,10 @@ def _pictures(folder: Folder) -> dict[str, Any]:
     return {"motion": found} if found.in_space else {"frames": frames_of(found)}
 
 
-def _columns(told: object, file: Path) -> Iterator[Column]:
-    if not isinstance(told, dict) or not told:
+def _columns(saved: object, file: Path) -> Iterator[Column]:
+    if not isinstance(saved, dict) or not saved:
         raise ResultsError(f"{file}: tells no columns, as this program writes them")
-    yield from (Column(str(name), str(words)) for name, words in told.items())
+    yield from (Column(str(name), str(words)) for name, words in saved.items())
 
 
 def _status(summary: dict[str, Any], file: Path) -> Status:

@@ -238,7 +238,7 @@ def _rounded(values: Array) -> Array:
     return np.asarray(np.round(values, DIGITS - 1 - int(np.floor(np.log10(largest)))))
 
 
-def of_plain(told: Mapping[str, Any]) -> Motion:
+def of_plain(saved: Mapping[str, Any]) -> Motion:
     """The motion of `plain`; KeyError, TypeError or ValueError of anything else."""
     parts = tuple(
         Part(
@@ -247,19 +247,19 @@ def of_plain(told: Mapping[str, Any]) -> Motion:
             np.array(one["faces"], np.int64) if "faces" in one else None,
             float(one["diameter_m"]),
         )
-        for one in told["parts"]
+        for one in saved["parts"]
     )
-    bent = {int(i): _array(points, 3) for i, points in told["bent"].items()}
-    forces = {str(body): (_array(one["point_m"], 2), _array(one["force_N"], 2)) for body, one in told["forces"].items()}
+    bent = {int(i): _array(points, 3) for i, points in saved["bent"].items()}
+    forces = {str(key): (_array(one["point_m"], 2), _array(one["force_N"], 2)) for key, one in saved["forces"].items()}
     ground = None
-    if told.get("ground") is not None:
-        x, y, z = told["ground"]
+    if saved.get("ground") is not None:
+        x, y, z = saved["ground"]
         ground = _array(x, 1), _array(y, 1), _array(z, 2)
-    of = told.get("bedding") or {"layers_m": (), "floor_m": None, "walls": ()}
+    of = saved.get("bedding") or {"layers_m": (), "floor_m": None, "walls": ()}
     floor = None if of["floor_m"] is None else float(of["floor_m"])
     walls = tuple((int(axis), float(at)) for axis, at in of["walls"])
     bedding = Bedding(tuple(float(depth) for depth in of["layers_m"]), floor, walls)
-    return Motion(_array(told["time_s"], 1), parts, _array(told["poses"], 3), bent, forces, ground, bedding)
+    return Motion(_array(saved["time_s"], 1), parts, _array(saved["poses"], 3), bent, forces, ground, bedding)
 
 
 def _array(values: ArrayLike, dimensions: int) -> Array:

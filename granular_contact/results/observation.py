@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status, series
-from granular_contact.results.accuracy import AccuracyWarning, told
+from granular_contact.results.accuracy import AccuracyWarning, warning_sentences
 from granular_contact.results.frames import Later, frames, instants, resample
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.limits import Reach, warnings
@@ -102,7 +102,7 @@ def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
     summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, greatest) | seen.more
     summary["warnings"] += [
         *map(str, scene.notes),
-        *told(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
+        *warning_sentences(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
         *warnings(scene, seen.reach, seen.depth, None if greatest.depth is None else greatest.depth[0]),
     ]
     if scene.stiff:

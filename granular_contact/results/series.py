@@ -26,11 +26,11 @@ def tabulate(series: Series) -> tuple[tuple[Column, ...], Vector]:
 def joint(name: str, child: str, parent: str | None, angle: Vector, rate: Vector, *, in_space: bool = False) -> Series:
     """Angle (n,) rad and rate (n,) rad/s of a hinge, clockwise, in space right-handed; parent None is the ground."""
     what = "below the horizontal" if parent is None else f"relative to {parent}"
-    told = f"angle of {child} at {name}, {what}, clockwise positive"
+    angle_words = f"angle of {child} at {name}, {what}, clockwise positive"
     if in_space:
-        told = f"angle of {child} at {name} relative to {parent or 'the ground'}, right-handed about its axis"
+        angle_words = f"angle of {child} at {name} relative to {parent or 'the ground'}, right-handed about its axis"
     return {
-        f"{name}_angle_deg": (told, np.degrees(angle)),
+        f"{name}_angle_deg": (angle_words, np.degrees(angle)),
         f"{name}_rate_rad_s": (f"rate of {name}_angle", rate),
     }
 
@@ -46,9 +46,9 @@ def slider(name: str, child: str, parent: str | None, position: Vector, speed: V
 
 def ball(name: str, child: str, parent: str | None, angle: Vector, rate: Vector) -> Series:
     """Angle (n,) rad of the rotation of a ball joint from home, and its rate (n,) rad/s."""
-    told = f"angle of the rotation of {child} at {name} relative to {parent or 'the ground'}, from home"
+    angle_words = f"angle of the rotation of {child} at {name} relative to {parent or 'the ground'}, from home"
     return {
-        f"{name}_angle_deg": (told, np.degrees(angle)),
+        f"{name}_angle_deg": (angle_words, np.degrees(angle)),
         f"{name}_rate_rad_s": (f"rate of {name}_angle", rate),
     }
 

@@ -92,8 +92,8 @@ def stride_numbers(
     if all(distance != 0.0 for distance in found["distance_m"]) and weight > 0.0:
         costs = [work / (weight * abs(length)) for work, length in zip(put_in, found["distance_m"], strict=True)]
         found["cost_of_transport"] = costs
-    told: Mapping[str, Any] = {name: _scatter(values) for name, values in found.items()}
-    return {"count": count, "period_s": period, **told}
+    statistics: Mapping[str, Any] = {name: _scatter(values) for name, values in found.items()}
+    return {"count": count, "period_s": period, **statistics}
 
 
 def _within(time: Vector, values: Vector, begin: float, end: float) -> tuple[Vector, Vector]:

@@ -117,7 +117,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     if not model.closures:
         return begun.states
     loops = Loops(model, ground_angle)
-    wanted, rates = loops.vector(begun.states)
+    target, rates = loops.vector(begun.states)
     home = _home(loops, begun)
     faults += _open(loops, home, "at home")
     if faults:
@@ -127,7 +127,7 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
     if placed.any():
         first = x
         for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:]:
-            x = np.where(placed, first + share * (wanted - first), x)
+            x = np.where(placed, first + share * (target - first), x)
             x = loops.close(x, ~placed)
         faults += _open(loops, x, "at the start")
     slopes = np.concatenate(list(loops.jacobian(x).values()))

@@ -92,8 +92,8 @@ def _gaps(
         (has_place, keys[0], unit, float(state.value[0]), float(follows.value[0])),
         (has_rate, keys[1], 1.0, float(state.rate[0]), float(follows.rate[0])),
     )
-    for given, key, factor, got, wanted in asked:
-        if given and abs(got - wanted) > AGREEMENT:
-            words = f"got {factor * got:g}, but the drive of {name} starts at {factor * wanted:g}, "
-            words += f"{factor * abs(got - wanted):.3g} away: allowed is that, or no value"
+    for given, key, factor, got, expected in asked:
+        if given and abs(got - expected) > AGREEMENT:
+            words = f"got {factor * got:g}, but the drive of {name} starts at {factor * expected:g}, "
+            words += f"{factor * abs(got - expected):.3g} away: allowed is that, or no value"
             yield scene_fault(f"initial.joints.{name}.{key}", words)

@@ -159,11 +159,11 @@ def _serve(pipe: Connection) -> None:
             function, arguments, keywords = pickle.loads(task)
             answer = pickle.dumps((True, function(*arguments, **keywords)))
         except BaseException as error:
-            answer = _told(error)
+            answer = _pickled(error)
         pipe.send_bytes(answer)
 
 
-def _told(error: BaseException) -> bytes:
+def _pickled(error: BaseException) -> bytes:
     try:
         return pickle.dumps((False, error))
     except Exception:  # it holds what can't be sent
@@ -180,9 +180,9 @@ def _as_workers(**more: str) -> Iterator[None]:
     """Processes that start now use one thread each and have SIGINT blocked: a terminal sends it to all its processes,
     but only the parent handles it. Here it is delayed until the end. more: of their environment.
     """
-    told = dict.fromkeys(_THREADS, "1") | more
-    before = {name: os.environ.get(name) for name in told}
-    os.environ.update(told)
+    environment = dict.fromkeys(_THREADS, "1") | more
+    before = {name: os.environ.get(name) for name in environment}
+    os.environ.update(environment)
     block = getattr(signal, "pthread_sigmask", None)  # not everywhere
     mask = block(signal.SIG_BLOCK, {signal.SIGINT}) if block else None
     try:

@@ -8,7 +8,7 @@ from support_runs import order, scene_of
 
 from granular_contact.kernels import chebyshev, tree, tree_load
 from granular_contact.kernels.lines import FIRST
-from granular_contact.kernels.tree_load import Forest
+from granular_contact.kernels.tree_load import TreeArrays
 from granular_contact.minimal.tree import tree as make_tree
 from granular_contact.scene.types import Scene
 
@@ -74,15 +74,15 @@ def pendulum(**options: object) -> Scene:
     return scene_of("pendulum_rigid", "method=minimal", *(f"{k}={v}" for k, v in options.items()))
 
 
-def forest(**options: object) -> tuple[Forest, np.ndarray]:
+def arrays_of(**options: object) -> tuple[TreeArrays, np.ndarray]:
     made = make_tree(pendulum(**options))
-    return made.forest, made.start
+    return made.arrays, made.start
 
 
 @pytest.mark.parametrize("stages", [2, 5, 12])
 def test_steps_are_of_order_two(stages: int) -> None:
     """A rigid pendulum in vacuum, to 0.1 s; however many stages."""
-    w, start = forest(medium="null")
+    w, start = arrays_of(medium="null")
     slope, room = np.empty_like(start), [np.empty_like(start) for _ in range(3)]
 
     def end(steps: int) -> np.ndarray:
@@ -108,7 +108,7 @@ def test_stages_follow_from_stiffness() -> None:
 
 def test_spectral_radius_of_a_stuck_pendulum() -> None:
     """Deep in the sand at rest: the dashpot of the bristles against the moment of inertia."""
-    w, start = forest(surface_height_m=-0.2, **{"initial.impact_angle_deg": 45, "initial.impact_speed_rad_s": 0})
+    w, start = arrays_of(surface_height_m=-0.2, **{"initial.impact_angle_deg": 45, "initial.impact_speed_rad_s": 0})
     w.profile[:, 1] = -0.1
     tree_load.accept(start, w, np.zeros(FIRST), True)
     chebyshev.rates(start, w, slope := np.empty_like(start))

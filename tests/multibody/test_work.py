@@ -9,7 +9,7 @@ import pytest
 from support_runs import scene_of, simulate
 
 from granular_contact.results import Results
-from granular_contact.results.accuracy import IMBALANCE_LIMIT, AccuracyWarning, told
+from granular_contact.results.accuracy import IMBALANCE_LIMIT, AccuracyWarning, warning_sentences
 from granular_contact.results.energy import accumulate, work
 
 BOX = """
@@ -108,12 +108,12 @@ def test_no_softer_sentence_stands_beside_the_balance(off: float, heard: list[st
         AccuracyWarning("bristles vibrate"),
     ]
     scene = scene_of("pendulum")
-    said = told(off, found, scene)
+    said = warning_sentences(off, found, scene)
     assert [next(word for word in ("energy", "steps", "beam", "bristles") if word in one[:20]) for one in said] == heard
     assert ("not usable" in said[0]) is (off > 0.05)
     # What makes the result useless by itself drops the rest, too.
     fatal = AccuracyWarning("turns", np.inf)
-    assert told(min(off, 0.03), [*found, fatal], scene) == ["turns"]
+    assert warning_sentences(min(off, 0.03), [*found, fatal], scene) == ["turns"]
 
 
 def test_every_solver_names_what_to_change() -> None:
@@ -123,7 +123,7 @@ def test_every_solver_names_what_to_change() -> None:
         ("pendulum", ("method={reduced: {modes: 1, rtol: 1e-3}}",), "method.reduced.rtol (now 0.001)"),
         ("double_pendulum", ("method={minimal: {rtol: 1e-4}}",), "method.minimal.rtol (now 0.0001)"),
     ):
-        (said,) = told(0.002, [], scene_of(config, *more))
+        (said,) = warning_sentences(0.002, [], scene_of(config, *more))
         assert "an error of 0.20%" in said
         assert key in said
 

@@ -11,8 +11,8 @@ from granular_contact.kernels import pendulum
 from granular_contact.kernels.modal import modal_scatter as scatter
 from granular_contact.kernels.modal import modal_stations as stations
 from granular_contact.kernels.modal_load import load
+from granular_contact.reduced.arrays import arrays_of
 from granular_contact.reduced.marching import March
-from granular_contact.reduced.world import world
 from granular_contact.run import run
 from granular_contact.scene import build
 
@@ -30,7 +30,7 @@ def state(modes: int) -> tuple[np.ndarray, np.ndarray]:
 def test_equations_of_motion_are_those_of_lagrange(text, modes):
     """A crooked root with the link off the pivot's axis brings in every term."""
     reduced = reduce(scene_of(text), modes)
-    w = world(reduced)
+    w = arrays_of(reduced)
     w.pendulum["d"] = 0.0
     q, v = state(modes)
     forces = np.empty(modes + 1)
@@ -48,13 +48,13 @@ def test_equations_of_motion_are_those_of_lagrange(text, modes):
 
 
 def test_inertia_and_gravity_of_the_papers_pendulum():
-    record = world(reduce(scene_of("pendulum_rigid"), 0)).pendulum[0]
+    record = arrays_of(reduce(scene_of("pendulum_rigid"), 0)).pendulum[0]
     assert record["J"] == pytest.approx(INERTIA, rel=5e-5)  # stated to four digits
     assert record["g"] * record["S_e"] == pytest.approx(GRAVITY_MOMENT, rel=1e-4)
 
 
 def test_a_flexible_link_without_modes_is_the_rigid_link():
-    bent, stiff = (world(reduce(scene_of(name), 0)).pendulum[0] for name in ("pendulum", "pendulum_rigid"))
+    bent, stiff = (arrays_of(reduce(scene_of(name), 0)).pendulum[0] for name in ("pendulum", "pendulum_rigid"))
     for key in ("J", "S_e", "S_n"):
         assert bent[key] == pytest.approx(stiff[key], rel=1e-12, abs=1e-15)
 
@@ -62,7 +62,7 @@ def test_a_flexible_link_without_modes_is_the_rigid_link():
 def test_forces_do_the_work_of_their_stations():
     """Positions, velocities and generalised forces belong together: J by differences of the positions."""
     reduced = reduce(scene_of(CROOKED), 4)
-    geometry = world(reduced).geometry
+    geometry = arrays_of(reduced).geometry
     q, v = state(4)
     n = len(geometry)
     place, speed, none, forces = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), RNG.standard_normal((n, 2))
@@ -83,7 +83,7 @@ def test_forces_do_the_work_of_their_stations():
 def test_resultant_moment_is_the_generalised_force_of_the_angle():
     """Q_1 is the moment about the pivot, clockwise; totals hold it counter-clockwise, term by term."""
     reduced = reduce(scene_of(CROOKED, "initial.impact_angle_deg=5"), 3, "elastoplastic")
-    w = world(reduced)
+    w = arrays_of(reduced)
     q, v = state(3)
     totals, out = np.zeros((3, 3)), np.zeros(4)
     load(q, v, np.ones(2), w, totals, out)
@@ -154,7 +154,7 @@ def test_frequencies_on_the_hinged_root():
     exact = frequencies_by_elements(40)[:3]
     found = []
     for modes in (1, 2, 4, 8, 16):
-        record = world(reduce(scene_of("pendulum"), modes)).pendulum[0]
+        record = arrays_of(reduce(scene_of("pendulum"), modes)).pendulum[0]
         mass = np.diag([record["J"]] + [record["m"]] * modes)
         mass[0, 1:] = mass[1:, 0] = record["c"][:modes]
         stiffness = np.diag([0.0, *record["k"][:modes]])

@@ -16,8 +16,8 @@ from scipy.linalg import eigh
 
 from granular_contact import scene
 from granular_contact.config import Scenario, load, load_sweep
+from granular_contact.reduced.arrays import arrays_of
 from granular_contact.reduced.model import model as reduce
-from granular_contact.reduced.world import world
 from granular_contact.report import yaml_text
 from granular_contact.results import Results
 from granular_contact.run import run
@@ -232,7 +232,7 @@ def frequencies(case: Case, modes: int) -> NDArray[np.float64]:
     overrides = [f"{key}={value!r}" for key, value in case.values.items()]
     built = scene.build(load(CONFIG, [*overrides, f"method={{reduced: {{modes: {modes}}}}}"]).scenario)
     assert built.method is not None
-    record = world(reduce(built, built.method)).pendulum[0]
+    record = arrays_of(reduce(built, built.method)).pendulum[0]
     mass = record["m"] * np.eye(modes + 1)
     mass[0, 0] = record["J"]
     mass[0, 1:] = mass[1:, 0] = record["c"][:modes]
@@ -250,7 +250,7 @@ def shortfall(case: Case, modes: int) -> float:
         load(CONFIG, [*(f"{k}={v!r}" for k, v in case.values.items()), "method={reduced: {modes: 20}}"]).scenario
     )
     assert built.method is not None
-    record = world(reduce(built, built.method)).pendulum[0]
+    record = arrays_of(reduce(built, built.method)).pendulum[0]
     reach = HUB + case.length * LENGTH
     parts = (1.0 - record["c"] * reach / record["J"]) / record["k"]
     return float(parts[:modes].sum() / parts.sum())

@@ -118,8 +118,8 @@ class OptimiseFile(Strict):
 
     def plain(self) -> dict[str, Any]:
         """What a file says of it, but for the config and what is set in it."""
-        told = self.model_dump(mode="json", by_alias=True, exclude={"config", "set_"}, exclude_none=True)
-        for one in told["parameters"].values():
+        plain_data = self.model_dump(mode="json", by_alias=True, exclude={"config", "set_"}, exclude_none=True)
+        for one in plain_data["parameters"].values():
             if not one["keys"]:
                 del one["keys"]
-        return told
+        return plain_data

@@ -188,6 +188,6 @@ class SweepFile(Strict):
         count = math.prod(sizes.values()) if self.combine == "grid" else max(sizes.values(), default=0)
         if count > MOST_CASES:
             digits = sum(map(math.log10, sizes.values()))
-            told = count if digits < _READABLE else f"about 1e{digits:.0f}"
+            number_words = count if digits < _READABLE else f"about 1e{digits:.0f}"
             parts = listed(list(map(str, sizes.values())), " x ") if self.combine == "grid" else "zip"
-            yield ("vary",), f"got {told} cases ({parts}); at most {MOST_CASES} are allowed"
+            yield ("vary",), f"got {number_words} cases ({parts}); at most {MOST_CASES} are allowed"

@@ -48,11 +48,11 @@ def figures(results: Results) -> dict[str, Figure]:
     """The figures of `results` by name, on Agg canvases; to be made and drawn within `style()`."""
     has = {column.name for column in results.columns}
     made: dict[str, Callable[[Results], Figure]] = {}
-    told = groups_of(results) if len(results.table) > 1 else {}
-    if "travel" in told:
-        made["travel"] = lambda one: over_time(one, list(told["travel"].panels))
-        if "joints" in told:
-            made["joints"] = lambda one: joints(one, told["joints"])
+    histories = groups_of(results) if len(results.table) > 1 else {}
+    if "travel" in histories:
+        made["travel"] = lambda one: over_time(one, list(histories["travel"].panels))
+        if "joints" in histories:
+            made["joints"] = lambda one: joints(one, histories["joints"])
     elif len(results.table):
         made["motion"] = motion
     if len(results.table):
@@ -62,10 +62,10 @@ def figures(results: Results) -> dict[str, Figure]:
             made["forces"] = forces
         if "kinetic_J" in has:
             made["energy"] = energy
-    if told and len(in_contact(results)) > 1:
-        made["contacts"] = lambda one: contacts(one, told.get("depth"))
-    elif "travel" in told and "depth" in told and any(one.along for one in told["depth"].panels):
-        made["depth"] = lambda one: against_depth(one, told["depth"])
+    if histories and len(in_contact(results)) > 1:
+        made["contacts"] = lambda one: contacts(one, histories.get("depth"))
+    elif "travel" in histories and "depth" in histories and any(one.along for one in histories["depth"].panels):
+        made["depth"] = lambda one: against_depth(one, histories["depth"])
     if results.motion is not None and results.motion.in_space and results.motion.parts:
         moved = results.motion
         made["views"] = lambda one: views(one, moved)

@@ -26,18 +26,18 @@ def over_time(results: Results, panels: list[Panel]) -> Figure:
     """Panels under each other, over time; curves of one name have one colour."""
     figure, axes, time = stacked(results, 9.0 + PANEL * len(panels), (1.0,) * len(panels))
     colours: dict[str, str] = {}
-    told: set[str] = set()
+    labelled: set[str] = set()
     for one, panel in zip(axes, panels, strict=True):
         one.axhline(0, color=FAINT, linewidth=0.5)
         labels = [shown.label for shown in panel.curves]
-        new = len(labels) > 1 and not set(labels) <= told
+        new = len(labels) > 1 and not set(labels) <= labelled
         for shown in panel.curves:
             colour = BLUE
             if len(labels) > 1:
                 colour = colours.setdefault(shown.label.split(", ")[0], PALETTE[len(colours) % len(PALETTE)])
             values = shown.values(results.__getitem__) * panel.unit.factor
             curve(one, time, values, colour, shown.label if new else "", linewidth=0.9)
-        told |= set(labels)
+        labelled |= set(labels)
         if not _crosses_zero(one):
             one.lines[0].remove()
         words = panel.heading.replace(" of joints", "").replace(" of drives", "")
@@ -62,8 +62,8 @@ def joints(results: Results, group: Group) -> Figure:
 
 def in_contact(results: Results) -> dict[str, list[tuple[float, float]]]:
     """When (s) each body that met the medium was in it."""
-    told = results.summary.get("contacts") or {}
-    return {body: [(on, off) for on, off in spans] for body, spans in told.items() if spans}
+    labelled = results.summary.get("contacts") or {}
+    return {body: [(on, off) for on, off in spans] for body, spans in labelled.items() if spans}
 
 
 def contacts(results: Results, depth: Group | None) -> Figure:

@@ -78,8 +78,8 @@ def _terms(results: Results, rows: Sequence[tuple[str, float, Unit, str]]) -> Fi
         for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
             curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
         labels = ["sum", *(term.replace("_", " ") for term in results.terms)]
-        told = axes is panels[0] and len(parts) > 1
-        finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if told else 0)
+        has_legend = axes is panels[0] and len(parts) > 1
+        finish(axes, f"{words} ({unit.name})", columns=fitting_columns(labels, 4) if has_legend else 0)
     mark_events(results, panels)
     return figure
 

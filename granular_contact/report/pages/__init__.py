@@ -68,11 +68,11 @@ def html(directory: Path) -> str:
             return run.page(folder)
         shown = _LIVE.get(folder.kind, _still)(folder)
         cases = _CHARTS[folder.kind](folder) if folder.kind in _CHARTS else {}
-        told = {"files": _files(folder)} | shown.pop("data") | ({"cases": cases} if cases else {})
+        page_data = {"files": _files(folder)} | shown.pop("data") | ({"cases": cases} if cases else {})
         with tempfile.TemporaryDirectory() as place:
             content = _CONTENTS.get(folder.kind, _tables)
             found = sweep.content(folder, Path(place)) if folder.kind == "sweep" else content(folder)
-            return rendered(folder.kind, found | shown, told, draws=bool(cases or shown["groups"]))
+            return rendered(folder.kind, found | shown, page_data, draws=bool(cases or shown["groups"]))
     except _ODD as error:  # what is written here has other types somewhere
         held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
         named = " or ".join(name for name in held if Path(name).is_file())

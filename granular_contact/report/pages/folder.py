@@ -110,12 +110,12 @@ class Folder:
         """How the mechanism moved, and the bed in which it did; None if that was not saved."""
         if not self.has(MOTION):
             return None
-        told = self.read(MOTION)
+        saved = self.read(MOTION)
         try:
-            bed = told.get("bed") or {}
+            bed = saved.get("bed") or {}
             surface = bed.get("surface_m")
             corners = np.array(surface, float) if isinstance(surface, list) else surface
-            return of_plain(told), Bed(corners, tuple(bed.get("layers_m") or ()), bed.get("floor_m"))
+            return of_plain(saved), Bed(corners, tuple(bed.get("layers_m") or ()), bed.get("floor_m"))
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise FolderError(f"{self.path / MOTION}: is no motion, as this program writes it ({error!r})") from None
 

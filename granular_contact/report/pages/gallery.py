@@ -52,7 +52,7 @@ def _card(folder: Folder, file: Path) -> dict[str, Any]:
         "status": str(summary.get("status", "unknown")),
         "words": str(summary.get("message") or ""),
         "numbers": known,
-        "told": {key: quantity(key, value) for key, value in list(known.items())[:MOST_NUMBERS]},
+        "facts": {key: quantity(key, value) for key, value in list(known.items())[:MOST_NUMBERS]},
         "picture": next((figures[name] for name in PICTURES if name in figures), None),
         "link": Path(os.path.relpath(page, file.resolve().parent)).as_posix() if page.is_file() else "",
     }

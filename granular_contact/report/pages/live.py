@@ -32,10 +32,10 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     played = folder.played() if len(table) > 1 else None
     moments = _moments(summary, columns) if len(table) else {}
     shown = _stage(*played, columns, moments) if played is not None and not played[0].in_space else None
-    told = _page(columns, found, played, shown)
+    page = _page(columns, found, played, shown)
     more = {"name": summary.get("name") or folder.path.name, "columns": others(names), "moments": moments}
     files = {name: folder.text(name) for name in (SUMMARY, SCENARIO, MOTION) if folder.has(name)}
-    return told | {"data": told["data"] | more | {"files": files}}
+    return page | {"data": page["data"] | more | {"files": files}}
 
 
 def live_overlay(
@@ -49,11 +49,11 @@ def live_overlay(
     if played is not None and not played[0].in_space:
         at = max(0, int(np.searchsorted(played[0].time, _first_end(prefixes, columns))) - 1)
         shown = stage(*played, at, np.zeros((0, 2))) | {"shown": at, "of": ""}
-    told = _page(*_subtracted(columns, panels(names, columns, reference)), played, shown)
+    page = _page(*_subtracted(columns, panels(names, columns, reference)), played, shown)
     runs = [{"key": key, "name": name} for key, name in zip(prefixes, names, strict=True)]
     every = dict.fromkeys(name.partition(".")[2] for name in columns if name != "time_s")
     more = {"runs": runs, "columns": others(list(every)), "table_name": OVERLAY}
-    return told | {"overlaid": runs, "data": told["data"] | more}
+    return page | {"overlaid": runs, "data": page["data"] | more}
 
 
 def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mapping[str, Array], list[Group]]:
@@ -86,8 +86,8 @@ NOTHING: dict[str, Any] = {"in_space": False, "stage": None, "groups": [], "thin
 
 def live_curves(columns: Mapping[str, Array], found: list[Group], table_name: str) -> dict[str, Any]:
     """The same for a table of curves over time without a motion."""
-    told = _page(columns, found, None, None)
-    return told | {"data": told["data"] | {"columns": [], "table_name": table_name}}
+    page = _page(columns, found, None, None)
+    return page | {"data": page["data"] | {"columns": [], "table_name": table_name}}
 
 
 def _page(
@@ -98,7 +98,7 @@ def _page(
     every = max(1, -(-table.size // MOST_NUMBERS))
     data: dict[str, Any] = {
         "table": _packed(list(columns), table[::every]),
-        "groups": [_told(group) for group in found],
+        "groups": [_group_data(group) for group in found],
         "moments": {},
     }
     if shown is not None:
@@ -115,7 +115,7 @@ def _groups(names: list[str], columns: dict[str, Array]) -> list[Group]:
     return groups(names, terms, columns.__getitem__)
 
 
-def _told(group: Group) -> dict[str, Any]:
+def _group_data(group: Group) -> dict[str, Any]:
     """A group as JSON."""
     return {
         "name": group.name,

@@ -21,26 +21,26 @@ _WORDS = {
 
 def content(folder: Folder) -> dict[str, Any]:
     """What its template asks for."""
-    told = folder.read(OPTIMUM)
+    outcome = folder.read(OPTIMUM)
     head, rows = folder.table(HISTORY)
-    parameters = told["parameters"]
+    parameters = outcome["parameters"]
     shown = ["run", "generation", *parameters, "objective", "excess", "failure"]
     places = [head.index(name) for name in shown]
-    reasons = sorted(told["failures"].items(), key=lambda item: -item[1])
+    reasons = sorted(outcome["failures"].items(), key=lambda item: -item[1])
     return {
-        "title": told["name"],
-        "version": told["versions"].get(PROGRAM, ""),
-        "told": told,
-        "gain": None if told["gain_relative"] is None else f"{100 * told['gain_relative']:.3g} %",
-        "start": _worth(told, "start"),
-        "best": _worth(told, "best"),
+        "title": outcome["name"],
+        "version": outcome["versions"].get(PROGRAM, ""),
+        "outcome": outcome,
+        "gain": None if outcome["gain_relative"] is None else f"{100 * outcome['gain_relative']:.3g} %",
+        "start": _worth(outcome, "start"),
+        "best": _worth(outcome, "best"),
         "parameters": [
             [label(name), *(quantity(name, one[key]) for key in ("from", "to")), one["scale"], *_numbers(name, one)]
             for name, one in parameters.items()
         ],
         "constraints": [
             [label(name), *(_number(name, one[key]) for key in ("at_least", "at_most", "start", "best"))]
-            for name, one in told["constraints"].items()
+            for name, one in outcome["constraints"].items()
         ],
         "reasons": [[words, count] for words, count in reasons[:MOST_REASONS]],
         "pictures": [(path, _WORDS.get(path.stem, path.stem)) for path in folder.figures()],
@@ -55,9 +55,9 @@ def content(folder: Folder) -> dict[str, Any]:
 
 def data(folder: Folder) -> dict[str, Any]:
     """Data for the scripts: parameters and objective of every run."""
-    told = folder.read(OPTIMUM)
+    outcome = folder.read(OPTIMUM)
     head, rows = folder.table(HISTORY)
-    columns = {name: [row[head.index(name)] for row in rows] for name in ("run", *told["parameters"], "objective")}
+    columns = {name: [row[head.index(name)] for row in rows] for name in ("run", *outcome["parameters"], "objective")}
     return chart([f"run {plain(run)}" for run in columns["run"]], columns, "run", "objective")
 
 
@@ -71,8 +71,8 @@ def live(folder: Folder) -> dict[str, Any]:
     return shown | {"data": shown["data"] | {"table_name": f"{BEST}_{SERIES}"}}
 
 
-def _worth(told: dict[str, Any], key: str) -> str:
-    value, words = told[key], told["objective"]
+def _worth(outcome: dict[str, Any], key: str) -> str:
+    value, words = outcome[key], outcome["objective"]
     if value is None:
         return "none"
     return plain(value) if " " in words else quantity(words, value)  # a sum has no unit

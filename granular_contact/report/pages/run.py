@@ -91,6 +91,6 @@ def _strides(strides: dict[str, Any]) -> Iterator[list[Any]]:
 def _contacts(contacts: dict[str, list[list[float]]]) -> Iterator[list[Any]]:
     for body, spans in contacts.items():
         spans = [[on if on > NOW else 0.0, off] for on, off in spans]
-        told = [f"{quantity('t_s', on)} to {quantity('t_s', off)}" for on, off in spans[:MOST_CONTACTS]]
+        intervals = [f"{quantity('t_s', on)} to {quantity('t_s', off)}" for on, off in spans[:MOST_CONTACTS]]
         more = [f"and {len(spans) - MOST_CONTACTS} more"] if len(spans) > MOST_CONTACTS else []
-        yield [body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(told + more)]
+        yield [body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(intervals + more)]

@@ -77,7 +77,7 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
     names = [table.head[0], *table.varied, "status", *_ordered(table.found)[:6]]
     return {
         "title": folder.path.name,
-        "version": next(iter(_told(table, "versions.granular-contact")), ""),
+        "version": next(iter(_distinct(table, "versions.granular-contact")), ""),
         "count": len(table.rows),
         "counts": counts.most_common(),
         "failed": sum(count for status, count in counts.items() if status not in FINISHED),
@@ -93,7 +93,7 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
         "most": MOST_ROWS,
         "sweep": folder.text(SWEEP),
         "seconds": float(np.nansum(table.numbers(SECONDS))) if SECONDS in table.head else None,
-        "versions": {n[9:]: ", ".join(map(str, _told(table, n))) for n in table.head if n[:9] == "versions."},
+        "versions": {n[9:]: ", ".join(map(str, _distinct(table, n))) for n in table.head if n[:9] == "versions."},
     }
 
 
@@ -155,7 +155,7 @@ def _read(folder: Folder) -> _Table:
     return _Table(head, rows, head[1:begin], found)
 
 
-def _told(table: _Table, name: str) -> list[Any]:
+def _distinct(table: _Table, name: str) -> list[Any]:
     """Distinct values of a column; none if there is no such column."""
     return list(dict.fromkeys(v for v in table.column(name) if v is not None)) if name in table.head else []
 

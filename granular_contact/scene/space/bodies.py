@@ -49,14 +49,14 @@ def bodies_of(
         parts, own = [], []
         for i, spec in enumerate(specs):
             key = f"model.bodies.{name}" + (f".shapes.{i}" if isinstance(body, schema.SpatialRigid) else "")
-            told = f"{key}.file" if getattr(spec, "type", "") == "mesh" else key
+            place = f"{key}.file" if getattr(spec, "type", "") == "mesh" else key
             try:
                 part, properties = part_of(name, spec, media, strips)
             except SceneError as error:
-                faults += [scene_fault(told, one.message) for one in error.faults]
+                faults += [scene_fault(place, one.message) for one in error.faults]
                 continue
             parts.append(part)
-            notes += [scene_fault(told, words) for words in part.notes]
+            notes += [scene_fault(place, words) for words in part.notes]
             own.append(properties)
             if body.density_kg_m3 is not None and not properties.volume > 0.0:
                 words = "a sheet without thickness_m has no mass, but its body has a density; give it a thickness"

@@ -96,13 +96,13 @@ def _inapplicable_at(top: float, here: dict[str, Law], parts: list[Part]) -> Ite
     """Mismatches between the media that begin at a depth (m), by their keys, and parts, all of which may get there."""
     media = {key: (one, kinds(one)) for key, one in here.items()}
     taken = {kind for _, found in media.values() for kind in found}
-    told = "; ".join(f"{one.name} takes {_listed(found)}" for one, found in media.values())
+    accepted = "; ".join(f"{one.name} takes {_listed(found)}" for one, found in media.values())
     for name, shape, meets in dict.fromkeys((p.name, type(p.shape).__name__.lower(), p.meets) for p in parts):
         if not taken & set(meets):
             key, what = f"model.bodies.{name}", f"its {shape} can get into the sand"
             if top > 0.0:
                 key, what = next(iter(media)), f"the {shape} of {name} may get that deep"
-            words = f"{what}, but in space {told}: take another law or shape, or say in_sand: false of the shape"
+            words = f"{what}, but in space {accepted}: take another law or shape, or say in_sand: false of the shape"
             yield scene_fault(key, words)
     met = {kind for part in parts for kind in part.meets}
     for key, (one, found) in media.items():

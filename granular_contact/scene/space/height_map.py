@@ -38,8 +38,8 @@ def heights_of(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
     heights = Heights(spec.scale * values, spec.corner_m, spec.cell_m)
     if not heights.steepest < STEEPEST_RISE:
         steep = math.degrees(math.atan(heights.steepest))
-        told = f"{path}: it rises by up to {steep:.3g} deg; allowed is less than {STEEPEST}: look at cell_m and scale"
-        faults.append(scene_fault(KEY, told))
+        why = f"{path}: it rises by up to {steep:.3g} deg; allowed is less than {STEEPEST}: look at cell_m and scale"
+        faults.append(scene_fault(KEY, why))
     return heights
 
 

@@ -153,8 +153,8 @@ def closed(scenario: schema.SpatialScenario, begun: Start, faults: list[Fault]) 
         first = {name: states[name].coordinate for name in led}
         for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:]:
             for name in led:
-                wanted = first[name] + float(share) * (begun.states[name].coordinate - first[name])
-                states[name] = JointState(states[name].rates, wanted)
+                target = first[name] + float(share) * (begun.states[name].coordinate - first[name])
+                states[name] = JointState(states[name].rates, target)
             states = loops.close(states, ~placed)
         faults += _open(loops, states, "at the start")
     return _in_motion(loops, begun, states, faults)

@@ -94,14 +94,14 @@ def _numbers(summaries: list[dict[str, object]]) -> dict[str, Numbers]:
 
 def _bands(summaries: list[dict[str, object]]) -> tuple[Vector, dict[str, Vector]]:
     clock = f"{SERIES}.time_s"
-    told = [one for one in summaries if clock in one]
-    if not told:
+    clocked = [one for one in summaries if clock in one]
+    if not clocked:
         return np.zeros(0), {}
-    clocks = [np.array(one[clock]) for one in told]
+    clocks = [np.array(one[clock]) for one in clocked]
     time = np.linspace(0.0, max(float(one[-1]) for one in clocks), INSTANTS)
-    columns = [key for key in told[0] if key.startswith(f"{SERIES}.") and key != clock]
+    columns = [key for key in clocked[0] if key.startswith(f"{SERIES}.") and key != clock]
     found = {}
     for key in columns:
-        runs = [np.interp(time, at, np.array(one[key])) for at, one in zip(clocks, told, strict=True)]
+        runs = [np.interp(time, at, np.array(one[key])) for at, one in zip(clocks, clocked, strict=True)]
         found[key.removeprefix(f"{SERIES}.")] = np.quantile(np.array(runs), LEVELS, axis=0)
     return time, found

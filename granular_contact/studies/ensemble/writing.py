@@ -37,8 +37,8 @@ def write(found: Summary, folder: Path, *, figures: bool = True) -> None:
 def _statistics(found: Summary) -> Iterator[list[str]]:
     for key, one in found.numbers.items():
         ends = (one.values.min(), *one.quantiles, one.values.max())
-        told = (one.mean, one.error, one.deviation, *ends)
-        yield [key, str(len(one.values)), *(repr(float(x)) for x in told)]
+        fields = (one.mean, one.error, one.deviation, *ends)
+        yield [key, str(len(one.values)), *(repr(float(x)) for x in fields)]
 
 
 def _convergence(found: Summary) -> Iterator[list[str]]:

@@ -133,8 +133,8 @@ Place = tuple[int, str]  # index of a run, column
 
 def _pairs(problem: Problem, tiny: NDArray[np.bool_]) -> Iterator[tuple[Place, Place]]:
     """Columns that may have noise in common."""
-    told = {name for name, small in zip(problem.columns, tiny, strict=True) if not small}
-    held = [[name for name in run.measured.columns if name in told] for run in problem.runs]
+    checked = {name for name, small in zip(problem.columns, tiny, strict=True) if not small}
+    held = [[name for name in run.measured.columns if name in checked] for run in problem.runs]
     for i, names in enumerate(held):
         for name, other in combinations(names, 2):
             yield (i, name), (i, other)

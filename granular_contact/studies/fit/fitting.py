@@ -100,13 +100,13 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
         The model fails wherever it is started.
     """
     solution = solve(problem, workers, progress)
-    told, judged, covariance = None, solution, None
+    grains, judged, covariance = None, solution, None
     if problem.scatter:
         try:
-            solution, told = apart(problem, solution)
+            solution, grains = apart(problem, solution)
         except ModelFailed as error:
             raise SolveError(f"the model fails near the best parameters: {error}") from error
-        judged, covariance = replace(solution, residuals=told.white * told.noise), told.covariance
+        judged, covariance = replace(solution, residuals=grains.white * grains.noise), grains.covariance
     known = uncertainty(problem, solution, covariance)
     times = [np.linspace(time[0], time[-1], BAND_POINTS) for time in problem.times()]
     model = _split(problem, problem.model(solution.scaled, times), times)
@@ -118,7 +118,7 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
         goodness(problem, judged),
         tuple(_split(problem, solution.residuals, problem.times())),
         tuple(Curve(*one) for one in zip(times, model, width, strict=True)),
-        told,
+        grains,
     )
 
 

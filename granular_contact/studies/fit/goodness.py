@@ -75,10 +75,10 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
     unordered = tiny | rounded(problem, solution.sigma)
     series = [one for one, name in named if not unordered[problem.columns.index(name)]]
     probability = ljung_box(series, free)
-    told = [one for one, small in zip(columns, tiny, strict=True) if not small]
+    considered = [one for one, small in zip(columns, tiny, strict=True) if not small]
     inside = f[np.abs(f) <= OUTLIER]
     blocks = _blocks(problem, f)
-    words = [*_size_words(told, free), *_order_words(probability, series)]
+    words = [*_size_words(considered, free), *_order_words(probability, series)]
     return Goodness(
         status="misfit" if words else "fits",
         words=tuple(words),

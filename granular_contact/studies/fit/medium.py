@@ -55,11 +55,11 @@ def _described(
     kept = {key: value for key, value in found.items() if key != "standing"}  # that of the numbers before
     new = {"name": f"{found.get('name') or MEDIUM}_fitted", "source": source}
     found = kept | new | {"provenance": PROVENANCE, "range": seen(fit, runs)}
-    told = fit.scatter
-    if told is None:
+    grains = fit.scatter
+    if grains is None:
         return found
-    scatter = {"relative": min(float(f"{told.relative:.3g}"), MOST), "length_m": float(f"{told.length:.3g}"), "seed": 1}
-    return found | {"scatter": scatter}
+    size, length = float(f"{grains.relative:.3g}"), float(f"{grains.length:.3g}")
+    return found | {"scatter": {"relative": min(size, MOST), "length_m": length, "seed": 1}}
 
 
 def _values(fit: Fit, run: MeasuredRun) -> tuple[float, ...]:

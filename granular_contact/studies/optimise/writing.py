@@ -57,7 +57,7 @@ def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Re
         The disk refuses.
     """
     write_history(outcome, folder)
-    (folder / OPTIMUM).write_text(json_text(told(outcome)), encoding="utf-8")
+    (folder / OPTIMUM).write_text(json_text(outcome_data(outcome)), encoding="utf-8")
     if figures:
         _draw(outcome, folder / FIGURES)
     if outcome.best is None:
@@ -78,7 +78,7 @@ def write_history(outcome: Outcome, folder: Path) -> None:
     write_table(folder / HISTORY, names, ([cell(row.get(name)) for name in names] for row in rows))
 
 
-def told(outcome: Outcome) -> dict[str, Any]:
+def outcome_data(outcome: Outcome) -> dict[str, Any]:
     """What optimise.json holds."""
     file, best, start = outcome.study.file, outcome.best, outcome.start
     ranges = file.parameters.items()

@@ -32,10 +32,10 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
 
 def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
     """Names of the columns: the case, what varies, then all that any run tells; rows of crashes know less."""
-    told: tuple[dict[str, None], dict[str, None]] = {}, {}
+    keys_by_success: tuple[dict[str, None], dict[str, None]] = {}, {}
     for row in rows:
-        told[row.summary["status"] == "error"].update(dict.fromkeys(row.summary))
-    return list(dict.fromkeys([CASE, *sweep.keys, *told[0], *told[1]]))
+        keys_by_success[row.summary["status"] == "error"].update(dict.fromkeys(row.summary))
+    return list(dict.fromkeys([CASE, *sweep.keys, *keys_by_success[0], *keys_by_success[1]]))
 
 
 def cell(value: Any) -> str:

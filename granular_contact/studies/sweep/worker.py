@@ -170,10 +170,10 @@ def _marched(tasks: Sequence[Task], job: Job, build: Builder) -> list[bytes]:
         scenarios.append(made)
         scenes.append(made if isinstance(made, Exception) else tried(build, made))
     fine = [one for one in scenes if not isinstance(one, Exception)]
-    told = iter(summaries_of(fine))
+    summaries = iter(summaries_of(fine))
     lines = []
     for task, scenario, scene in zip(tasks, scenarios, scenes, strict=True):
-        found = scene if isinstance(scene, Exception) else next(told)
+        found = scene if isinstance(scene, Exception) else next(summaries)
         if isinstance(found, Exception):
             lines.append(error_row(task, job.sweep, found).line())
         elif not isinstance(scenario, Exception):  # or its scene would be one

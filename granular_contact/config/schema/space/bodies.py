@@ -26,11 +26,11 @@ class Inertia(Strict):
     def _faults(self) -> Faults:
         moments = self.principal()
         low, middle, high = moments
-        told = ", ".join(f"{one:.4g}" for one in moments)
+        listed = ", ".join(f"{one:.4g}" for one in moments)
         if not low > 0.0:
-            yield (), f"has the principal moments {told}; allowed are moments above 0"
+            yield (), f"has the principal moments {listed}; allowed are moments above 0"
         elif low + middle < high * (1.0 - ROUND_OFF):
-            words = f"no body has the principal moments {told}: the greatest is at most the sum of the other two"
+            words = f"no body has the principal moments {listed}: the greatest is at most the sum of the other two"
             yield (), words
 
     def principal(self) -> list[float]:

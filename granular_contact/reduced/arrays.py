@@ -1,4 +1,4 @@
-"""Model -> World: records and stations as the kernels read them."""
+"""Model -> PendulumArrays: records and stations as the kernels read them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from granular_contact.kernels import modal_calls, modal_motion, slip
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.modal import MODAL_STATION
-from granular_contact.kernels.modal_load import World
+from granular_contact.kernels.modal_load import PendulumArrays
 from granular_contact.kernels.pendulum import PENDULUM
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.reduced.model import Bar, Model
@@ -20,7 +20,7 @@ STILL = 1e-10  # what counts as no speed, of the speed of the scene
 STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 
 
-def world(reduced: Model) -> World:
+def arrays_of(reduced: Model) -> PendulumArrays:
     """Mass properties, and stations, lines and medium of all that can reach the surface."""
     scene = reduced.scene
     pairs = zip(reduced.bars, reduced.stations, strict=True)
@@ -46,7 +46,7 @@ def world(reduced: Model) -> World:
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors, most = np.zeros((starts[-1], 2)), max((len(stations) for _, stations in met), default=0)
     room, depths = np.zeros((6, most, 2)), np.zeros(most)
-    return World(record, geometry, starts, lines, profile, medium, anchors, room, depths)
+    return PendulumArrays(record, geometry, starts, lines, profile, medium, anchors, room, depths)
 
 
 def _pendulum(reduced: Model) -> NDArray[np.void]:
