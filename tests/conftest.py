@@ -24,14 +24,15 @@ _folder = Path(tempfile.gettempdir()) / f"granular-contact-{getpass.getuser()}-{
 os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))
 
 # Files that begin, each the next that a worker without work takes: the first compiles the kernels that most files need,
-# while the second needs none. Then the longest, so that none of them is left over for one worker at the end.
+# while the next ones need few, or others (both workers would compile the same at the same time). Then the longest, so
+# that none of them is left over for one worker at the end.
 FIRST = (
     "test_run.py",
     "test_plots.py",
     "test_bed.py",
-    "test_html.py",
-    "test_blocks.py",
     "test_site.py",
+    "test_blocks.py",
+    "test_html.py",
     "test_readme.py",
     "test_line_tangents.py",
     "test_recovery.py",
