@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,20 +35,29 @@ if TYPE_CHECKING:
 Controls = Mapping[str, float] | ArrayLike | None
 Controller = Callable[[float, Observations], Controls]
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
+ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
+
+
+class Beyond(NamedTuple):
+    """How often a control was given beyond the range of its drive, and by how much (SI units) at the most."""
+
+    times: int
+    most: float
 
 
 @dataclass(frozen=True, repr=False)
 class State:
     """State of a simulation at one instant, to go back to; it can be pickled.
 
-    time (s); scenario: of whose scene it is; solve: of the solver; controls: what is set, in SI units; random: of the
-    generator; failed: why a controller ended the run, None where none did.
+    time (s); scenario: of whose scene it is; solve: of the solver; controls: what is set, in SI units; beyond: see
+    `Beyond`, by joint; random: of the generator; failed: why a controller ended the run, None where none did.
     """
 
     time: float
     scenario: Scenario
     solve: Any
     controls: tuple[float, ...]
+    beyond: dict[str, Beyond]
     random: dict[str, Any]
     failed: Status | None
 
@@ -110,9 +119,10 @@ class Simulation:
         self.scene, self.scenario = scene, scenario_of(scene)
         self._controls: dict[str, Control] = controls_of(scene)
         self.controls = tuple(self._controls)
-        # Joint, factor to SI units, and range in these, of each.
-        self._plain = {name: (one.joint, one.unit, *one.bounds_in_si) for name, one in self._controls.items()}
+        self._plain = {name: (one.joint, one.unit) for name, one in self._controls.items()}
         self._set = {control.joint: control.start for control in self._controls.values()}
+        self._ranges = {control.joint: control.bounds_in_si for control in self._controls.values()}
+        self._beyond: dict[str, Beyond] = {}
         self._failed: Status | None = None
         self._end = self.scenario.solver.end_time_s
         self._shortest = SHORTEST * scene.solver.step_s
@@ -172,7 +182,8 @@ class Simulation:
         ----------
         controls : mapping, array or None
             What to set, by name, or all in the order of `controls`; what is not named stays as it is set. Angles also
-            in radians, `JOINT_angle_rad`. What lies outside the range of a drive is set to the end of it.
+            in radians, `JOINT_angle_rad`. What lies beyond the `range` of a drive is set to the end of it, as a motor
+            gives no more than it can; the results warn of it.
         dt : float
             Time to go (s); the run ends at `solver.end_time_s`.
 
@@ -197,7 +208,9 @@ class Simulation:
         if (self._failed is not None or solving.over) and (over := self.ended) is not None:
             raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
         if controls is not None:
-            for joint, value in self._checked(controls).items():
+            for joint, given in self._checked(controls).items():
+                least, most = self._ranges[joint]
+                value = given if least <= given <= most else self._cut(joint, given)
                 solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
                 self._set[joint] = value
         solving.advance(until if self._end - until > self._shortest else math.inf)
@@ -211,8 +224,8 @@ class Simulation:
             plain = self._plain.get(name)
             if plain is None or type(value) is not float or not -math.inf < value < math.inf:
                 return self._checked_one_by_one(given)
-            joint, unit, least, most = plain
-            found[joint] = min(max(unit * value, least), most)
+            joint, unit = plain
+            found[joint] = unit * value
         return found
 
     def _checked_one_by_one(self, given: Mapping[str, Any]) -> dict[str, float]:
@@ -229,6 +242,24 @@ class Simulation:
         if faults:
             raise ControlError("\n".join(faults))
         return found
+
+    def _cut(self, joint: str, value: float) -> float:
+        """The end of a range, of what lies beyond it; which is kept, to be told."""
+        least, most = self._ranges[joint]
+        end = min(max(value, least), most)
+        if (excess := abs(value - end)) > ROUND_OFF * (most - least):
+            times, before = self._beyond.get(joint, Beyond(0, 0.0))
+            self._beyond[joint] = Beyond(times + 1, max(before, excess))
+        return end
+
+    def _told_beyond(self) -> Iterator[str]:
+        """Warnings of what was set beyond ranges."""
+        for name, control in self._controls.items():
+            if (beyond := self._beyond.get(control.joint)) is not None:
+                times = "once" if beyond.times == 1 else f"{beyond.times} times"
+                words = f"{name} was given beyond its range, {control.bounds[0]:g} to {control.bounds[1]:g}, {times}"
+                most = beyond.most / control.unit
+                yield f"{words}, by {most:.3g} at the most: it was set to the end of the range"
 
     def _named(self, controls: Any) -> dict[str, Any]:
         """Controls that were given in their order."""
@@ -288,7 +319,8 @@ class Simulation:
         if status is not None:
             trajectory = replace(trajectory, status=status)
         assert self._begun is not None  # or there were no trajectory
-        return results(self._begun.observe(trajectory), scenario_to_dict(self.scenario), most_frames)
+        seen = replace(self._begun.observe(trajectory), steered=tuple(self._told_beyond()))
+        return results(seen, scenario_to_dict(self.scenario), most_frames)
 
     # ---- back to an earlier state ----
 
@@ -302,7 +334,8 @@ class Simulation:
         """
         random = self.random.bit_generator.state
         set_to = tuple(self._set.values())
-        return State(self.time, self.scenario, self._solving.state(), set_to, dict(random), self._failed)
+        beyond = dict(self._beyond)
+        return State(self.time, self.scenario, self._solving.state(), set_to, beyond, dict(random), self._failed)
 
     def restore(self, state: State) -> Observations:
         """Go back to a state of this simulation, or of another one of the same scenario.
@@ -329,6 +362,7 @@ class Simulation:
             raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")
         self._solving.restore(state.solve)
         self._set = dict(zip(self._set, state.controls, strict=True))
+        self._beyond = dict(state.beyond)
         self.random.bit_generator.state = state.random
         self._failed = state.failed
         return self.observe()

@@ -63,6 +63,12 @@ def test_an_episode_is_cut_at_the_end_and_rewarded_by_the_way() -> None:
         env.step(np.zeros(1))
     results = env.simulation.results()
     np.testing.assert_allclose(results["hinge_torque_Nm"], 0.3)  # 1 is the end of its range
+    assert not any("beyond its range" in words for words in results.warnings)
+    env.reset(seed=1)
+    env.step(np.array([-3.0]))  # as of a policy without bounds
+    results = env.simulation.results()
+    assert results["hinge_torque_Nm"][-1] == -0.1
+    assert any("hinge_torque_Nm was given beyond its range, -0.1 to 0.3, once" in words for words in results.warnings)
     fallen = arm(terminated=lambda seen: seen["hinge_angle_deg"] > 20.1)
     fallen.reset(seed=1)
     *_, ended, cut, _ = fallen.step(np.ones(1))
@@ -153,7 +159,8 @@ def test_what_can_not_be_set_is_told() -> None:
     env.reset(seed=1)
     with pytest.raises(ControlError, match=r"action: got the shape \(2,\), allowed is \(1,\)"):
         env.step(np.zeros(2))
-    with pytest.raises(ControlError, match="hinge_torque_Nm: got nan"):
-        env.step(np.array([np.nan]))
+    for bad in (np.nan, np.inf):
+        with pytest.raises(ControlError, match=f"hinge_torque_Nm: got {bad}"):
+            env.step(np.array([bad]))
     assert env.simulation.time == 0.0
     assert granular_contact.gym.runner_env().action_space.shape == (4,)

@@ -211,8 +211,26 @@ def test_what_is_set_acts_as_a_drive_does() -> None:
     a, b = driven.results(), steered.results()
     np.testing.assert_allclose(a.table, b.table, rtol=1e-12, atol=1e-12)
     assert np.abs(b["knee_torque_Nm"] - 0.2).max() == 0.0
-    steered.step({"knee_torque_Nm": 7.0}, 0.02)
-    assert steered.results()["knee_torque_Nm"][-1] == 0.5  # the end of its range
+
+
+def test_what_is_beyond_a_range_is_set_to_its_end_and_told() -> None:
+    simulation = of("leg")
+    assert not any("beyond" in words for words in simulation.results().warnings)
+    simulation.step({"knee_torque_Nm": 0.5, "hip_angle_rad": np.radians(120.0)}, 0.01)  # the ends themselves
+    before = simulation.state()
+    simulation.step({"knee_torque_Nm": 7.0}, 0.01)
+    simulation.step([-60.0, 0.6], 0.01)
+    results = simulation.results()
+    assert results["knee_torque_Nm"][-1] == 0.5
+    told = (
+        "hip_angle_deg was given beyond its range, -45 to 120, once, by 15 at the most: ",
+        "knee_torque_Nm was given beyond its range, -0.5 to 0.5, 2 times, by 6.5 at the most: ",
+    )
+    for words in told:
+        assert f"{words}it was set to the end of the range" in results.warnings
+    simulation.restore(before)
+    simulation.step([120.0, 0.5], 0.01)
+    assert not any("beyond" in words for words in simulation.results().warnings)
 
 
 def test_the_energy_balance_holds_under_a_controller_that_switches() -> None:
@@ -268,25 +286,32 @@ def test_a_step_after_the_end_is_refused() -> None:
     assert simulation.ended is None
 
 
-def lost(t: float, _: object) -> dict[str, float]:
-    if t > 0.0199:
-        raise RuntimeError("lost its way")
-    return {}
+def raising(*_: object) -> dict[str, float]:
+    raise RuntimeError("lost its way")
 
 
-CONTROLLERS: dict[str, tuple[Callable[..., Any], float, str]] = {
-    "raises": (lost, 0.02, r"the controller failed at 0.02 s: RuntimeError: lost its way \(.*test_simulation.py:\d+\)"),
-    "another name": (lambda *_: {"hipp": 1.0}, 0.0, "the controller failed at 0 s: no control 'hipp'; there are"),
+# What a controller does at last, and how the status tells it.
+CONTROLLERS: dict[str, tuple[Callable[..., Any], str]] = {
+    "raises": (raising, r"RuntimeError: lost its way \(.*test_simulation.py:\d+\)"),
+    "another name": (lambda *_: {"hipp": 1.0}, "no control 'hipp'; there are: hip_angle_deg, knee_torque_Nm$"),
+    "another number": (lambda *_: [1.0], r"controls: got the shape \(1,\), allowed is \(2,\): hip_angle_deg, knee"),
+    "no number": (lambda *_: {"hip_angle_deg": np.nan}, "hip_angle_deg: got nan, allowed is a finite number$"),
+    "words": (lambda *_: "stop", r"controls: got the shape \(\), allowed is \(2,\)"),
 }
 
 
 @pytest.mark.parametrize("case", CONTROLLERS)
 def test_what_was_reached_is_kept_where_a_controller_fails(case: str) -> None:
-    control, reached, words = CONTROLLERS[case]
-    results = simulate(scenario_of(LEG), control=control, control_rate_Hz=100)
+    last, words = CONTROLLERS[case]
+    controls = {"knee_torque_Nm": 0.1}
+    results = simulate(scenario_of(LEG), control=lambda t, _: last() if t > 0.0199 else controls, control_rate_Hz=100)
     assert results.status.code == "failed"
-    assert re.match(words, results.status.message)
-    assert results["time_s"][-1] == pytest.approx(reached)
+    assert re.match(f"the controller failed at 0.02 s: {words}", results.status.message)
+    assert results.summary["status"] == "failed"
+    undisturbed = Simulation(scenario_of(LEG))
+    for _ in range(2):
+        undisturbed.step(controls, 0.01)
+    np.testing.assert_array_equal(results.table, undisturbed.results().table)
 
 
 @pytest.mark.parametrize("rate", [0.0, np.nan, "fast"])

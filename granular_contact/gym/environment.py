@@ -133,7 +133,8 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         Parameters
         ----------
         action : (drives,) array
-            From -1 to 1, the range of each drive.
+            From -1 to 1, the range of each drive. As in Gymnasium's own environments what lies beyond is set to the end
+            of the range; `simulation.results()` warns of it.
 
         Returns
         -------
@@ -143,10 +144,10 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         Raises
         ------
         ControlError
-            The action has another shape, or as of `Simulation.step`.
+            The action has another shape or is not finite, or as of `Simulation.step`.
         """
         before = self._seen
-        given = np.clip(np.asarray(action, float), -1.0, 1.0)
+        given = np.asarray(action, float)
         if given.shape != self._middle.shape:
             raise ControlError(f"action: got the shape {given.shape}, allowed is {self._middle.shape}")
         self._seen = self.simulation.step(self._middle + self._half * given, self._pause)

@@ -58,6 +58,7 @@ class Observation:
     pictures: Callable[[Vector], Callable[[], list[tuple[Outline, ...]]]]
     more: dict[str, Any]
     accuracy: Sequence[AccuracyWarning] = ()
+    steered: Sequence[str] = ()
 
     @cached_property
     def depth(self) -> Vector | None:
@@ -102,6 +103,7 @@ def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
     summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, greatest) | seen.more
     summary["warnings"] += [
         *map(str, scene.notes),
+        *seen.steered,
         *warning_sentences(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
         *warnings(scene, seen.reach, seen.depth, None if greatest.depth is None else greatest.depth[0]),
     ]

@@ -22,10 +22,8 @@ class Control:
     bounds: tuple[float, float]
 
     def in_si(self, name: str, value: float) -> float:
-        """A value in SI units, within the bounds; name: the control's, an angle's also with radians."""
-        unit = 1.0 if name.endswith("_rad") else self.unit
-        least, most = self.bounds_in_si
-        return min(max(unit * value, least), most)
+        """A value in SI units; name: the control's, an angle's also with radians."""
+        return value if name.endswith("_rad") else self.unit * value
 
     @property
     def bounds_in_si(self) -> tuple[float, float]:

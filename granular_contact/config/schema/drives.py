@@ -111,7 +111,7 @@ class External(Strict):
     speed_m_s: float | None = None
     """Of a slider: target of its speed."""
     range: Annotated[tuple[float, float], Listed] | None = None
-    """Least and greatest value that can be set; what lies beyond is set to them. null: any."""
+    """Least and greatest value that can be set; what lies beyond is set to them, with a warning. null: any."""
     gain_Nm_per_rad: NotNegative = 0.0
     rate_gain_Nm_s_per_rad: NotNegative = 0.0
     limit_Nm: Positive | None = None
