@@ -139,6 +139,16 @@ def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
         yield from left_out(system, trajectory)
 
 
+def _surface_left_out(scenario: dict[str, Any]) -> bool:
+    """Whether the height of a body was given, and none of the surface, which then goes with it."""
+    bed = scenario["bed"] or {}
+    given = scenario["surface_height_m"], bed.get("height_m"), bed.get("profile_m")
+    if scenario["medium"] is None or given != (None, None, None):
+        return False
+    starts = (scenario["initial"]["joints"] or {}).values()
+    return any(start.get("y_m") is not None or start.get("z_m") is not None for start in starts)
+
+
 def _film_problem(film: str | None) -> str | None:
     """Why there can be no such film, or None."""
     if film == "mp4" and shutil.which("ffmpeg") is None:
@@ -198,6 +208,8 @@ def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
     """Lines that summarise a run; quantities that it does not have are left out."""
     found: dict[str, Any] = results.summary
     yield f"{results.name}: {results.status.message}"
+    if _surface_left_out(results.scenario):
+        yield "  surface         where it touches the mechanism at the start, as surface_height_m is not given"
     if (stop := found.get("stopping_time_s")) is not None:
         yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"
     if (sinking := found.get("penetration_time_s")) is not None:
