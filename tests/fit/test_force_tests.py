@@ -19,10 +19,37 @@ from granular_contact.errors import ConfigError
 from granular_contact.laws.rft import GENERIC
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit
+from granular_contact.studies.fit.columns import plain
+from granular_contact.studies.fit.force_columns import recognise
 
 RFT = "medium={law: rft, zeta: 0.9}"
 DEPTH = np.linspace(0.5e-3, 0.04, 40)
 START = "set: {medium: {law: rft, zeta: 0.3}}\n"
+
+
+# ---- headers ----
+
+
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("Depth (mm)", "depth_mm"),
+        (" Vertical force [kN] ", "vertical_force_kN"),
+        ("Speed (m/s)", "speed_m_s"),
+        ("Torque (N m)", "torque_Nm"),
+        ("depth_mm", "depth_mm"),
+        ("(mm)", "(mm)"),
+    ],
+)
+def test_units_may_stand_in_brackets(header: str, name: str) -> None:
+    assert plain(header) == name
+    assert recognise(header) == recognise(name)
+
+
+def test_a_table_that_is_no_force_test_for_a_name_says_what_one_has(tmp_path: Path) -> None:
+    (tmp_path / "test.csv").write_text("Depth (mm),Load (N)\n1,2\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"Load \(N\): unknown column; .*but force_N, torque_Nm or pressure_Pa"):
+        problem(tmp_path, f"{START}parameters: [medium.zeta]\nruns:\n  - config: {PLATE}\n    data: test.csv\n")
 
 
 # ---- the law alone ----

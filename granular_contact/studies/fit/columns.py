@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 
 TIME = "time_s"
@@ -18,6 +19,17 @@ OBSERVED = ("deg", "m")
 BY_NAME = ("N", "Nm")  # what is compared where the fit says which column it is: every run's own table has forces
 # What the other columns of a run hold, by the end of their names.
 KINDS = {"_rad_s": "a rate", "_m_s": "a speed", "_Nm": "a moment", "_N": "a force", "_J": "an energy", "_W": "a power"}
+# A header as tables have them, with its unit in brackets; signs that units are written with and names here are not.
+_IN_BRACKETS = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*[(\[]\s*([^()\[\]]*[^()\[\]\s])\s*[)\]]\s*")
+_SIGNS = str.maketrans({"/": "_", " ": None, ".": None, "*": None, "\u00b7": None, "\u00b0": "deg", "\u00b5": "u"})
+
+
+def plain(header: str) -> str:
+    """A header with its unit in brackets, as `Depth (mm)` or `Speed [m/s]`, as a name: `depth_mm`, `speed_m_s`."""
+    parts = _IN_BRACKETS.fullmatch(header)
+    if parts is None:
+        return header
+    return f"{'_'.join(parts[1].lower().split())}_{parts[2].translate(_SIGNS)}"
 
 
 def observables(columns: Iterable[str]) -> list[str]:
@@ -37,7 +49,7 @@ def kind(column: str) -> str:
 
 def recognise(name: str, known: Iterable[str]) -> tuple[str, float] | None:
     """Which of the `known` columns the measured `name` is, and the factor to its unit; None if it is none of them."""
-    stem, _, unit = name.rpartition("_")
+    stem, _, unit = plain(name).rpartition("_")
     for column in known:
         own, _, base = column.rpartition("_")
         if own == stem and unit in UNITS.get(base, ()):

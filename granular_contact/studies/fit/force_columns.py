@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from granular_contact.studies.fit.columns import plain
+
 # Unit of a column of ours -> units that a measured one may have, and how many of ours one of them is.
 UNITS = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
@@ -44,6 +46,7 @@ _MEASURED = {f"{stem}_{base}" for stem, base in MEASURED.items()}
 
 def recognise(name: str) -> tuple[str, float] | None:
     """Column and factor to its unit that a measured name means; None if it is none of a force test."""
+    name = plain(name)
     return _SPELLINGS.get(SUCCESSORS.get(name, name))
 
 

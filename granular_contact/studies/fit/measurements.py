@@ -93,6 +93,8 @@ def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | 
     own_table = any(_is_of_a_run(name) for name in table.header)
     strange = [n for n in table.header if n not in found and not _is_of_a_run(n) and not (own_table and n in MAYBE)]
     hint = "(or say which to take: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
+    if strange and all(column != TIME for column, _ in found.values()):
+        hint += "; a force test needs no times, but force_N, torque_Nm or pressure_Pa"
     faults += [
         Fault(table.file, table.header_line, name, f"unknown column; {_nearest(name, ours)} {hint}") for name in strange
     ]
