@@ -34,7 +34,7 @@ from granular_contact.results import Results as Results
 from granular_contact.scene.build import build as build
 from granular_contact.scene.media import preset as preset
 from granular_contact.simulation import Simulation as Simulation
-from granular_contact.simulation import simulate as simulate
+from granular_contact.steering import simulate as simulate
 from granular_contact.studies.ensemble.calls import ensemble as ensemble
 from granular_contact.studies.optimise.calls import optimise as optimise
 from granular_contact.studies.sweep.calls import sweep as sweep

@@ -1,4 +1,4 @@
-"""A scene that goes on step by step, under the hands of a program; and runs that a controller steers.
+"""A scene that goes on step by step, under the hands of a program.
 
 One path with runs in one call: both go on by the same solve, which here pauses where it is told to.
 """
@@ -6,34 +6,26 @@ One path with runs in one call: both go on by the same solve, which here pauses 
 from __future__ import annotations
 
 import math
-import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granular_contact.config import Loaded, Scenario, load, scenario_to_dict
+from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import ControlError
-from granular_contact.results import Compiling, Outline, Progress, Results, Status
+from granular_contact.results import Compiling, Outline, Results, Status
 from granular_contact.results.ending import ended, paused
-from granular_contact.results.frames import MOST
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
-from granular_contact.run import Begun, Solving, begin, run, scenario_of
+from granular_contact.run import Begun, Solving, begin, scenario_of
 from granular_contact.scene.build import build
 from granular_contact.scene.controls import Control, controls_of
 from granular_contact.scene.types import Scene
 
-if TYPE_CHECKING:
-    from granular_contact.laws.law import Law
-    from granular_contact.multibody.system import System, Trajectory
-
 Controls = Mapping[str, float] | ArrayLike | None
-Controller = Callable[[float, Observations], Controls]
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
 ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
 
@@ -197,14 +189,14 @@ class Simulation:
         ControlError
             Controls of other names or another number, or not finite; no time; the run is over. Nothing was changed.
         """
-        time = dt if type(dt) is float else _finite(dt)
+        time = dt if type(dt) is float else finite(dt)
         if time is None or not self._shortest <= time < math.inf:
             raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {self._shortest:g} s")
-        solving = self._solving
-        return self._go_on(solving, controls, solving.time + time)
+        return self._go_on(controls, self._solving.time + time)
 
-    def _go_on(self, solving: Solving, controls: Controls, until: float) -> Observations:
-        """`step` of the solve under way to a time (s)."""
+    def _go_on(self, controls: Controls, until: float) -> Observations:
+        """`step` to a time (s)."""
+        solving = self._solving
         if (self._failed is not None or solving.over) and (over := self.ended) is not None:
             raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
         if controls is not None:
@@ -235,7 +227,7 @@ class Simulation:
             control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
             if control is None:
                 faults.append(f"no control {name!r}; there are: {', '.join(self.controls) or 'none'}")
-            elif (number := _finite(value)) is None:
+            elif (number := finite(value)) is None:
                 faults.append(f"{name}: got {value!r}, allowed is a finite number")
             else:
                 found[control.joint] = control.in_si(name, number)
@@ -252,7 +244,7 @@ class Simulation:
             self._beyond[joint] = Beyond(times + 1, max(before, excess))
         return end
 
-    def _told_beyond(self) -> Iterator[str]:
+    def _range_warnings(self) -> Iterator[str]:
         """Warnings of what was set beyond ranges."""
         for name, control in self._controls.items():
             if (beyond := self._beyond.get(control.joint)) is not None:
@@ -319,7 +311,7 @@ class Simulation:
         if status is not None:
             trajectory = replace(trajectory, status=status)
         assert self._begun is not None  # or there were no trajectory
-        seen = replace(self._begun.observe(trajectory), steered=tuple(self._told_beyond()))
+        seen = replace(self._begun.observe(trajectory), steered=tuple(self._range_warnings()))
         return results(seen, scenario_to_dict(self.scenario), most_frames)
 
     # ---- back to an earlier state ----
@@ -388,109 +380,10 @@ class Simulation:
         self._failed = ended("interrupted", self.time, self.scenario.solver)
 
 
-def _finite(value: Any) -> float | None:
+def finite(value: Any) -> float | None:
     """A value as a number; None if it is none, or not finite."""
     try:
         number = float(value)
     except (TypeError, ValueError):
         return None
     return number if math.isfinite(number) and not isinstance(value, bool | str) else None
-
-
-# ---- runs that are steered ----
-
-
-def simulate(
-    scene: Scene | Scenario | Loaded | str | PathLike[str] | Mapping[str, Any],
-    scenario: Scenario | None = None,
-    progress: Progress | None = None,
-    *,
-    laws: Sequence[type[Law]] = (),
-    control: Controller | None = None,
-    control_rate_Hz: float = 1000.0,
-    most_frames: int = MOST,
-    inspect: Callable[[System, Trajectory], None] | None = None,
-    compiling: Compiling | None = None,
-) -> Results:
-    """Simulate a scene, steered by a controller if there is one.
-
-    However the run ends, what it reached is in the results; look at their status.
-
-    Parameters
-    ----------
-    scene : Scene, Scenario, Loaded, str, path or mapping
-        What `load` gave, or takes; or the scenario in it; or what `build` made of one.
-    scenario : Scenario, optional
-        What the scene was built from; the scene knows it, and any other is refused.
-    progress : callable, optional
-        Called now and then with the simulated time and the end time (s).
-    laws : sequence of types of Law
-        Laws of your own that a config names by their tags, as of `load`.
-    control : callable, optional
-        `control(t, observations)` gives the controls from the time t (s) on, see `Simulation.step`. It is called at the
-        start and then at its rate. Where it raises, or gives what can't be set, the run ends as failed; its results
-        hold what was reached, and its status the message. Steps chosen by their error end where it is called, and
-        strips are those of the scene: the run is not repeated with shorter ones.
-    control_rate_Hz : float
-        Calls in a second.
-    most_frames, inspect, compiling
-        As of `granular_contact.run.run`; inspect is not called for a run with a controller. Pictures are for the player
-        of a report and for animations, and take 0.1 to 0.6 ms each; 0 for none.
-
-    Returns
-    -------
-    Results
-        Time series, summary, status and warnings; also of a run that failed or was interrupted.
-
-    Raises
-    ------
-    ConfigError
-        The config is at fault, as of `load`.
-    SceneError
-        The scenario is another one than the scene was built from, or the scene was not built from any.
-    ControlError
-        The rate is no number above 0.
-
-    Examples
-    --------
-    >>> results = simulate("pendulum_rigid")
-    >>> results.status.code, f"{1e3 * results.summary['stopping_time_s']:.1f} ms"
-    ('rest', '25.5 ms')
-    """
-    if isinstance(scene, str | PathLike | Mapping):
-        scene = load(scene, laws=laws)
-    if isinstance(scene, Loaded | Scenario):
-        scene = build(scene)
-    if control is None:
-        return run(scene, scenario, progress, most_frames=most_frames, inspect=inspect, compiling=compiling)
-    rate = _finite(control_rate_Hz)
-    if rate is None or rate <= 0.0:
-        raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
-    simulation = Simulation(scenario_of(scene, scenario), compiling=compiling)
-    _steer(simulation, control, rate, progress)
-    made = simulation.results(most_frames)
-    simulation.close()
-    return made
-
-
-def _steer(simulation: Simulation, control: Controller, rate: float, progress: Progress | None) -> None:
-    """Go on to the end of a run, with controls from a controller that is called so many times a second."""
-    seen, calls, end = simulation.observe(), 0, simulation.scenario.solver.end_time_s
-    while simulation.ended is None:
-        calls += 1
-        try:
-            seen = simulation._go_on(simulation._solving, control(seen.time, seen), calls / rate)
-        except KeyboardInterrupt:
-            simulation.interrupt()
-        except Exception as error:  # whatever the controller of a user raises
-            simulation.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
-        if progress is not None:
-            progress(seen.time, end)
-
-
-def _words(error: Exception) -> str:
-    """An error in one sentence, with the place in the controller where it was raised."""
-    if isinstance(error, ControlError):
-        return str(error).replace("\n", "; ")
-    frames: Sequence[traceback.FrameSummary] = traceback.extract_tb(error.__traceback__)
-    return f"{type(error).__name__}: {error} ({frames[-1].filename}:{frames[-1].lineno})"

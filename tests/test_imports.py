@@ -14,6 +14,7 @@ from support_runs import ROOT
 
 PACKAGE = ROOT / "granular_contact"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+_READERS = {"config.csv_table", "config.yaml_source"}
 # For each part of the package, what of the package it may import; the longest name that fits counts, on both sides.
 # Parts not named here are at the top and free.
 MAY = {
@@ -24,7 +25,7 @@ MAY = {
     "kernels": {"kernels"},
     "values": {"values"},
     "laws": {"laws", "kernels", "values"},
-    "config": {"config", "config.csv_table", "robot", "values", "laws", "errors", "examples", "geometry"},
+    "config": {"config", *_READERS, "robot", "values", "laws", "errors", "examples", "geometry"},
     "scene": {"scene", "scene.space", "config", "laws", "errors", "geometry"},
     # Shapes and meshes are made by the bed, once.
     "scene.space": {"scene.space", "scene", "config", "config.csv_table", "bed.space", "laws", "errors", "geometry"},
@@ -65,11 +66,29 @@ MAY = {
         "results",
         "errors",
     },
-    "simulation": {"run", "config", "scene", "results", "multibody", "laws", "errors"},  # (types only: multibody, laws)
+    "simulation": {"run", "config", "scene", "results", "errors"},
+    "steering": {
+        "simulation",
+        "run",
+        "config",
+        "scene",
+        "results",
+        "multibody",
+        "laws",
+        "errors",
+    },
     "gym": {"gym", "simulation", "config", "examples", "report.figures", "results", "errors"},
     "report": {"report", "results", "report.figures"},
     "report.figures": {"report.figures", "report", "results"},
-    "report.pages": {"report.pages", "report.figures", "report", "results", "config.csv_table", "errors"},
+    "report.pages": {
+        "report.pages",
+        "report.figures",
+        "report",
+        "results",
+        "errors",
+        "config.csv_table",
+        "config.yaml_source",
+    },
     "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},
     "studies.processes": set(),
     "studies.sweep": {
@@ -106,13 +125,13 @@ MAY = {
         "errors",
     },
     "studies.fit": {
+        *_READERS,
         "studies.fit",
         "studies.processes",
         "studies.sweep",
         "bed",
         "laws",
         "config",
-        "config.csv_table",
         "scene",
         "run",
         "report",

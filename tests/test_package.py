@@ -87,6 +87,19 @@ def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
     assert len(found) > 40
 
 
+def test_laws_and_shapes_say_what_they_are_made_of() -> None:
+    """Each number of a law, a shape, a layer or a floor is among the Parameters of its class, or of the one above."""
+    from granular_contact.laws.catalogue import LAWS
+
+    named = [getattr(granular_contact, name) for name in granular_contact.__all__]
+    kinds = [one for one in named if isinstance(one, type) and hasattr(one, "__dataclass_fields__")]
+    for kind in {*kinds, *LAWS.values()} - {granular_contact.Results}:
+        texts = (inspect.cleandoc(one.__doc__ or "") for one in kind.__mro__)
+        found = " ".join(line for text in texts for line in re.findall(r"^\S.* : .*", text, re.M))
+        own = [name for name, field in kind.__dataclass_fields__.items() if getattr(field, "init", True)]
+        assert set(own) <= set(re.findall(r"\w+", found)), kind.__name__
+
+
 def extra(path: str) -> type:
     """A class that needs an extra of the package."""
     module, _, name = path.partition(".")

@@ -27,6 +27,7 @@ from granular_contact.cli.common import (
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
+    from granular_contact.config import Scenario
     from granular_contact.multibody.system import System, Trajectory
     from granular_contact.results import Compiling, Progress, Results
     from granular_contact.scene import Scene
@@ -84,12 +85,37 @@ def act(chosen: argparse.Namespace) -> int:
     folder = output_folder(chosen.out, Path(chosen.config).stem)
 
     from granular_contact import report
+
+    kept: list[tuple[System, Trajectory]] = []
+    results, took = _simulate(chosen, scenario, scene, kept)
+    # Before what is drawn below is imported.
+    explained = [f"steps {scene.solver.why}", "left out:", *(f"  {line}" for line in _left_out(chosen, kept))]
+    try:
+        figures = scenario.output.figures and not chosen.no_plots
+        report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
+    except OSError as error:
+        complain(f"the results can't be saved in {folder}: {error}")
+        return FAULTY_INPUT
+    if not chosen.quiet:
+        say("\n".join(_summary(results, took, folder)))
+    elif results.status.code in ENDS:
+        complain(f"{results.status.message}; saved in {folder}")
+    if chosen.explain:
+        say("\n".join(explained))
+    for solved in kept if chosen.view else ():
+        from granular_contact.multibody import view
+
+        view.show(*solved)
+    return ENDS.get(results.status.code, FINE)
+
+
+def _simulate(
+    chosen: argparse.Namespace, scenario: Scenario, scene: Scene, kept: list[tuple[System, Trajectory]]
+) -> tuple[Results, str]:
+    """The results of the run, and how long it took; kept: gets the engine's system, if it is looked at afterwards."""
     from granular_contact.kernels.compiling import seconds
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
-
-    kept: list[tuple[System, Trajectory]] = []
-    explained = list[str]()
 
     begin, compiled = time.perf_counter(), seconds()
     shown = sys.stderr.isatty() and not chosen.quiet
@@ -103,32 +129,14 @@ def act(chosen: argparse.Namespace) -> int:
             compiling=None if chosen.quiet else announce,
         )
     compiled = seconds() - compiled
-    elapsed = time.perf_counter() - begin - compiled
-    if chosen.explain:
-        explained += _left_out(kept)  # before what is drawn below is imported
-    try:
-        figures = scenario.output.figures and not chosen.no_plots
-        report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
-    except OSError as error:
-        complain(f"the results can't be saved in {folder}: {error}")
-        return FAULTY_INPUT
-    if not chosen.quiet:
-        also = f", and {compiled:.1f} s of compiling, once in an installation" if compiled else ""
-        say("\n".join(_summary(results, f"{elapsed:.2f} s{also}", folder)))
-    elif results.status.code in ENDS:
-        complain(f"{results.status.message}; saved in {folder}")
-    if chosen.explain:
-        say(f"steps {scene.solver.why}")
-        say("left out:\n" + "\n".join(f"  {line}" for line in explained))
-    for solved in kept if chosen.view else ():
-        from granular_contact.multibody import view
-
-        view.show(*solved)
-    return ENDS.get(results.status.code, FINE)
+    also = f", and {compiled:.1f} s of compiling, once in an installation" if compiled else ""
+    return results, f"{time.perf_counter() - begin - compiled:.2f} s{also}"
 
 
-def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """What the run did without; methods other than the engine have no system."""
+def _left_out(chosen: argparse.Namespace, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
+    """What the run did without, if it is asked for; methods other than the engine have no system."""
+    if not chosen.explain:
+        return
     if not solved:
         yield "the engine: the method does without its solver" + (
             "" if "exudyn" in sys.modules else ", and it is not imported"

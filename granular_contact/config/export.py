@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import sys
 from collections.abc import Sequence
 from functools import cache
@@ -24,6 +25,7 @@ from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.values.strict import Strict
 
 KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile, "optimise": OptimiseFile}
+_PARAMETERS = "\n\nParameters\n----------\n"
 SCHEMAS = ("run", "model", "medium", "sweep", "fit", "optimise")
 
 
@@ -78,6 +80,8 @@ def _described(model: type[BaseModel]) -> dict[str, Any]:
         more += (one := more.pop()).__subclasses__()
         classes[one.__name__] = one
     for name, part in {model.__name__: schema, **schema["$defs"]}.items():
+        if "description" in part:
+            part["description"] = part["description"].partition(_PARAMETERS)[0]
         for owner in reversed(classes[name].__mro__):
             for field, text in _texts(owner) if issubclass(owner, Strict) else ():
                 part["properties"][classes[name].model_fields[field].alias or field]["description"] = text
@@ -85,12 +89,16 @@ def _described(model: type[BaseModel]) -> dict[str, Any]:
 
 
 @cache
-def _texts(owner: type) -> tuple[tuple[str, str], ...]:
-    """Fields of a class with the texts under them; none of a class without a source."""
+def _texts(owner: type[Strict]) -> tuple[tuple[str, str], ...]:
+    """Fields of a class with the texts under them, or among its Parameters; none of a class without a source."""
     tree = _classes(owner.__module__).get(owner.__qualname__)
-    pairs = pairwise(tree.body if tree is not None else ())
-    found: list[tuple[str, str]] = []
-    for pair in pairs:
+    if tree is None:
+        return ()
+    _, _, parameters = (ast.get_docstring(tree) or "").partition(_PARAMETERS)
+    listed = re.findall(r"^(\S.*) : .*\n((?:    .*\n?)+)", parameters, re.M)
+    given = {name: " ".join(text.split()) for names, text in listed for name in names.split(", ")}
+    found = [(name, text) for name, text in given.items() if name in owner.__annotations__.keys() & owner.model_fields]
+    for pair in pairwise(tree.body):
         match pair:
             case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
                 found.append((name, inspect.cleandoc(text)))

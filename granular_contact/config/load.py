@@ -25,14 +25,13 @@ from granular_contact.config.messages import faults_of, is_foreign, kind_of
 from granular_contact.config.provenance import restated_each
 from granular_contact.config.references import MEDIA, MODELS, Resolver, shown
 from granular_contact.config.schema import Medium, Scenario
-from granular_contact.config.schema.chain import names
-from granular_contact.config.schema.structure import GROUND, structure_faults
 from granular_contact.config.sizes import too_large
 from granular_contact.config.stress_table import with_tables
+from granular_contact.config.structure_errors import structure_errors
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.scalars import resolve
-from granular_contact.values.strict import FAULTS, did_you_mean, refusal
+from granular_contact.values.strict import did_you_mean
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -292,7 +291,7 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Known | None = 
         scenario = kind.model_validate(_plain(node, known or {}))
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=False)
-        found += faults_of([*errors, *_structure_errors(node, errors)], node, kind)
+        found += faults_of([*errors, *structure_errors(node, errors)], node, kind)
     # What is broken can't be valid, but its fault may have been told by whoever read it.
     if found or scenario is None:
         raise ConfigError(sorted(found, key=by_place))
@@ -376,43 +375,3 @@ def _named(root: tree.Node, path: Path) -> tree.Node:
     at = tree.Position(str(path), None)
     name = path.stem if isinstance(resolve(path.stem), str) else path.name
     return tree.set_key(root, "name", tree.Scalar(at, name, name), at)
-
-
-def _structure_errors(root: tree.Node, errors: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """What is wrong with the tree of bodies, for a model in which pydantic did not get as far as to ask."""
-    asked = all(error["loc"][0] != "model" or error["type"] == FAULTS for error in errors if error["loc"])
-    model = tree.plain(tree.find(root, ["model"])[0])
-    if asked or not isinstance(model, dict):
-        return []
-    bodies, joints, closures = (model.get(key, {}) for key in ("bodies", "joints", "closures"))
-    if not all(isinstance(part, dict) for part in (bodies, joints, closures)):
-        return []
-    (tree_ends, read), (loop_ends, _) = _ends(joints), _ends(closures)
-    chain, understood = _chain_names(model.get("chain"))
-    complete = read and understood
-    faults = structure_faults(bodies, tree_ends, closures=loop_ends, chain=chain, complete=complete)
-    return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []
-
-
-def _ends(joints: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], bool]:
-    """Parent and child of the joints that have both, and whether all have."""
-    ends = {
-        name: (joint["parent"], joint["child"])
-        for name, joint in joints.items()
-        if isinstance(joint, dict) and isinstance(joint.get("parent"), str) and isinstance(joint.get("child"), str)
-    }
-    return ends, len(ends) == len(joints)
-
-
-def _chain_names(chain: Any) -> tuple[tuple[str, list[str], list[str]] | None, bool]:
-    """What a chain adds, None without one, and whether that could be read."""
-    if chain is None:
-        return None, True
-    if not isinstance(chain, dict):
-        return None, False
-    parent = chain.get("parent", GROUND)
-    links = names(chain.get("link_name", "link"), chain.get("count"))
-    hinges = names(chain.get("hinge_name", "hinge"), chain.get("count"))
-    if not links or not hinges or not isinstance(parent, str):
-        return None, False
-    return (parent, links, hinges), True

@@ -18,7 +18,15 @@ from granular_contact.values.strict import NotNegative, Positive
 
 
 class Albert(Law):
-    """Horizontal resistance eta_h g rho H^2 d; nothing else."""
+    """Horizontal resistance eta_h g rho H^2 d of a vertical cylinder, and nothing else (Albert et al. 1999).
+
+    Parameters
+    ----------
+    density : float
+        Of the medium (kg/m3), above 0.
+    eta_h : float
+        Coefficient, 0 or more.
+    """
 
     law: Literal["albert"]
     density: Positive = Field(alias="density_kg_m3")

@@ -11,15 +11,22 @@ from granular_contact.values.strict import NotNegative
 
 
 class Allen(ScalarLaw):
-    """A v^2 + B v + C."""
+    """A v^2 + B v + C, against the motion of a ball (Allen, Mayfield and Morrison).
+
+    Parameters
+    ----------
+    drag : float
+        A (kg/m), 0 or more.
+    viscosity : float
+        B (N s/m), 0 or more.
+    constant_force : float
+        C (N), 0 or more.
+    """
 
     law: Literal["allen"]
     drag: NotNegative = Field(alias="drag_kg_m")
-    """A."""
     viscosity: NotNegative = Field(alias="viscosity_N_s_m")
-    """B."""
     constant_force: NotNegative = Field(alias="constant_force_N")
-    """C."""
 
     equation = "F = A v^2 + B v + C"
     terms = ("constant", "viscous", "drag")

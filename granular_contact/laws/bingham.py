@@ -11,13 +11,19 @@ from granular_contact.values.strict import NotNegative
 
 
 class Bingham(ScalarLaw):
-    """F0 + b v."""
+    """F0 + b v, against the motion of a ball.
+
+    Parameters
+    ----------
+    yield_force : float
+        F0 (N), 0 or more.
+    viscosity : float
+        b (N s/m), 0 or more.
+    """
 
     law: Literal["bingham"]
     yield_force: NotNegative = Field(alias="yield_force_N")
-    """F0."""
     viscosity: NotNegative = Field(alias="viscosity_N_s_m")
-    """b."""
 
     equation = "F = F0 + b v"
     terms = ("yield", "viscous")

@@ -25,20 +25,32 @@ INERTIAL = 1  # term
 
 
 class Drft(Law):
-    """The stress of rft, and the inertia -lambda rho v_n^2 n of the grains pushed away."""
+    """The stress of rft, and the inertia -lambda rho v_n^2 n of the grains pushed away (Agarwal et al. 2021).
+
+    Parameters
+    ----------
+    coefficients : RftCoefficients
+        Left out: the generic set, for which zeta is the medium's.
+    density : float
+        Of the medium (kg/m3), above 0.
+    lam : float
+        Factor of the inertia, 0 or more; `lambda` in YAML.
+    zeta : float
+        Factor of the coefficients, above 0.
+    surface_drop : float
+        delta_h (m), by which the free surface is lowered.
+    wheel_drop : float
+        Behind the axle of a turning `wheel` the surface is lowered by so many times r (r omega^2 / g); 0: it is
+        not.
+    """
 
     law: Literal["drft"]
     coefficients: RftCoefficients = Field(GENERIC, alias="alpha_N_cm3")
-    """Left out: the generic set, for which zeta is the medium's."""
     density: Positive = Field(alias="density_kg_m3")
     lam: NotNegative = Field(alias="lambda")
-    """`lambda` in YAML."""
     zeta: Positive = 1.0
-    """Factor of the coefficients."""
     surface_drop: NotNegative = Field(0.0, alias="surface_drop_m")
-    """delta_h, by which the free surface is lowered."""
     wheel_drop: NotNegative = 1.0
-    """Behind the axle of a turning `wheel` the surface is lowered by so many times r (r omega^2 / g); 0: it is not."""
 
     equation = "stress = zeta alpha(beta, gamma) z - lambda rho v_n |v_n| n"
     terms = ("static", "inertial")

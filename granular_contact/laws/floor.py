@@ -31,9 +31,16 @@ TERM = "floor"
 
 @dataclass(frozen=True)
 class Floor:
-    """height: y, in space along up (m); damping: d (s/m).
+    """Level floor of a bed.
 
-    stiffness: k per length and penetration (N/m2), in space per area and penetration (N/m3); None for no contact.
+    Parameters
+    ----------
+    height : float
+        Height y of the floor (m), in space along `up`.
+    stiffness : float, optional
+        k per length and penetration (N/m2), in space per area and penetration (N/m3); None for no contact.
+    damping : float
+        d (s/m), 0 or more.
     """
 
     height: float

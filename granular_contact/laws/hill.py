@@ -21,15 +21,25 @@ from granular_contact.values.strict import Positive
 
 
 class Hill(Law):
-    """Vertical resistance eta (z/l)^lambda g rho V; nothing else."""
+    """Vertical resistance eta (z/l)^lambda g rho V of an immersed volume, and nothing else (Hill et al. 2005).
+
+    Parameters
+    ----------
+    density : float or None
+        Of the medium (kg/m3), above 0; null: not stated by the source, a run needs it.
+    plunging : VerticalResistance
+        Where the body moves down.
+    withdrawing : VerticalResistance
+        Where it moves up.
+    length_scale : float, optional
+        l (m); null: the diameter.
+    """
 
     law: Literal["hill"]
     density: Positive | None = Field(alias="density_kg_m3")
-    """null: not stated by the source; a run needs it."""
     plunging: VerticalResistance
     withdrawing: VerticalResistance
     length_scale: Positive | None = Field(None, alias="length_scale_m")
-    """l; null: the diameter."""
 
     equation = "F_v = -eta (z/l)^lambda g rho V sgn(v_y)"
     terms = ("vertical_static",)

@@ -16,15 +16,22 @@ LENGTHS = ("drag_length", "drag_length_per_diameter")
 
 
 class KatsuragiDurian(ScalarLaw):
-    """k z + m v^2 / d1 with the mass m of the ball itself."""
+    """k z + m v^2 / d1 with the mass m of the ball itself (Katsuragi and Durian 2007).
+
+    Parameters
+    ----------
+    stiffness : float or None
+        k (N/m), 0 or more; null: not stated by the source, a run needs it.
+    drag_length : float, optional
+        d1 (m), above 0; give this, or the next.
+    drag_length_per_diameter : float, optional
+        d1 over the diameter of the ball, above 0.
+    """
 
     law: Literal["katsuragi_durian"]
     stiffness: NotNegative | None = Field(alias="stiffness_N_m")
-    """k; null: not stated by the source, a run needs it."""
     drag_length: Positive | None = Field(None, alias="drag_length_m")
-    """d1; give this or drag_length_diameters."""
     drag_length_per_diameter: Positive | None = Field(None, alias="drag_length_diameters")
-    """d1 over the diameter of the ball."""
 
     def __init__(self, stiffness: float | None, *lengths: float | None, **named: Any) -> None:
         """As `Coefficients`; in Python 0 is none of the two lengths, too."""

@@ -39,25 +39,55 @@ ABOUT = ("name", "validity", "source", "standing", "provenance", "scatter", "mea
 class Law(Coefficients):
     """A law with its coefficients: a medium.
 
-    name: for messages and columns; validity: where the coefficients were measured. Of the class, equation: the
-    published resultant or stress; terms: names of the law's terms, three at most; takes: kinds of shape it is for;
-    dynamic: terms that come from the speed, which do not scatter;
-    by_component: whether its static force opposes each component of the velocity by itself, and not the motion as a
-    whole; resultant: whether its source gives a single force at the middle of the immersed part, as
-    `load: {form: resultant}` applies it.
+    Parameters
+    ----------
+    name : str, optional
+        For messages and columns; the tag of the law unless given.
+    source : str, optional
+        Where the coefficients come from.
+    standing : str, optional
+        What they rest on, as `two or more independent sources`.
+    provenance : {"published", "fitted", "own"}, optional
+        Whose numbers they are.
+    validity : Validity
+        Where the coefficients were measured.
+    scatter : Scatter, optional
+        Of the static resistance; null: none.
+    measured_scatter : sequence of MeasuredScatter
+        What was measured of it, by names that `scatter: {measured: ...}` takes.
+
+    Attributes
+    ----------
+    equation : str
+        The published resultant or stress.
+    terms : tuple of str
+        Names of the law's terms, three at most.
+    takes : frozenset
+        Kinds of shape it is for, see `laws.kinds`.
+    dynamic : frozenset
+        Terms that come from the speed, which do not scatter.
+    by_component : bool
+        Whether its static force opposes each component of the velocity by itself, and not the motion as a whole.
+    resultant : bool
+        Whether its source gives a single force at the middle of the immersed part, as `load: {form: resultant}` has it.
+    constants : tuple of str
+        Names of the numbers that its forces need.
+
+    Raises
+    ------
+    ValueError
+        A number is not allowed; with what is.
+    TypeError
+        One is missing, unknown or given twice.
     """
 
     name: Annotated[Text, OrNull(), Field(default=None)]
     source: Text | None = None
-    """Where the coefficients come from."""
     standing: Text | None = None
-    """What they rest on, as `two or more independent sources`."""
     provenance: Literal["published", "fitted", "own"] | None = None
     validity: Validity = Field(NOT_STATED, alias="range")
     scatter: Scatter | None = None
-    """null: none."""
     measured_scatter: Annotated[tuple[MeasuredScatter, ...], Listed] = ()
-    """What was measured of it, by names that `scatter: {measured: ...}` takes."""
     law: str
 
     equation: ClassVar[str]
@@ -69,11 +99,34 @@ class Law(Coefficients):
     constants: ClassVar[tuple[str, ...]]
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """Values of `constants`, those left out being 0; gravity >= 0 in m/s2."""
+        """Numbers that the forces need.
+
+        Parameters
+        ----------
+        gravity : float
+            m/s2, 0 or more.
+
+        Returns
+        -------
+        dict
+            Values of `constants` in SI units, those left out being 0.
+        """
         raise NotImplementedError
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
-        """Coefficients as the (1,) record that the kernels read; gravity in m/s2, its sense does not matter.
+        """Coefficients as the record that the kernels read.
+
+        Parameters
+        ----------
+        static : Elastoplastic or Smooth
+            How the sign of the static resistance is regularised.
+        gravity : float
+            m/s2; its sense does not matter.
+
+        Returns
+        -------
+        (1,) array
+            The record.
 
         Raises
         ------
@@ -125,7 +178,15 @@ class Law(Coefficients):
             yield ("scatter", "measured"), f"got {asked}, {known}"
 
     def fill_scatter(self, record: Any, in_space: bool = False) -> None:
-        """Write its scatter, if it has any, into the record (1,) of a contact line or the records of clusters."""
+        """Write its scatter, if it has any, into records.
+
+        Parameters
+        ----------
+        record : array
+            The record (1,) of a contact line, or the records of clusters; they are changed.
+        in_space : bool
+            Whether bodies are in space, where a force over an area scatters less.
+        """
         if self.scatter is None:
             return
         record["scatter"], record["grain"] = self.scatter.numbers(self.measured_scatter, in_space)

@@ -10,9 +10,16 @@ from granular_contact.laws.law import Law
 
 @dataclass(frozen=True)
 class Layer:
-    """medium between the depths top and bottom (m) below the free surface; the whole bed unless given.
+    """Medium between two depths below the free surface; the whole bed unless they are given.
 
     Depths in its law stay those below the free surface.
+
+    Parameters
+    ----------
+    medium : Law
+        What lies there.
+    top, bottom : float
+        Depths (m), 0 <= top < bottom.
 
     Raises
     ------

@@ -31,11 +31,18 @@ DRAG, HORIZONTAL, VERTICAL = 0, 1, 2  # terms
 
 
 class VerticalResistance(Coefficients):
-    """Vertical static resistance, eta_v (z/d)^lambda per weight of displaced medium at depth z."""
+    """Vertical static resistance, eta_v (z/d)^lambda per weight of displaced medium at depth z.
+
+    Parameters
+    ----------
+    eta_v : float
+        Coefficient, 0 or more.
+    lam : float
+        Power of the depth, 0 to 5; `lambda` in YAML.
+    """
 
     eta_v: NotNegative
     lam: float = Field(alias="lambda", ge=0, le=5)
-    """`lambda` in YAML."""
 
     def numbers(self, direction: str) -> dict[str, float]:
         """Constants of a law in one direction of motion, plunge or withdraw."""
@@ -43,19 +50,28 @@ class VerticalResistance(Coefficients):
 
 
 class LeeMarghitu(Law):
-    """Drag quadratic in speed, static resistance that grows with depth; all coefficients are dimensionless."""
+    """Drag quadratic in speed, static resistance that grows with depth, on a round bar (Lee and Marghitu).
+
+    Parameters
+    ----------
+    density : float
+        Of the medium (kg/m3) as its law uses it, above 0.
+    eta_d : float
+        Drag, 0 or more.
+    eta_h : float
+        Horizontal static resistance, 0 or more.
+    plunging : VerticalResistance
+        Where the link moves down.
+    withdrawing : VerticalResistance, optional
+        Where the link moves up; null: as plunging.
+    """
 
     law: Literal["lee_marghitu"]
     density: Positive = Field(alias="density_kg_m3")
-    """Density of the medium as its law uses it."""
     eta_d: NotNegative
-    """Drag."""
     eta_h: NotNegative
-    """Horizontal static resistance."""
     plunging: VerticalResistance
-    """Where the link moves down."""
     withdrawing: Annotated[VerticalResistance, OrNull(), Field(default=None)]
-    """Where the link moves up; null: as plunging."""
 
     equation = "F = -eta_d rho A_r |v| v - eta_h g rho z^2 d sgn(v_x) e_x - eta_v (z/d)^lambda g rho V sgn(v_y) e_y"
     terms = ("drag", "horizontal_static", "vertical_static")

@@ -11,11 +11,16 @@ from granular_contact.values.strict import NotNegative
 
 
 class LinearDepth(ScalarLaw):
-    """k z."""
+    """k z, against the motion of a ball whose lowest point is at the depth z.
+
+    Parameters
+    ----------
+    stiffness : float
+        k (N/m), 0 or more.
+    """
 
     law: Literal["linear_depth"]
     stiffness: NotNegative = Field(alias="stiffness_N_m")
-    """k."""
 
     equation = "F = k z"
     terms = ("static",)

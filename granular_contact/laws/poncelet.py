@@ -11,13 +11,19 @@ from granular_contact.values.strict import NotNegative
 
 
 class Poncelet(ScalarLaw):
-    """F0 + c v^2."""
+    """F0 + c v^2, against the motion of a ball.
+
+    Parameters
+    ----------
+    constant_force : float
+        F0 (N), 0 or more.
+    drag : float
+        c (kg/m), 0 or more.
+    """
 
     law: Literal["poncelet"]
     constant_force: NotNegative = Field(alias="constant_force_N")
-    """F0."""
     drag: NotNegative = Field(alias="drag_kg_m")
-    """c."""
 
     equation = "F = F0 + c v^2"
     terms = ("constant", "drag")

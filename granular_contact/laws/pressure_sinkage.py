@@ -18,17 +18,27 @@ from granular_contact.values.strict import NotNegative, Positive
 
 
 class PressureSinkage(SurfacePressure):
-    """Pressure (k_c / b + k_phi) z^n (Bekker), and shear with the limit of Mohr and Coulomb (Janosi and Hanamoto)."""
+    """Pressure (k_c / b + k_phi) z^n (Bekker), and shear with the limit of Mohr and Coulomb (Janosi and Hanamoto).
+
+    Parameters
+    ----------
+    k_phi : float
+        Pressure (Pa) at the reference depth on a plate without end, 0 or more.
+    exponent : float
+        n, above 0, at most 5.
+    k_c : float
+        Pressure at the reference depth that is added by a plate's edges, times b (N/m).
+    reference_depth : float
+        z_0 (m), above 0.
+    friction_angle, cohesion, shear_modulus, plate_width : float
+        As of `SurfacePressure`.
+    """
 
     law: Literal["pressure_sinkage"]
     k_phi: NotNegative = Field(alias="k_phi_Pa")
-    """Pressure at the reference depth on a plate without end."""
     exponent: Exponent
-    """n."""
     k_c: NotNegative = Field(0.0, alias="k_c_N_m")
-    """Pressure at the reference depth that is added by a plate's edges, times b."""
     reference_depth: Positive = Field(1.0, alias="reference_depth_m")
-    """z_0."""
 
     equation = "p = (k_c/b + k_phi) (z/z_0)^n, tau = (c + p tan phi) (1 - exp(-j/K))"
 

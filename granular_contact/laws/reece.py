@@ -17,16 +17,27 @@ from granular_contact.values.strict import NotNegative, Positive
 
 
 class Reece(SurfacePressure):
-    """Pressure (c k_c + gamma b k_phi) (z / b)^n (Reece), shear as in `pressure_sinkage`."""
+    """Pressure (c k_c + gamma b k_phi) (z / b)^n (Reece), shear as in `pressure_sinkage`.
+
+    Parameters
+    ----------
+    density : float
+        Of the bulk (kg/m3); gamma is its weight.
+    k_phi : float
+        Number of the weight, 0 or more.
+    exponent : float
+        n, above 0, at most 5.
+    k_c : float
+        Number of the cohesion, 0 or more: without effect where there is none.
+    friction_angle, cohesion, shear_modulus, plate_width : float
+        As of `SurfacePressure`.
+    """
 
     law: Literal["reece"]
     density: Positive = Field(alias="density_kg_m3")
-    """Of the bulk; gamma is its weight."""
     k_phi: NotNegative
     exponent: Exponent
-    """n."""
     k_c: NotNegative = 0.0
-    """Has no effect without cohesion."""
 
     equation = "p = (c k_c + gamma b k_phi) (z/b)^n, tau = (c + p tan phi) (1 - exp(-j/K))"
 

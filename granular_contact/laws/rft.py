@@ -33,7 +33,15 @@ CONSTANTS = ("A00", "A10", "B01", "B_sum", "B_difference", "C01", "C_sum", "C_di
 
 
 class RftCoefficients(Coefficients):
-    """Fourier coefficients of alpha_z (A, B) and alpha_x (C, D); B_11 and C_11 are those with the index -1,1."""
+    """Fourier coefficients of alpha_z (A, B) and alpha_x (C, D), the stresses per depth upward and against the motion.
+
+    Parameters
+    ----------
+    A00, A10, B11, B01, B_11 : float
+        Of alpha_z (N/cm3); B_11 is that with the index -1,1.
+    C11, C01, C_11, D10 : float
+        Of alpha_x (N/cm3); C_11 is that with the index -1,1.
+    """
 
     A00: float
     A10: float
@@ -84,13 +92,19 @@ GENERIC = RftCoefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.00
 
 
 class Rft(Law):
-    """Resistive force theory in the plane: stress zeta alpha(beta, gamma) z."""
+    """Resistive force theory in the plane: stress zeta alpha(beta, gamma) z (Li, Zhang and Goldman 2013).
+
+    Parameters
+    ----------
+    coefficients : RftCoefficients
+        Left out: the generic set, for which zeta is the medium's.
+    zeta : float
+        Factor of the coefficients, above 0.
+    """
 
     law: Literal["rft"]
     coefficients: RftCoefficients = Field(GENERIC, alias="alpha_N_cm3")
-    """Left out: the generic set, for which zeta is the medium's."""
     zeta: Positive = 1.0
-    """Factor of the coefficients."""
 
     equation = "stress = zeta alpha(beta, gamma) z"
     terms = ("static",)

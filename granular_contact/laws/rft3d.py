@@ -61,14 +61,22 @@ F1, F2, F3 = (tuple(row[k] for row in C) for k in range(3))
 
 
 class Rft3d(Law):
-    """Three-dimensional resistive force theory: density and friction are all it needs."""
+    """Three-dimensional resistive force theory: density and friction are all it needs (Agarwal et al. 2023).
+
+    Parameters
+    ----------
+    density : float
+        Of the bulk (kg/m3), above 0.
+    mu_int : float
+        Internal friction of the medium, above 0.
+    mu_surf : float
+        Friction between the medium and the surface, 0 or more.
+    """
 
     law: Literal["rft3d"]
     density: Positive = Field(alias="density_kg_m3")
     mu_int: Positive
-    """Internal friction of the medium."""
     mu_surf: NotNegative
-    """Friction between the medium and the surface."""
 
     equation = "stress = xi_n [alpha_n + min(mu_surf |alpha_n| / |alpha_t|, 1) alpha_t] z"
     terms = ("static",)

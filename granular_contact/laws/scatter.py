@@ -22,31 +22,46 @@ FEW_GRAINS, USUAL = 3e-3, 0.4  # m, -
 
 
 class MeasuredScatter(Coefficients):
-    """How much a measured force scattered."""
+    """How much a measured force scattered.
+
+    Parameters
+    ----------
+    name : str
+        By which `scatter: {measured: ...}` takes it.
+    force : float
+        Its standard deviation over its mean, between 0 and 1.
+    size : float
+        Of the body (m): along its surface in the sand; in space the root of the area there.
+    standing : str
+        What it was measured on, and what it rests on.
+    """
 
     name: Text
     force: Annotated[float, Field(gt=0, lt=1)]
-    """Its standard deviation over its mean."""
     size: Positive = Field(alias="size_m")
-    """Of the body: along its surface in the sand; in space the root of the area there."""
     standing: Text
-    """What it was measured on, and what it rests on."""
 
 
 class Scatter(Coefficients):
     """The static resistance times (1 + s xi), xi a random function of the path of each strip, the same for neighbours.
 
-    relative: the standard deviation s on a piece no longer than `length`; a whole body, on which pieces differ,
-    scatters less. 0: none at all, bit by bit.
+    Parameters
+    ----------
+    relative : float, optional
+        Standard deviation s on a piece no longer than `length`, 0 to 0.5; a whole body, on which pieces differ,
+        scatters less. 0: none at all, bit by bit; null: as `measured` says.
+    length : float, optional
+        Path and distance along the body (m) over which xi changes: a few grains; null: as `measured` says.
+    seed : int
+        Of xi, 0 or more.
+    measured : str, optional
+        Both numbers from a force that was measured in this medium, by its name there; null: from the two above.
     """
 
     relative: Annotated[float, Field(ge=0, le=MOST)] | None = None
-    """null: as `measured` says."""
     length: Positive | None = Field(None, alias="length_m")
-    """Over which xi changes, along the path and along the body: a few grains; null: as `measured` says."""
     seed: Annotated[int, Field(ge=0, lt=SEEDS)] = 1
     measured: Text | None = None
-    """Both numbers from a force that was measured in this medium, by its name there; null: from the two above."""
 
     def _faults(self) -> Faults:
         given = {"relative": self.relative, "length_m": self.length}

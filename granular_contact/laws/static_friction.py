@@ -17,7 +17,12 @@ if TYPE_CHECKING:  # a config is read without numpy
 class Elastoplastic(Coefficients):
     """Static resistance that holds still: each point is tied to an anchor, which yields.
 
-    A bristle that yields at `yield_displacement` (m), damped with `damping_time` (s).
+    Parameters
+    ----------
+    yield_displacement : float
+        Stretch (m) of the bristle at which it yields, above 0.
+    damping_time : float
+        Its damping over its stiffness (s), 0 or more.
     """
 
     type: Literal["elastoplastic"]
@@ -33,7 +38,13 @@ class Elastoplastic(Coefficients):
 
 
 class Smooth(Coefficients):
-    """Static resistance that follows the velocity, tanh(v / reference_speed), and creeps under a constant load."""
+    """Static resistance that follows the velocity, tanh(v / reference_speed), and creeps under a constant load.
+
+    Parameters
+    ----------
+    reference_speed : float
+        Speed (m/s) over which the sign is smoothed, above 0.
+    """
 
     type: Literal["smooth"]
     reference_speed: Positive = Field(1e-3, alias="reference_speed_m_s")

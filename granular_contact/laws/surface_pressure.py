@@ -33,16 +33,25 @@ Angle = Annotated[float, Field(ge=0, lt=90)]
 
 
 class SurfacePressure(Law):
-    """A law that gives the numbers of the pressure; the shear is here."""
+    """A law that gives the numbers of the pressure; the shear is here.
+
+    Parameters
+    ----------
+    friction_angle : float
+        phi (deg), 0 to below 90; 0: no shear but that of the cohesion.
+    cohesion : float
+        c (Pa), 0 or more.
+    shear_modulus : float
+        K (m) of Janosi and Hanamoto; 0: all of the shear from the first motion on.
+    plate_width : float, optional
+        b (m); null: the width of a shape normal to the plane, the diameter of a bar. In space b has to be
+        given.
+    """
 
     friction_angle: Angle = Field(alias="friction_angle_deg")
-    """phi; 0: no shear but that of the cohesion."""
     cohesion: NotNegative = Field(0.0, alias="cohesion_Pa")
-    """c."""
     shear_modulus: NotNegative = Field(0.0, alias="shear_modulus_m")
-    """K of Janosi and Hanamoto; 0: all of the shear from the first motion on."""
     plate_width: Positive | None = Field(None, alias="plate_width_m")
-    """b; null: the width of a shape normal to the plane, the diameter of a bar. In space b has to be given."""
 
     terms = ("pressure", "shear")
     takes = frozenset({"round", "flat", "outline"})

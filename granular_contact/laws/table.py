@@ -35,17 +35,27 @@ Angles = Annotated[tuple[float, ...], Listed, Field(min_length=2)]
 
 
 class StressTable(Law):
-    """Stress by depth, beta and gamma, as a table has it."""
+    """Stress by depth, beta and gamma, as a table has it.
+
+    Parameters
+    ----------
+    depth : sequence of float
+        Depths (m) of the rows, rising.
+    beta : sequence of float
+        Angles of the element (deg), from -90 to 90, rising.
+    gamma : sequence of float
+        Angles of its motion below the horizontal (deg), from -90 to 90, rising.
+    stress_x : sequence of float
+        Against the horizontal motion (Pa), by depth, then beta, then gamma.
+    stress_z : sequence of float
+        Upward (Pa), in the same order.
+    """
 
     law: Literal["table"]
     depth: Numbers = Field(alias="depth_m")
-    """Depths of the rows, rising."""
     beta: Angles = Field(alias="beta_deg")
-    """From -90 to 90, rising."""
     gamma: Angles = Field(alias="gamma_deg")
-    """From -90 to 90, rising."""
     stress_x: Numbers = Field(alias="stress_x_Pa")
-    """By depth, then beta, then gamma."""
     stress_z: Numbers = Field(alias="stress_z_Pa")
 
     equation = "stress = table(depth, beta, gamma)"

@@ -16,15 +16,22 @@ from granular_contact.values.strict import NotNegative
 
 
 class TsimringVolfson(ScalarLaw):
-    """k z^p + c v^2."""
+    """k z^p + c v^2, against the motion of a ball (Tsimring and Volfson 2005).
+
+    Parameters
+    ----------
+    drag : float
+        c (kg/m), 0 or more.
+    friction : float
+        k z_1^p (N) at the depth z_1 = 1 m, 0 or more.
+    exponent : float
+        p, above 0, at most 5.
+    """
 
     law: Literal["tsimring_volfson"]
     drag: NotNegative = Field(alias="drag_kg_m")
-    """c."""
     friction: NotNegative = Field(alias="friction_N")
-    """k z_1^p at the depth z_1 = 1 m."""
     exponent: float = Field(gt=0, le=5)
-    """p."""
 
     equation = "F = k z^p + c v^2"
     terms = ("friction", "drag")

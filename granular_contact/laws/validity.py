@@ -21,12 +21,21 @@ Interval = Annotated[tuple[NotNegative, NotNegative], Listed, AfterValidator(_ri
 
 
 class Validity(Coefficients):
-    """Where the coefficients were measured; null: not stated. A run that leaves it says so in its summary."""
+    """Where the coefficients were measured; null: not stated. A run that leaves it says so in its summary.
+
+    Parameters
+    ----------
+    speed : pair of float, optional
+        Least and greatest (m/s).
+    depth : pair of float, optional
+        Least and greatest (m).
+    size : pair of float, optional
+        Diameter of bars and balls, width of plates: least and greatest (m).
+    """
 
     speed: Interval | None = Field(None, alias="speed_m_s")
     depth: Interval | None = Field(None, alias="depth_m")
     size: Interval | None = Field(None, alias="size_m")
-    """Diameter of bars and balls, width of plates."""
 
     def departures(self, speed: float, depth: float, sizes: tuple[float, ...]) -> Iterator[str]:
         """Sentences on what lies outside: greatest speed and depth of a run, sizes of the parts that met the medium.

@@ -89,25 +89,35 @@ class MujocoBed:
         if (up is None or gravity is None) and not pull.any():
             raise ValueError("up, gravity: the model has no gravity, give both")
         self.up = _unit("up", -pull if up is None else up)
-        options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap}
+        options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap, "floor": floor}
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
-        if plane is None:
-            if form != "distributed":
-                raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
-            from granular_contact.bed.space.load import SpatialLoad
-
-            self.load: Any = SpatialLoad(medium, surface, up=self.up, **options, floor=floor, spread=WIDER)
-            self.turn: Vector = self.load.turn
-        else:
-            along = _unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ self.up) * self.up)
-            self.load = GranularLoad(medium, surface, **options, form=form, floor=floor)
-            self.turn = np.array([along, np.cross(self.up, along), self.up])
+        self.load, self.turn = self._load_of(medium, surface, form, plane, options)
         self._names: dict[int, Body] = {}
         self._geoms: list[int] = []
         self._options = {"record": record, "lenient": lenient}
         self._shared: Shared | None = None
         self._of: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()
         self._callback = Callback()
+
+    def _load_of(
+        self,
+        medium: Law | Layer | Sequence[Law | Layer],
+        surface: ArrayLike,
+        form: str,
+        plane: ArrayLike | None,
+        options: dict[str, Any],
+    ) -> tuple[Any, Vector]:
+        """The load, and the matrix (3, 3) from the world to the frame of the bed."""
+        if plane is None:
+            if form != "distributed":
+                raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
+            from granular_contact.bed.space.load import SpatialLoad
+
+            load = SpatialLoad(medium, surface, up=self.up, **options, spread=WIDER)
+            return load, load.turn
+        along = _unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ self.up) * self.up)
+        turn = np.array([along, np.cross(self.up, along), self.up])
+        return GranularLoad(medium, surface, **options, form=form), turn
 
     # ---- what the medium acts on ----
 

@@ -165,8 +165,8 @@ class GranularBed:
 
         Parameters
         ----------
-        body : ObjectIndex
-            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        body, strips, free_end, name
+            As of `add_rigid`.
         points : (k, 2) array
             Corners (m) in the frame of the body, two or more.
         diameter, width : float
@@ -174,10 +174,6 @@ class GranularBed:
         turns : (k - 1,) array, optional
             Angle (rad) by which each side turns, counter-clockwise, where it is the chord of an arc: an arc of few
             points is round for the medium. Straight unless given.
-        strips, free_end
-            As of `add_rigid`.
-        name : str, optional
-            Under which the forces on the body are kept; that of the body unless given.
 
         Raises
         ------
@@ -202,19 +198,14 @@ class GranularBed:
 
         Parameters
         ----------
-        body : ObjectIndex
-            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        body, strips, name
+            As of `add_rigid`.
         points : (k, 2) array
             Corners (m) in the frame of the body, in either sense of turning; the last side joins the first point again.
         width : float
             Width (m) normal to the plane of motion.
         turns : (k,) array, optional
-            Angle (rad) by which each side turns, counter-clockwise, where it is the chord of an arc: an arc of few
-            points is round for the medium. Straight unless given.
-        strips : int
-            As of `add_rigid`.
-        name : str, optional
-            Under which the forces on the body are kept; that of the body unless given.
+            As of `add_line`.
 
         Raises
         ------
@@ -231,16 +222,14 @@ class GranularBed:
 
         Parameters
         ----------
-        body : ObjectIndex
-            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        body, name
+            As of `add_rigid`.
         center : (2,) array
             Its centre (m) in the frame of the body.
         diameter : float
             m.
         mass : float, optional
             Mass of the sphere itself (kg), for laws that need it; that of the body unless given.
-        name : str, optional
-            Under which the forces on the body are kept; that of the body unless given.
 
         Raises
         ------

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.results.energy import work
-from granular_contact.scene.types import Drive, JointLaw, Vector
+from granular_contact.scene.joint_law import JointLaw
+from granular_contact.scene.types import Drive, Vector
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ from granular_contact.kernels import joint_laws, joint_loads
 from granular_contact.kernels.entry import entry
 from granular_contact.multibody.coordinates import Coordinate
 from granular_contact.multibody.overlay import Overlay
-from granular_contact.scene.types import Drive, JointLaw, Vector
+from granular_contact.scene.joint_law import JointLaw
+from granular_contact.scene.types import Drive, Vector
 
 
 def fill(record: NDArray[np.void], law: JointLaw, drive: Drive | None) -> None:

@@ -92,18 +92,7 @@ class Solve:
                 mbs.SetPostNewtonUserFunction(control)
                 control_steps(self.simulation, control)
             mbs.SetPostStepUserFunction(self.recorder)
-            # Accelerations that are round-off tell nothing.
-            self._predictor = (
-                None
-                if unresolved(scene)
-                else Predictor(
-                    self.solver,
-                    self.recorder.lever if self._goes_round() else None,
-                    tolerances(scene, self.simulation),
-                    patience(scene, self.simulation),
-                    bends=bool(scene.links),
-                )
-            )
+            self._predictor = self._make_predictor()
             mbs.SetPreNewtonResidualUserFunction(self._predictor or 0)
             # Kernels are loaded here, which is no part of the solve.
             if system.bed is not None:
@@ -119,6 +108,15 @@ class Solve:
             self._run(self._begin)
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
+
+    def _make_predictor(self) -> Predictor | None:
+        """What Newton's method begins with; None where accelerations are round-off, which tells nothing."""
+        scene, simulation = self.system.scene, self.simulation
+        if unresolved(scene):
+            return None
+        lever = self.recorder.lever if self._goes_round() else None
+        limits = tolerances(scene, simulation), patience(scene, simulation)
+        return Predictor(self.solver, lever, *limits, bends=bool(scene.links))
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.

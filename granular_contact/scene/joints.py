@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from typing import Any
 
 from granular_contact.config import schema
+from granular_contact.scene.joint_law import joint_law
 from granular_contact.scene.layout import ZERO, Frame, JointState, Layout, direction, point
-from granular_contact.scene.types import Joint, JointLaw, RigidBody, Vector, rotation
+from granular_contact.scene.types import Joint, RigidBody, Vector, rotation
 
 
 def joints_of(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[str, JointState]) -> Iterator[Joint]:
@@ -17,13 +16,7 @@ def joints_of(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[str,
 
     states: of the joints of the tree.
     """
-    homes: dict[str, tuple[str | None, Frame]] = {name: (name, frame) for name, frame in layout.frames.items()}
-    merged = {body.name: body for body in rigid}
-    for group in layout.groups:
-        body = merged.get("+".join(group))
-        home = (None, Frame(ZERO, 0.0)) if body is None else (body.name, Frame(body.motion.position, body.motion.angle))
-        homes |= dict.fromkeys(group, home)
-    loops = layout.model.closures
+    homes, loops = _homes(layout, rigid), layout.model.closures
     for name, joint in (layout.model.all_joints | loops).items():
         parent, parent_frame = homes[joint.parent]
         child, child_frame = homes[joint.child]
@@ -52,8 +45,19 @@ def joints_of(layout: Layout, rigid: tuple[RigidBody, ...], states: Mapping[str,
             start=start,
             rate=rate,
             closes=name in loops,
-            law=law(joint),
+            law=joint_law(joint),
         )
+
+
+def _homes(layout: Layout, rigid: tuple[RigidBody, ...]) -> dict[str, tuple[str | None, Frame]]:
+    """By the name of each body the merged one that it is a part of, None for the ground, and the frame of that."""
+    homes: dict[str, tuple[str | None, Frame]] = {name: (name, frame) for name, frame in layout.frames.items()}
+    merged = {body.name: body for body in rigid}
+    for group in layout.groups:
+        body = merged.get("+".join(group))
+        home = (None, Frame(ZERO, 0.0)) if body is None else (body.name, Frame(body.motion.position, body.motion.angle))
+        homes |= dict.fromkeys(group, home)
+    return homes
 
 
 def _origin(layout: Layout, joint: schema.SliderClosure) -> Vector:
@@ -78,66 +82,3 @@ def coordinate(
         turned = parent.angle - child.angle
         return turned - 2.0 * math.pi * round(turned / (2.0 * math.pi)), motions[0].rate - motions[1].rate
     return 0.0, 0.0
-
-
-def law(joint: Any) -> JointLaw:
-    """What acts in a joint of the plane or of space, in SI units of its coordinate."""
-    match joint.type:
-        case "hinge":
-            return _hinge_law(joint)
-        case "slider":
-            return _slider_law(joint)
-        case "ball":
-            return _ball_law(joint)
-    return JointLaw()
-
-
-def _hinge_law(joint: Any) -> JointLaw:
-    made = JointLaw(damping=joint.damping_Nm_s_per_rad)
-    if (spring := joint.spring) is not None:
-        made = replace(made, stiffness=spring.stiffness_Nm_per_rad, rest=math.radians(spring.rest_deg))
-    if (stops := joint.stops) is not None:
-        made = replace(
-            made,
-            lower=math.radians(stops.lower_deg),
-            upper=math.radians(stops.upper_deg),
-            stop_stiffness=stops.stiffness_Nm_per_rad,
-            dissipation=stops.dissipation_s_per_rad,
-        )
-    if (friction := joint.friction) is not None:
-        slip, damping_time = math.radians(friction.slip_deg), friction.damping_time_s
-        made = replace(made, friction=friction.torque_Nm, slip=slip, damping_time=damping_time)
-    return made
-
-
-def _slider_law(joint: Any) -> JointLaw:
-    made = JointLaw(damping=joint.damping_N_s_per_m)
-    if (spring := joint.spring) is not None:
-        made = replace(made, stiffness=spring.stiffness_N_per_m, rest=spring.rest_m)
-    if (stops := joint.stops) is not None:
-        made = replace(
-            made,
-            lower=stops.lower_m,
-            upper=stops.upper_m,
-            stop_stiffness=stops.stiffness_N_per_m,
-            dissipation=stops.dissipation_s_per_m,
-        )
-    if (friction := joint.friction) is not None:
-        slip, damping_time = friction.slip_m, friction.damping_time_s
-        made = replace(made, friction=friction.force_N, slip=slip, damping_time=damping_time)
-    return made
-
-
-def _ball_law(joint: Any) -> JointLaw:
-    """Of a joint of space, by the angle of its rotation from home."""
-    made = JointLaw(damping=joint.damping_Nm_s_per_rad)
-    if (spring := joint.spring) is not None:
-        made = replace(made, stiffness=spring.stiffness_Nm_per_rad)
-    if (stops := joint.stops) is not None:
-        made = replace(
-            made,
-            upper=math.radians(stops.upper_deg),
-            stop_stiffness=stops.stiffness_Nm_per_rad,
-            dissipation=stops.dissipation_s_per_rad,
-        )
-    return made

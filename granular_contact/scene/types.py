@@ -25,6 +25,7 @@ from granular_contact.laws.kinds import Kind
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed
+from granular_contact.scene.joint_law import IDLE, JointLaw
 from granular_contact.scene.signals import Signal
 from granular_contact.scene.steps import Steps
 
@@ -153,41 +154,6 @@ class FlexibleLink:
 
 
 @dataclass(frozen=True)
-class JointLaw:
-    """What acts in a joint by its own coordinate (rad or m) and rate; torques in N m or forces in N.
-
-    Spring (stiffness, rest) and damper; stops beyond `lower` and `upper`, of stop_stiffness x depth x (1 + dissipation
-    x rate of depth); dry friction as a bristle that yields at `slip`, with a damping time (s).
-    """
-
-    stiffness: float = 0.0
-    rest: float = 0.0
-    damping: float = 0.0
-    lower: float = -math.inf
-    upper: float = math.inf
-    stop_stiffness: float = 0.0
-    dissipation: float = 0.0
-    friction: float = 0.0
-    slip: float = 1.0
-    damping_time: float = 0.0
-
-    @property
-    def has_stops(self) -> bool:
-        """Whether the joint has ends of its range."""
-        return self.stop_stiffness > 0.0
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether a spring and a damper are all there is."""
-        return not self.has_stops and self.friction == 0.0
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether nothing acts."""
-        return self.is_linear and self.stiffness == 0.0 and self.damping == 0.0
-
-
-@dataclass(frozen=True)
 class Joint:
     """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
 
@@ -207,7 +173,7 @@ class Joint:
     start: float = 0.0
     rate: float = 0.0
     closes: bool = False
-    law: JointLaw = JointLaw()
+    law: JointLaw = IDLE
 
     @property
     def has_coordinate(self) -> bool:

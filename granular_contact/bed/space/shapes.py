@@ -33,12 +33,29 @@ class Shape(ABC):
 
     @abstractmethod
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles (n, 3, 3) m that turn counter-clockwise seen from outside, of edges of at most `size` (m)."""
+        """Triangles of its surface.
+
+        Parameters
+        ----------
+        size : float, optional
+            Greatest edge (m); an eighth of the diagonal unless given.
+
+        Returns
+        -------
+        (n, 3, 3) array
+            Corners (m) in the frame of the shape, counter-clockwise seen from outside.
+        """
 
 
 @dataclass(frozen=True)
 class Box(Shape):
-    """Box around the origin with sides along the axes; size: x, y, z (m)."""
+    """Box around the origin with sides along the axes.
+
+    Parameters
+    ----------
+    size : (3,) sequence
+        Along x, y, z (m), above 0.
+    """
 
     size: tuple[float, float, float]
 
@@ -53,7 +70,13 @@ class Box(Shape):
 
 @dataclass(frozen=True)
 class Cylinder(Shape):
-    """Cylinder around the z axis, from -length/2 to length/2."""
+    """Cylinder around the z axis, from -length/2 to length/2.
+
+    Parameters
+    ----------
+    diameter, length : float
+        m, above 0.
+    """
 
     diameter: float
     length: float
@@ -71,7 +94,12 @@ class Cylinder(Shape):
 class Sphere(Shape):
     """Sphere around the origin.
 
-    mass: its own (kg), for laws of balls that know it; that of the body unless given.
+    Parameters
+    ----------
+    diameter : float
+        m, above 0.
+    mass : float, optional
+        Its own (kg), for laws of balls that know it; that of the body unless given.
     """
 
     diameter: float
@@ -88,7 +116,15 @@ class Sphere(Shape):
 
 @dataclass(frozen=True)
 class Capsule(Shape):
-    """Cylinder around the z axis with half spheres at its ends; length: between their centres."""
+    """Cylinder around the z axis with half spheres at its ends.
+
+    Parameters
+    ----------
+    diameter : float
+        m, above 0.
+    length : float
+        Between the centres of the half spheres (m), above 0.
+    """
 
     diameter: float
     length: float
@@ -106,7 +142,15 @@ class Capsule(Shape):
 
 @dataclass(frozen=True)
 class Cone(Shape):
-    """Cone around the z axis: its tip at the origin, its base at z = height."""
+    """Cone around the z axis: its tip at the origin, its base at z = height.
+
+    Parameters
+    ----------
+    diameter : float
+        Of the base (m), above 0.
+    height : float
+        m, above 0.
+    """
 
     diameter: float
     height: float
@@ -121,7 +165,13 @@ class Cone(Shape):
 
 @dataclass(frozen=True)
 class Plate(Shape):
-    """Thin rectangle in the x-y plane around the origin, of which either face can lead; size: x, y (m)."""
+    """Thin rectangle in the x-y plane around the origin, of which either face can lead.
+
+    Parameters
+    ----------
+    size : (2,) sequence
+        Along x and y (m), above 0.
+    """
 
     size: tuple[float, float]
     thin = True
@@ -140,7 +190,21 @@ class Plate(Shape):
 class Bar(Shape):
     """Thin round bar along a polyline, for laws of bars.
 
-    points: (k, 3) m; strips: about how many there are in all; free_end: whether the face at the last point is free.
+    Parameters
+    ----------
+    points : (k, 3) array
+        Corners of its middle line (m), two or more.
+    diameter : float
+        m, above 0.
+    strips : int
+        About how many there are in all.
+    free_end : bool
+        Whether the face at the last point is free.
+
+    Raises
+    ------
+    SceneError
+        A number is not above 0, or the points are no line; of all shapes.
     """
 
     points: ArrayLike

@@ -76,20 +76,10 @@ def structure_faults(
     for name, (parent, child) in closures.items():
         faults += _end_faults("closures", name, parent, child, all_bodies)
     for child, above in joints_of.items():
-        faults += [
-            (
-                ("joints", name, "child"),
-                f"{child} is the child of {above[0]} already; each body has one, and closures close loops",
-            )
-            for name in above[1:]
-            if name in joints
-        ]
-    if complete:
-        faults += [
-            (("bodies", body), f"no joint has {body} as its child; each body is the child of one joint")
-            for body in bodies
-            if body not in joints_of
-        ]
+        words = f"{child} is the child of {above[0]} already; each body has one, and closures close loops"
+        faults += [(("joints", name, "child"), words) for name in above[1:] if name in joints]
+    words = "no joint has {} as its child; each body is the child of one joint"
+    faults += [(("bodies", body), words.format(body)) for body in bodies if complete and body not in joints_of]
     return faults + _cycle_faults({child: names[0] for child, names in joints_of.items()}, joints, all_joints)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config.csv_table import ragged, table_of
+from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault, ResultsError
 from granular_contact.report import ANIMATION, ENTRIES, FIGURES, MOTION, kind_of
 from granular_contact.results.motion import Motion, of_plain
@@ -96,11 +97,17 @@ class Folder:
         return head, table.reshape(-1, len(head))
 
     def text(self, name: str) -> str | None:
-        """A text file as it is; None if there is none."""
+        """A text file as it is, YAML checked for its form; None if there is none."""
+        file, faults = self.path / name, list[Fault]()
         try:
-            return (self.path / name).read_text(encoding="utf-8") if self.has(name) else None
+            found = file.read_text(encoding="utf-8") if self.has(name) else None
         except (OSError, UnicodeDecodeError):
-            raise FolderError(f"{self.path / name}: can't be read as text") from None
+            raise FolderError(f"{file}: can't be read as text") from None
+        if found is not None and file.suffix == ".yaml":
+            read_text(found, str(file), faults)
+        if faults:
+            raise FolderError(str(faults[0]))
+        return found
 
     def motion(self) -> Motion | None:
         """How the mechanism moved; None if that was not saved."""

@@ -9,12 +9,12 @@ import numpy as np
 
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
-from granular_contact.scene.joints import law
+from granular_contact.scene.joint_law import joint_law
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import Frame, JointState, Pose, axis_of
 from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
-from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody
+from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, Vector
 
 
 def joints_of(
@@ -25,10 +25,11 @@ def joints_of(
     needed: Mapping[str, tuple[bool, ...]],
 ) -> Iterator[SpatialJoint]:
     """Joints and closures between what moves on its own; needed: which constraints of closures count."""
-    homes: dict[str, tuple[str | None, Frame]] = {}
-    for body in rigid:
-        frame = Frame(body.motion.position, body.motion.rotation)
-        homes |= dict.fromkeys(body.name.split("+"), (body.name, frame))
+    homes = {
+        name: (body.name, Frame(body.motion.position, body.motion.rotation))
+        for body in rigid
+        for name in body.name.split("+")
+    }
     fixed = (None, Frame(np.zeros(3), np.eye(3)))
     for name, joint in (model.all_joints | model.closures).items():
         parent, parent_frame = homes.get(joint.parent, fixed)
@@ -38,12 +39,10 @@ def joints_of(
         assert child is not None  # closures with child and parent swapped are refused before
         turn, at_child = joint_frame(joint, placed)
         # The points of a slider stay where they are on their bodies; elsewhere both are the same.
-        at_parent = at_child
-        if joint.type == "slider":
-            at_parent = placed.frames[joint.parent].world(np.array(joint.parent_point_m))
-        on_child = placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
-        if joint.type not in ("hinge", "ball", "free"):
-            on_child = turn  # closed to round-off
+        at_parent = _origin(placed, joint) if joint.type == "slider" else at_child
+        on_child = turn  # closed to round-off
+        if joint.type in ("hinge", "ball", "free"):
+            on_child = placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
         start, rate = coordinate(name, joint, placed, states)
         yield SpatialJoint(
             name=name,
@@ -58,8 +57,13 @@ def joints_of(
             start=start,
             rate=rate,
             closes=name in model.closures,
-            law=law(joint),
+            law=joint_law(joint),
         )
+
+
+def _origin(placed: Pose, joint: AnyJoint | AnyClosure) -> Vector:
+    """Point (3,) m of a joint on its parent."""
+    return placed.frames[joint.parent].world(np.array(joint.parent_point_m))
 
 
 def coordinate(
@@ -73,7 +77,7 @@ def coordinate(
     turn, at_child = joint_frame(joint, placed)
     axis = turn[:, 2]
     if joint.type == "slider":
-        apart = at_child - placed.frames[joint.parent].world(np.array(joint.parent_point_m))
+        apart = at_child - _origin(placed, joint)
         speed = placed.velocity(joint.child, at_child) - placed.velocity(joint.parent, at_child)
         return float(axis @ apart), float(axis @ speed)
     relative = turn.T @ placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))

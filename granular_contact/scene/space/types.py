@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.scene.types import JointLaw, Scene
+from granular_contact.scene.joint_law import JointLaw
+from granular_contact.scene.types import Scene
 
 if TYPE_CHECKING:
     from granular_contact.scene.space.bed import SpatialBed

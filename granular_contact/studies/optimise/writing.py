@@ -81,7 +81,7 @@ def write_history(outcome: Outcome, folder: Path) -> None:
 def outcome_data(outcome: Outcome) -> dict[str, Any]:
     """What optimise.json holds."""
     file, best, start = outcome.study.file, outcome.best, outcome.start
-    ranges = file.parameters.items()
+    found = {} if best is None else best.row.summary
     return {
         "name": outcome.study.name,
         "method": file.method,
@@ -99,27 +99,29 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
         "best_run": None if best is None else best.index,
         "best_is_allowed": best is not None and best.is_allowed,
         "gain_relative": outcome.gain,
-        "parameters": {
-            name: {
-                "from": one.start,
-                "to": one.stop,
-                "scale": one.scale,
-                "keys": list(file.keys(name)),
-                "start": outcome.study.start[name],
-                "best": outcome.numbers[name],
-            }
-            for name, one in ranges
-        },
+        "parameters": _parameters(outcome),
         "constraints": {
-            name: {
-                **limit.model_dump(),
-                "start": start.row.summary.get(name),
-                "best": None if best is None else best.row.summary.get(name),
-            }
+            name: limit.model_dump() | {"start": start.row.summary.get(name), "best": found.get(name)}
             for name, limit in file.constraints.items()
         },
         "failures": _failures(outcome),
         "versions": versions() | packages(file),
+    }
+
+
+def _parameters(outcome: Outcome) -> dict[str, dict[str, Any]]:
+    """Range of each parameter, the keys that it sets, and its values."""
+    file, start = outcome.study.file, outcome.study.start
+    return {
+        name: {
+            "from": one.start,
+            "to": one.stop,
+            "scale": one.scale,
+            "keys": list(file.keys(name)),
+            "start": start[name],
+            "best": outcome.numbers[name],
+        }
+        for name, one in file.parameters.items()
     }
 
 

@@ -1,0 +1,120 @@
+"""Runs in one call, with or without a controller that steers them."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from granular_contact.config import Loaded, Scenario, load
+from granular_contact.errors import ControlError
+from granular_contact.results import Compiling, Progress, Results
+from granular_contact.results.frames import MOST
+from granular_contact.results.observed import Observations
+from granular_contact.run import run, scenario_of
+from granular_contact.scene.build import build
+from granular_contact.scene.types import Scene
+from granular_contact.simulation import Controls, Simulation, finite
+
+if TYPE_CHECKING:
+    from granular_contact.laws.law import Law
+    from granular_contact.multibody.system import System, Trajectory
+
+Controller = Callable[[float, Observations], Controls]
+
+
+def simulate(
+    scene: Scene | Scenario | Loaded | str | PathLike[str] | Mapping[str, Any],
+    scenario: Scenario | None = None,
+    progress: Progress | None = None,
+    *,
+    laws: Sequence[type[Law]] = (),
+    control: Controller | None = None,
+    control_rate_Hz: float = 1000.0,
+    most_frames: int = MOST,
+    inspect: Callable[[System, Trajectory], None] | None = None,
+    compiling: Compiling | None = None,
+) -> Results:
+    """Simulate a scene, steered by a controller if there is one.
+
+    However the run ends, what it reached is in the results; look at their status.
+
+    Parameters
+    ----------
+    scene : Scene, Scenario, Loaded, str, path or mapping
+        What `load` gave, or takes; or the scenario in it; or what `build` made of one.
+    scenario : Scenario, optional
+        What the scene was built from; the scene knows it, and any other is refused.
+    progress : callable, optional
+        Called now and then with the simulated time and the end time (s).
+    laws : sequence of types of Law
+        Laws of your own that a config names by their tags, as of `load`.
+    control : callable, optional
+        `control(t, observations)` gives the controls from the time t (s) on, see `Simulation.step`. It is called at the
+        start and then at its rate. Where it raises, or gives what can't be set, the run ends as failed; its results
+        hold what was reached, and its status the message. Steps chosen by their error end where it is called, and
+        strips are those of the scene: the run is not repeated with shorter ones.
+    control_rate_Hz : float
+        Calls in a second.
+    most_frames, inspect, compiling
+        As of `granular_contact.run.run`; inspect is not called for a run with a controller. Pictures are for the player
+        of a report and for animations, and take 0.1 to 0.6 ms each; 0 for none.
+
+    Returns
+    -------
+    Results
+        Time series, summary, status and warnings; also of a run that failed or was interrupted.
+
+    Raises
+    ------
+    ConfigError
+        The config is at fault, as of `load`.
+    SceneError
+        The scenario is another one than the scene was built from, or the scene was not built from any.
+    ControlError
+        The rate is no number above 0.
+
+    Examples
+    --------
+    >>> results = simulate("pendulum_rigid")
+    >>> results.status.code, f"{1e3 * results.summary['stopping_time_s']:.1f} ms"
+    ('rest', '25.5 ms')
+    """
+    if isinstance(scene, str | PathLike | Mapping):
+        scene = load(scene, laws=laws)
+    if isinstance(scene, Loaded | Scenario):
+        scene = build(scene)
+    if control is None:
+        return run(scene, scenario, progress, most_frames=most_frames, inspect=inspect, compiling=compiling)
+    rate = finite(control_rate_Hz)
+    if rate is None or rate <= 0.0:
+        raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
+    simulation = Simulation(scenario_of(scene, scenario), compiling=compiling)
+    _steer(simulation, control, rate, progress)
+    made = simulation.results(most_frames)
+    simulation.close()
+    return made
+
+
+def _steer(simulation: Simulation, control: Controller, rate: float, progress: Progress | None) -> None:
+    """Go on to the end of a run, with controls from a controller that is called so many times a second."""
+    seen, calls, end = simulation.observe(), 0, simulation.scenario.solver.end_time_s
+    while simulation.ended is None:
+        calls += 1
+        try:
+            seen = simulation._go_on(control(seen.time, seen), calls / rate)
+        except KeyboardInterrupt:
+            simulation.interrupt()
+        except Exception as error:  # whatever the controller of a user raises
+            simulation.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
+        if progress is not None:
+            progress(seen.time, end)
+
+
+def _words(error: Exception) -> str:
+    """An error in one sentence, with the place in the controller where it was raised."""
+    if isinstance(error, ControlError):
+        return str(error).replace("\n", "; ")
+    frames: Sequence[traceback.FrameSummary] = traceback.extract_tb(error.__traceback__)
+    return f"{type(error).__name__}: {error} ({frames[-1].filename}:{frames[-1].lineno})"
