@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked
@@ -20,7 +20,6 @@ from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
     from granular_contact.multibody.system import System, Trajectory
-    from granular_contact.reduced.solve import Solve
 
 Made = TypeVar("Made")
 
@@ -81,19 +80,17 @@ def summaries_of(scenes: Sequence[Scene]) -> list[dict[str, Any] | Exception]:
 
     While they march other threads of Python go on.
     """
-    from granular_contact.reduced.batch import advance
+    from granular_contact.reduced.batch import summaries
+    from granular_contact.reduced.model import Models
 
-    begun = {i: tried(_by_modes, one, None, None) for i, one in enumerate(scenes) if isinstance(one.method, Reduced)}
-    advance([cast("Solve", one.solving) for one in begun.values() if isinstance(one, Begun)])
-    return [_key_numbers(begun[i]) if i in begun else tried(summary_of, scene) for i, scene in enumerate(scenes)]
-
-
-def _key_numbers(begun: Begun | Exception) -> dict[str, Any] | Exception:
-    """Key numbers of a solve at its end."""
-    if isinstance(begun, Exception):
-        return begun
-    observed = tried(begun.observe, begun.solving.trajectory())
-    return observed if isinstance(observed, Exception) else tried(lambda: key_numbers(observed)[0])
+    of, places = Models(), [i for i, scene in enumerate(scenes) if isinstance(scene.method, Reduced)]
+    found: dict[int, Any] = {i: tried(of, scenes[i]) for i in places}
+    fine = [i for i in places if not isinstance(found[i], Exception)]
+    told: Any = tried(summaries, [found[i] for i in fine])
+    if isinstance(told, Exception):  # of one of them, or of memory for all
+        told = [tried(lambda one: summaries([one])[0], found[i]) for i in fine]
+    found.update(zip(fine, told, strict=True))
+    return [found[i] if i in found else tried(summary_of, scene) for i, scene in enumerate(scenes)]
 
 
 def tried(function: Callable[..., Made], *given: Any) -> Made | Exception:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from pydantic import BaseModel
+
 from granular_contact.config.tree import Path, dotted
 from granular_contact.values.strict import listed
 
@@ -24,6 +26,15 @@ def differences(one: Any, other: Any, path: Path = (), whole: bool = False) -> I
             yield from differences(held, another, (*path, i))
     elif one != other:
         yield path, one, other
+
+
+def same_but(one: BaseModel, other: BaseModel, *keys: str) -> bool:
+    """Whether two checked parts of configs have all in common but these keys; parts that they share cost nothing."""
+    mine, theirs = vars(one), vars(other)
+    fields = type(one).model_fields
+    return type(one) is type(other) and all(
+        mine[key] is theirs[key] or mine[key] == theirs[key] for key in fields if key not in keys
+    )
 
 
 def differing_keys(one: Any, other: Any) -> str:

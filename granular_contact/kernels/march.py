@@ -14,7 +14,7 @@ from granular_contact.kernels.borrowing import borrowed
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.dormand_prince import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
-from granular_contact.kernels.memory import clear, piece, room1, room2
+from granular_contact.kernels.memory import clear, copy, piece, room1, room2
 from granular_contact.kernels.memory import rows as rows_of
 from granular_contact.kernels.modal import MOST
 from granular_contact.kernels.modal_calls import rates
@@ -29,7 +29,8 @@ PAUSE, REST, END, FAILED, CHATTERING = 0, 1, 2, 3, 4
 CROWD = 50  # ends of regimes within `crowd` that are taken for chattering
 
 # Times and speeds in SI units; reach: greatest distance of a point from the pivot (m); rest_time infinite for never;
-# crowd: see CROWD (s); blurred: the most that may count as no speed (m/s).
+# crowd: see CROWD (s); blurred: the most that may count as no speed (m/s); forces: whether rows get those of the
+# medium, which cost an evaluation each.
 CONTROL = np.dtype(
     [
         ("end", "f8"),
@@ -40,6 +41,7 @@ CONTROL = np.dtype(
         ("rest_time", "f8"),
         ("crowd", "f8"),
         ("blurred", "f8"),
+        ("forces", "?"),
     ]
 )
 SIZE = 2 * MOST + 2
@@ -77,18 +79,19 @@ class Room(NamedTuple):
 @kernel
 def write_row(t, y, s, w, row):
     """Fill a row: time, state, forces of the medium (3, 3) as in `strips`."""
-    fill_row(t, borrowed(y), borrowed(s), lent(w), borrowed(row))
+    fill_row(t, borrowed(y), borrowed(s), lent(w), True, borrowed(row))
 
 
 @part
-def fill_row(t, y, s, w, row):
-    """`write_row`."""
+def fill_row(t, y, s, w, forces, row):
+    """`write_row`; forces: whether they are asked for, else they are 0."""
     m = w.pendulum[0].modes + 1
     size, totals = y.shape[0], room2(3, 3)
     dy, sigma = rows_of(room1(SIZE), 0, 2 * m + 2), rows_of(room1(2), 0, s.shape[0])
     clear(totals)
     clear(sigma)
-    rates(y, s, w, sigma, totals, dy)
+    if forces:
+        rates(y, s, w, sigma, totals, dy)
     row[0] = t
     for i in range(size):
         row[1 + i] = y[i]
@@ -110,7 +113,7 @@ def finish(t, h, C, s, w, control, rows, counts, watch):
     due = counts[ROWS] * control.interval
     while due <= t + h and counts[ROWS] < rows.shape[0]:
         inside(C, (due - t) / h, y)
-        fill_row(due, y, s, w, piece(rows, counts[ROWS], rows.shape[1]))
+        fill_row(due, y, s, w, control.forces, piece(rows, counts[ROWS], rows.shape[1]))
         counts[ROWS] += 1
         due = counts[ROWS] * control.interval
     if w.lines.shape[0] == 0:
@@ -168,7 +171,7 @@ def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
     h = min(clock[STEP], control.longest, control.end - clock[NOW])
     while True:
         step(y, h, s, w, k, sigma, totals, end)
-        counts[RATES] += STAGES
+        counts[RATES] += STAGES - 1
         ratio = error(h, k, allowed)
         if ratio <= 1.0:
             clock[STEP] = h * min(5.0, 0.9 * max(ratio, 1e-10) ** -0.2)
@@ -188,12 +191,15 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
     """
     k, C, end, totals = room.slopes, room.path, room.end, room2(3, 3)
     sigma = rows_of(room1(2), 0, s.shape[0])
+    known = False  # whether k[0] is y' at y
     for _ in range(share):
         if counts[ROWS] + ahead(c) > rows.shape[0]:
             return PAUSE
         if w.pendulum[0].true_sign:
             follow(y, s, w)
-        rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
+        if not known:
+            rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
+            counts[RATES] += 1
         h = attempt(y, s, w, c, allowed, clock, counts, k, sigma, totals, end)
         if h == 0.0:
             return FAILED
@@ -206,7 +212,7 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
                 # behind, the next step finds it near its start, where its interpolant is exact.
                 h *= theta
                 step(y, h, s, w, k, sigma, totals, end)
-                counts[RATES] += STAGES
+                counts[RATES] += STAGES - 1
                 interpolant(y, h, k, C)
                 theta = regime_end(C, s, w, stopped)
         if theta <= 1.0:
@@ -218,6 +224,10 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
             y[i] = end[i]
         clock[NOW] += h
         counts[STEPS] += 1
+        # The last slope is that of the end, where bristles that were dragged along pull as they did.
+        known = theta > 1.0 and not w.pendulum[0].true_sign
+        if known:
+            copy(piece(k, 0, k.shape[1]), piece(k, STAGES - 1, k.shape[1]))
         if theta <= 1.0:
             if not turn(y, s, w, c, clock, counts, stopped, turns):
                 return CHATTERING

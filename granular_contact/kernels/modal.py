@@ -16,9 +16,7 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels.borrowing import borrowed
-from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.memory import piece
+from granular_contact.kernels.compiled import part
 
 MOST_MODES = 20
 MOST = MOST_MODES + 1  # coordinates
@@ -56,30 +54,3 @@ def modal_scatter(q, geometry, P, F, out):
         across = -s * F[i, 0] - c * F[i, 1]
         for k in range(1, q.shape[0]):
             out[k] += geometry[i].phi[k - 1] * across
-
-
-SPEED, DEEPEST, LOWEST, LEFT, RIGHT = 0, 1, 2, 3, 4  # of extremes (5,): m/s, then m
-
-
-@kernel
-def observe_stations(q, v, geometry, surface, beside, P, V, depth, rate, extremes):
-    """Fill depth and rate (n, instants), m and m/s, of the stations (n,) of a line, and take on their extremes.
-
-    q, v (instants, m); surface: height (m); beside: half the width of the line (m); P, V (n, 2) to work in; extremes
-    (5,): greatest speed below the surface, greatest depth, least height, and least and greatest x of what is below it.
-    """
-    n, m = geometry.shape[0], q.shape[1]
-    q, v, P, V = borrowed(q), borrowed(v), borrowed(P), borrowed(V)
-    for t in range(q.shape[0]):
-        modal_stations(piece(q, t, m), piece(v, t, m), geometry, P, V)
-        for i in range(n):
-            z = surface - P[i, 1]
-            depth[i, t], rate[i, t] = z, -V[i, 1]
-            extremes[DEEPEST], extremes[LOWEST] = max(extremes[DEEPEST], z), min(extremes[LOWEST], P[i, 1])
-            if z > 0.0:
-                k = min(i, n - 2)
-                x, y = P[k + 1, 0] - P[k, 0], P[k + 1, 1] - P[k, 1]
-                wide = beside * abs(y) / math.sqrt(x * x + y * y)
-                extremes[SPEED] = max(extremes[SPEED], math.sqrt(V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]))
-                extremes[LEFT] = min(extremes[LEFT], P[i, 0] - wide)
-                extremes[RIGHT] = max(extremes[RIGHT], P[i, 0] + wide)

@@ -5,7 +5,9 @@ modes     clamped-free modes and their integrals
 arrays    Model -> records and stations for the kernels
 marching  a solve under way, with the project's stepper or one of scipy's
 solve     Model -> Trajectory: from regime to regime of the static law
-batch     many solves brought to their ends by one compiled call
+batch     many models -> their summaries, marched by one compiled call
+looks     rows of runs -> greatest depths and deflections, and touches
+energies  rows of runs -> energies
 observe   Trajectory -> the columns that the engine's runs have
 
 Equations: `kernels.pendulum`; the true sign and its regimes: `kernels.slip`; the medium is that of the engine.

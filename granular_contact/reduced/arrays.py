@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +13,6 @@ from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import PendulumArrays
-from granular_contact.kernels.pendulum import PENDULUM
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.reduced.model import Bar, Model
 
@@ -23,11 +25,10 @@ STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 def arrays_of(reduced: Model) -> PendulumArrays:
     """Mass properties, and stations, lines and medium of all that can reach the surface."""
     scene = reduced.scene
-    pairs = zip(reduced.bars, reduced.stations, strict=True)
-    met = [(bar, stations) for bar, stations in pairs if _reaches(reduced, bar)]
-    starts = np.cumsum([0, *(len(stations) for _, stations in met)])
-    geometry, lines = np.zeros(starts[-1], MODAL_STATION), np.zeros(len(met), LINE)
-    for i, (bar, stations) in enumerate(met):
+    meets = [(reduced.bars[i], reduced.stations[i]) for i in met(reduced)]
+    starts = np.cumsum([0, *(len(stations) for _, stations in meets)])
+    geometry, lines = np.zeros(starts[-1], MODAL_STATION), np.zeros(len(meets), LINE)
+    for i, (bar, stations) in enumerate(meets):
         geometry[starts[i] : starts[i + 1]] = stations
         line = lines[i]
         line["width"], line["cap"] = bar.diameter, scene.load.end_cap and bar.free
@@ -38,42 +39,72 @@ def arrays_of(reduced: Model) -> PendulumArrays:
     if record["true_sign"]:
         parts |= {"margins": modal_motion.margins, "hold": slip.hold}
     modal_calls.provide(record, parts)
-    static = AIMED if reduced.method.static == "true_sign" else scene.static
     medium = np.zeros(1, LAW)
     if scene.media:
-        own = scene.media[0].record(static, scene.gravity)
-        medium = medium_record(own, lines, paths=False, bodies=False)
+        medium = medium_record(_law(reduced), lines, paths=False, bodies=False)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
-    anchors, most = np.zeros((starts[-1], 2)), max((len(stations) for _, stations in met), default=0)
+    anchors, most = np.zeros((starts[-1], 2)), max((len(stations) for _, stations in meets), default=0)
     room, depths = np.zeros((6, most, 2)), np.zeros(most)
     return PendulumArrays(record, geometry, starts, lines, profile, medium, anchors, room, depths)
 
 
+def stacked(several: Sequence[Model]) -> PendulumArrays:
+    """Arrays of models whose arrays have the same sizes, as `kernels.march` takes those of several runs."""
+    like, count = several[0], len(several)
+    own = arrays_of(like)
+    if not all(_differs_in_numbers(like, one) for one in several):
+        return joined([alone(own), *(alone(arrays_of(one)) for one in several[1:])])
+    made = own._replace(**{name: np.repeat(getattr(alone(own), name), count, axis=0) for name in _ITS_OWN})
+    made.pendulum["still"] = [STILL * one.speed for one in several]
+    made.profile[:, 0, 1] = [-np.inf if one.scene.surface is None else one.scene.surface for one in several]
+    if like.scene.media:
+        laws = np.concatenate([_law(one) for one in several])
+        numbers = made.medium["own"].view(np.uint8)
+        numbers[:, : laws.itemsize] = laws.view(np.uint8).reshape(count, laws.itemsize)
+    return made
+
+
+def _differs_in_numbers(one: Model, other: Model) -> bool:
+    """Whether models of the same parts meet media of one law with the same of these parts."""
+    alike = one.mechanics is other.mechanics and list(map(type, one.scene.media)) == list(map(type, other.scene.media))
+    return alike and one.scene.static == other.scene.static and met(one) == met(other)
+
+
+def met(reduced: Model) -> tuple[int, ...]:
+    """Places of the bars that can reach the surface."""
+    return tuple(i for i, bar in enumerate(reduced.bars) if _reaches(reduced, bar))
+
+
+def _law(reduced: Model) -> NDArray[np.void]:
+    """The record (1,) of the medium's law."""
+    static = AIMED if reduced.method.static == "true_sign" else reduced.scene.static
+    return reduced.scene.media[0].record(static, reduced.scene.gravity)
+
+
+_ITS_OWN = ("pendulum", "geometry", "lines", "profile", "medium", "anchors")  # of a run; runs share all else
+
+
+def alone(w: PendulumArrays) -> PendulumArrays:
+    """The arrays of one run as `kernels.march` takes those of several."""
+    return w._replace(**{name: getattr(w, name)[None] for name in ("geometry", "lines", "profile", "anchors")})
+
+
+def one_of(w: PendulumArrays, i: int) -> PendulumArrays:
+    """The arrays of the i-th of several runs."""
+    own = {name: getattr(w, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
+    return w._replace(pendulum=w.pendulum[i : i + 1], medium=w.medium[i : i + 1], **own)
+
+
+def joined(several: Sequence[PendulumArrays]) -> PendulumArrays:
+    """Arrays of single runs, each with a first axis, as that of several; what all share is that of the first."""
+    made = {name: np.concatenate([getattr(one, name) for one in several]) for name in _ITS_OWN}
+    return several[0]._replace(**made)
+
+
 def _pendulum(reduced: Model) -> NDArray[np.void]:
-    """Inertia, static moments, stiffness and damping ."""
-    record = np.zeros(1, PENDULUM)
-    n = reduced.method.modes
-    root = reduced.scene.rigid[0]
-    center = reduced.view.of(root, np.zeros(2))
-    record["modes"], record["g"], record["still"] = n, reduced.scene.gravity, STILL * reduced.speed
-    record["J"] = root.inertia + root.mass * float(center @ center)
-    record["S_e"], record["S_n"] = root.mass * center
-    link = reduced.link
-    if link is None:
-        return record
-    a, b = reduced.bars[-1].start
-    middle = a + 0.5 * link.length
-    # The engine's beam has no rotary inertia of its section; its rigid bar has.
-    section = 0.0 if n else link.thickness**2 / 16.0
-    record["J"] += link.mass * (middle**2 + b**2 + link.length**2 / 12.0 + section)
-    record["S_e"] += link.mass * middle
-    record["S_n"] += link.mass * b
-    record["b"], record["m"] = b, 0.25 * link.mass
-    mean, first, bending = reduced.modes.mean(), reduced.modes.first_moment(), reduced.modes.bending()
-    record["p"][0, :n] = link.mass * mean
-    record["c"][0, :n] = link.mass * (a * mean + link.length * first)
-    record["k"][0, :n] = link.bending_stiffness * bending
-    record["d"][0, :n] = link.bending_damping * bending
+    """Inertia, static moments, stiffness and damping, and what counts as no speed."""
+    record = reduced.mechanics.copy()
+    record["still"] = STILL * reduced.speed
     return record
 
 
@@ -82,5 +113,5 @@ def _reaches(reduced: Model, bar: Bar) -> bool:
     scene = reduced.scene
     if not scene.media:
         return False
-    reach = max(float(np.linalg.norm(bar.start)), float(np.linalg.norm(bar.end)))
+    reach = max(math.hypot(*bar.start), math.hypot(*bar.end))
     return bool(reduced.view.pivot[1] - STRETCH * reach < scene.surface)

@@ -14,7 +14,7 @@ from granular_contact.kernels import march as kernels
 from granular_contact.kernels.dormand_prince import STAGES
 from granular_contact.kernels.modal_load import PendulumArrays, rest
 from granular_contact.kernels.modal_motion import decide, follow, rates
-from granular_contact.reduced.arrays import arrays_of
+from granular_contact.reduced.arrays import alone, arrays_of, one_of
 from granular_contact.reduced.model import Model
 from granular_contact.scene.types import Vector
 
@@ -49,38 +49,20 @@ def room(modes: int) -> kernels.Room:
     return kernels.Room(np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
 
 
-_SHARED = ("starts", "room", "depths")  # of the arrays of runs that are alike
+def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDArray[np.void]:
+    """Records (runs,) of the kernels' CONTROL; w: Arrays of the runs, which all have the true sign or bristles.
 
-
-def alone(w: PendulumArrays) -> PendulumArrays:
-    """The arrays of one run as `kernels.march` takes those of several."""
-    return w._replace(**{name: getattr(w, name)[None] for name in ("geometry", "lines", "profile", "anchors")})
-
-
-def joined(several: Sequence[Any]) -> Any:
-    """Named tuples of arrays (1, ...) as one of arrays (several, ...); what all share is that of the first."""
-    first = several[0]
-    made = {}
-    for name in first._fields:
-        arrays = [getattr(one, name) for one in several]
-        if name in _SHARED:
-            made[name] = arrays[0]
-            continue
-        made[name] = np.empty((len(arrays), *arrays[0].shape[1:]), arrays[0].dtype)
-        for i, array in enumerate(arrays):
-            made[name][i] = array[0]
-    return type(first)(**made)
-
-
-def control(model: Model, w: PendulumArrays) -> NDArray[np.void]:
-    """Record (1,) of the kernels' CONTROL."""
-    solver, made = model.scene.solver, np.zeros(1, kernels.CONTROL)
-    made["end"], made["interval"] = solver.end_time_s, solver.step_s
-    bristles = len(w.lines) > 0 and not w.pendulum["true_sign"][0]
-    made["longest"] = solver.step_s if bristles else LONGEST * solver.step_s
-    made["reach"], made["rest_speed"] = model.reach, solver.rest_speed_m_s
-    made["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s
-    made["crowd"], made["blurred"] = SHORT * solver.step_s, MOST_STILL * model.speed
+    forces: whether rows hold those of the medium.
+    """
+    made = np.zeros(len(several), kernels.CONTROL)
+    solvers = [model.scene.solver for model in several]
+    made["end"], made["interval"] = [one.end_time_s for one in solvers], [one.step_s for one in solvers]
+    bristles = w.lines.shape[-1] > 0 and not w.pendulum["true_sign"][0]
+    made["longest"] = made["interval"] * (1.0 if bristles else LONGEST)
+    made["reach"], made["rest_speed"] = [m.reach for m in several], [one.rest_speed_m_s for one in solvers]
+    made["rest_time"] = [np.inf if one.rest_time_s is None else one.rest_time_s for one in solvers]
+    made["crowd"], made["blurred"] = SHORT * made["interval"], [MOST_STILL * model.speed for model in several]
+    made["forces"] = forces
     return made
 
 
@@ -90,11 +72,23 @@ def ahead(limits: NDArray[np.void]) -> NDArray[np.int64]:
     return found
 
 
-def allowed(model: Model) -> Vector:
-    """Error (2 n + 2,) of a step that each coordinate and each rate may have."""
-    lengths = np.array([1.0] + [model.reach] * model.method.modes)
-    found: Vector = model.method.rtol * np.concatenate([lengths, lengths * model.speed / model.reach])
+def allowed(several: Sequence[Model]) -> Vector:
+    """Error (runs, 2 n + 2) of a step that each coordinate and each rate may have."""
+    rtol, reach, speed = np.array([[m.method.rtol, m.reach, m.speed] for m in several]).T[:, :, None]
+    lengths = np.repeat(reach, several[0].size, axis=1)
+    lengths[:, 0] = 1.0
+    found: Vector = rtol * np.concatenate([lengths, lengths * speed / reach], axis=1)
     return found
+
+
+def begin(state: kernels.State, w: PendulumArrays, i: int) -> None:
+    """Let the bristles of the i-th run rest where its stations are, or choose its regime of the true sign."""
+    y, own = state.y[i], one_of(w, i)
+    if own.pendulum["true_sign"][0]:
+        decide(y, state.regime[i], state.stopped[i], own)
+        return
+    for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
+        rest(y[: own.pendulum["modes"][0] + 1], own.geometry[first:end], own.anchors[first:end])
 
 
 class March:
@@ -102,31 +96,18 @@ class March:
 
     def __init__(self, model: Model) -> None:
         self.model, self.arrays = model, arrays_of(model)
-        self.size = model.method.modes + 1
-        self.true_sign = bool(self.arrays.pendulum["true_sign"][0])
-        self.control = control(model, self.arrays)
+        self.size, self.true_sign = model.size, bool(self.arrays.pendulum["true_sign"][0])
+        self.control = control([model], self.arrays, forces=True)
         self._take_places(started(model.start[None], 1024))
         self.clock[kernels.STEP] = SHORT * model.scene.solver.step_s
-        self.allowed, self.room = allowed(model), room(model.method.modes)
+        self.allowed, self.room = allowed([model])[0], room(model.method.modes)
         self.codes = np.zeros(1, dtype=np.int64)
-        self._rest_bristles()
-        self.decide()
+        begin(self.state, alone(self.arrays), 0)
         self.warm()
 
     def _take_places(self, state: kernels.State) -> None:
         self.state = state
         self.y, self.regime, self.stopped, self.clock, self.counts, self.watch, *_ = (one[0] for one in state)
-
-    def move(self, state: kernels.State, stacked: PendulumArrays, i: int) -> None:
-        """Go on in the i-th places of arrays of several runs, which hold what its own do."""
-        self._take_places(kernels.State(*(array[i : i + 1] for array in state)))
-        own = {name: getattr(stacked, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
-        self.arrays = stacked._replace(pendulum=stacked.pendulum[i : i + 1], medium=stacked.medium[i : i + 1], **own)
-
-    def _rest_bristles(self) -> None:
-        w, q = self.arrays, self.y[: self.size]
-        for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
-            rest(q, w.geometry[first:end], w.anchors[first:end])
 
     @property
     def rows(self) -> Vector:
@@ -138,16 +119,6 @@ class March:
     def time(self) -> float:
         """Time reached (s)."""
         return float(self.clock[kernels.NOW])
-
-    def speed(self) -> float:
-        """Greatest speed (m/s) in any one coordinate."""
-        lever = np.array([self.model.reach] + [1.0] * (self.size - 1))
-        return float(np.max(np.abs(lever * self.y[self.size : 2 * self.size])))
-
-    def decide(self) -> None:
-        """Choose the regime to begin with."""
-        if self.true_sign:
-            decide(self.y, self.regime, self.stopped, self.arrays)
 
     def go_on(self) -> int:
         """March until something ends it or its share is done, and make room for rows; one of the kernels' codes."""

@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels.modal import MODAL_STATION
+from granular_contact.kernels.pendulum import PENDULUM
 from granular_contact.reduced.modes import Modes, roots
 from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector, rotation
@@ -61,6 +63,19 @@ def _shares(count: int) -> Vector:
     return shares
 
 
+class Lines(NamedTuple):
+    """Bars, and after them the other shapes in the sand, as what looks at depths takes them.
+
+    points: records of `kernels.modal`; the rest as of one run in `kernels.modal_looks.Lines`.
+    """
+
+    points: NDArray[np.void]
+    starts: NDArray[np.int64]
+    every: NDArray[np.int64]
+    beside: Vector
+    drop: Vector
+
+
 @dataclass(frozen=True)
 class Model:
     """The pendulum: coordinates q_1 (rad) and q_{1+i} (m), n + 1 of them.
@@ -87,15 +102,65 @@ class Model:
         """Whether there is any mode."""
         return len(self.modes.beta) > 0
 
+    @property
+    def size(self) -> int:
+        """How many coordinates."""
+        return self.method.modes + 1
+
+    @cached_property
+    def mechanics(self) -> NDArray[np.void]:
+        """Record (1,) of `kernels.pendulum`: inertia, static moments, stiffness and damping, and nothing of a run."""
+        record = np.zeros(1, PENDULUM)
+        n, root, link = self.method.modes, self.scene.rigid[0], self.link
+        center = self.view.of(root, np.zeros(2))
+        record["modes"], record["g"] = n, self.scene.gravity
+        record["J"] = root.inertia + root.mass * float(center @ center)
+        record["S_e"], record["S_n"] = root.mass * center
+        if link is None:
+            return record
+        a, b = self.bars[-1].start
+        middle = a + 0.5 * link.length
+        # The engine's beam has no rotary inertia of its section; its rigid bar has.
+        section = 0.0 if n else link.thickness**2 / 16.0
+        record["J"] += link.mass * (middle**2 + b**2 + link.length**2 / 12.0 + section)
+        record["S_e"] += link.mass * middle
+        record["S_n"] += link.mass * b
+        record["b"], record["m"] = b, 0.25 * link.mass
+        mean, first, bending = self.modes.mean(), self.modes.first_moment(), self.modes.bending()
+        record["p"][0, :n] = link.mass * mean
+        record["c"][0, :n] = link.mass * (a * mean + link.length * first)
+        record["k"][0, :n] = link.bending_stiffness * bending
+        record["d"][0, :n] = link.bending_damping * bending
+        return record
+
     @cached_property
     def stations(self) -> tuple[NDArray[np.void], ...]:
         """Ends of the strips of each bar, as the kernels take them."""
         return tuple(self._stations(bar) for bar in self.bars)
 
-    def _stations(self, bar: Bar) -> NDArray[np.void]:
-        places = bar.places(bar.strips + 1)
+    @cached_property
+    def lines(self) -> Lines:
+        """All that can meet the medium; of a straight bar only the ends can be deepest."""
+        others = [shape for shape in self.others if shape.in_sand]
+        points = [*self.stations, *(self._points(shape.points) for shape in others)]
+        every = [1 if bar.bends else bar.strips for bar in self.bars] + [1] * len(others)
+        return Lines(
+            np.concatenate([np.zeros(0, MODAL_STATION), *points]),
+            np.cumsum([0, *map(len, points)]),
+            np.array(every, dtype=np.int64),
+            np.array([0.5 * bar.diameter for bar in self.bars] + [0.0] * len(others)),
+            np.array([0.0] * len(self.bars) + [shape.drop for shape in others]),
+        )
+
+    def _points(self, places: Vector) -> NDArray[np.void]:
+        """Stations at places (points, 2) m that turn with the root."""
         made = np.zeros(len(places), MODAL_STATION)
         made["along"], made["across"], made["pivot"] = places[:, 0], places[:, 1], self.view.pivot
+        return made
+
+    def _stations(self, bar: Bar) -> NDArray[np.void]:
+        places = bar.places(bar.strips + 1)
+        made = self._points(places)
         if bar.bends:
             made["phi"][:, : self.method.modes] = self.shapes(bar, places)
         return made
@@ -126,12 +191,47 @@ def model(scene: Scene, method: Reduced) -> Model:
     others = tuple(replace(shape, points=view.of(root, shape.points)) for shape in root.shapes if not _is_bar(shape))
     points = np.vstack([*(np.array([bar.start, bar.end]) for bar in bars), *(shape.points for shape in others)])
     reach = float(np.linalg.norm(points, axis=1).max())
-    speed = reach * abs(root.motion.rate) + math.sqrt(abs(scene.gravity) * reach)
-    start = np.zeros(2 * (method.modes + 1) + 2)
-    start[0], start[method.modes + 1] = -axis, -root.motion.rate
     return Model(
-        scene, method, link, modes, bars, others, view, axis - root.motion.angle, reach, max(speed, 1e-6), start
+        scene, method, link, modes, bars, others, view, axis - root.motion.angle, reach, *_begun(scene, method, reach)
     )
+
+
+class Models:
+    """Models of scenes, each from that of the scene that its own is like, see `scene.again`."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[Scene, Model]] = []
+
+    def __call__(self, scene: Scene) -> Model:
+        """The model; raises SceneError as `model`."""
+        assert isinstance(scene.method, Reduced)
+        if scene.like is None:
+            return model(scene, scene.method)
+        like = next((made for known, made in self._known if known is scene.like), None)
+        if like is None:
+            assert isinstance(scene.like.method, Reduced)
+            like = model(scene.like, scene.like.method)
+            self._known.append((scene.like, like))
+        return struck(like, scene)
+
+
+def struck(like: Model, scene: Scene) -> Model:
+    """The model of a scene that differs from another one's in its medium and in how it strikes, see `scene.again`."""
+    root, link = scene.rigid[0], scene.links[0] if scene.links else None
+    view = View((root if link is None else link).motion.angle, like.view.pivot)
+    speed, start = _begun(scene, like.method, like.reach)
+    made = replace(like, scene=scene, link=link, view=view, speed=speed, start=start)
+    vars(made).update(stations=like.stations, lines=like.lines, mechanics=like.mechanics)  # those of the same parts
+    return made
+
+
+def _begun(scene: Scene, method: Reduced, reach: float) -> tuple[float, Vector]:
+    """Scale of speeds (m/s), and the state at the start."""
+    motion = scene.rigid[0].motion
+    axis = (scene.links[0] if scene.links else scene.rigid[0]).motion.angle
+    start = np.zeros(2 * (method.modes + 1) + 2)
+    start[0], start[method.modes + 1] = -axis, -motion.rate
+    return max(reach * abs(motion.rate) + math.sqrt(abs(scene.gravity) * reach), 1e-6), start
 
 
 def _is_bar(shape: Shape) -> bool:

@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels import march as kernels
@@ -99,11 +100,6 @@ class Solve:
             if self.progress is not None:
                 self.progress(march.time, solver.end_time_s)
 
-    def ended(self, code: int, seconds: float) -> None:
-        """It was marched to its end elsewhere, in so many seconds; code: why it ended, as of the kernels."""
-        self._code = code
-        self.seconds += seconds
-
     def observe(self) -> Observations:
         """What is seen of the present state."""
         from granular_contact.reduced.observe import now
@@ -160,7 +156,7 @@ class Solve:
         """How it ended."""
         if self._interrupted:
             return ended("interrupted", self.time, self.model.scene.solver)
-        return _status(self.model, self.march, self._code)
+        return status(self.model, self._code, self.time, self.march.y, self.march.true_sign)
 
 
 def solve(model: Model, progress: Progress | None = None) -> Trajectory:
@@ -170,28 +166,35 @@ def solve(model: Model, progress: Progress | None = None) -> Trajectory:
     return under_way.trajectory()
 
 
-def _status(model: Model, march: March, code: int) -> Status:
-    solver, t = model.scene.solver, march.time
+def status(model: Model, code: int, time: float, y: Vector, true_sign: bool) -> Status:
+    """How a run ended; code: of the kernels, at a time (s) and a state, see `modal_motion`."""
+    solver = model.scene.solver
     if code == kernels.CHATTERING:
         return Status(
             "failed",
-            f"the static force turned round {kernels.CROWD} times within {0.1 * solver.step_s:g} s at {t:.6g} s; take "
-            "method.reduced.static: elastoplastic, whose bristle gives way",
+            f"the static force turned round {kernels.CROWD} times within {0.1 * solver.step_s:g} s at {time:.6g} s; "
+            "take method.reduced.static: elastoplastic, whose bristle gives way",
         )
     if code == OVERTIME:
-        return ended("time_limit", t, solver)
+        return ended("time_limit", time, solver)
     if code == kernels.FAILED:
         return Status(
             "failed",
-            f"no step is small enough for method.reduced.rtol ({model.method.rtol:g}) at {t:.6g} s; raise it, or take "
-            "fewer modes",
+            f"no step is small enough for method.reduced.rtol ({model.method.rtol:g}) at {time:.6g} s; raise it, or "
+            "take fewer modes",
         )
     if code != kernels.REST:
-        return ended("end_time", t, solver)
-    if not march.true_sign or not march.speed() > solver.rest_speed_m_s:
-        return ended("rest", t, solver)
+        return ended("end_time", time, solver)
+    if not true_sign or not _speed(model, y) > solver.rest_speed_m_s:
+        return ended("rest", time, solver)
     return Status(
         "rest",
         f"at rest: the middle of the immersed part slower than {solver.rest_speed_m_s:g} m/s for "
         f"{solver.rest_time_s:g} s; the true sign holds only that point, and the link vibrates about it for ever",
     )
+
+
+def _speed(model: Model, y: Vector) -> float:
+    """Greatest speed (m/s) in any one coordinate."""
+    lever = np.array([model.reach] + [1.0] * (model.size - 1))
+    return float(np.max(np.abs(lever * y[model.size : 2 * model.size])))

@@ -11,7 +11,7 @@ import numpy as np
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.kinds import Kind
 from granular_contact.scene.bed import NOTHING, Bed
-from granular_contact.scene.types import Scene, Vector
+from granular_contact.scene.types import Scene
 
 LAID = 1e-6  # m: a depth at the start that is told
 
@@ -33,16 +33,16 @@ class Reach:
     beside: tuple[float, float] = (math.inf, -math.inf)
 
 
-def warnings(scene: Scene, reach: Reach | None, depth: Vector | None, deepest: float | None) -> Iterator[str]:
+def warnings(scene: Scene, reach: Reach | None, start: float | None, deepest: float | None) -> Iterator[str]:
     """Sentences on all that a run left, by how much, and on what is taken for granted.
 
-    reach: None where nothing could meet the medium; depth (n,) m of the deepest point; deepest: of all instants (m).
+    reach: None where nothing could meet the medium; start, deepest: depth (m) of the deepest point, then and of all.
     """
     if scene.bed is not None and reach is not None and reach.depth > 0.0:
         yield from _left(scene.bed, reach, scene.in_space)
     if not scene.media:
         return
-    if not scene.settle and depth is not None and (start := float(depth[0])) > LAID:
+    if not scene.settle and start is not None and start > LAID:
         yield f"it starts {start:.4g} m below the surface, as if it had been laid there without moving a grain"
     if deepest is not None and deepest < -NOTHING:  # which is hardly what was meant
         yield f"it never touched the medium: its deepest point came within {-deepest:.4g} m of the surface"

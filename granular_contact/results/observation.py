@@ -9,20 +9,33 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status, series
+from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status, energy, series
 from granular_contact.results.accuracy import AccuracyWarning, warning_sentences
 from granular_contact.results.frames import Later, frames, instants, resample
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.limits import Reach, warnings
-from granular_contact.results.stopping import Stop, Touch, find_touch
-from granular_contact.results.summary import extremes, summarise
+from granular_contact.results.stopping import Stop, Touch, find_touch, touched
+from granular_contact.results.summary import Extremes, extremes, least_energy, summarise
 from granular_contact.scene.types import Scene, Vector
 
 Outlines = Callable[[int], tuple[Outline, ...]]
+
+
+class Known(NamedTuple):
+    """What a method of solution has found between its steps by itself.
+
+    depth (n,) m of the deepest of all points that can meet the medium, None without a surface; greatest; touch: when
+    (s) the first point gets into the medium, None for never; reach: None where nothing could meet the medium.
+    """
+
+    depth: Vector | None
+    greatest: Extremes
+    touch: float | None
+    reach: Reach | None
 
 
 @dataclass(frozen=True)
@@ -35,7 +48,8 @@ class Observation:
     moments_about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; body_forces (n, 3): see
     `frames.frames`. energies: as of `energy.columns`. reach: None where nothing could meet the medium. stop: when it
     stopped after the touch. outlines: as drawn at an instant; pictures: what gives them at given times (k,) s. more:
-    what the summary has besides. accuracy: what the steps say of their own error.
+    what the summary has besides. accuracy: what the steps say of their own error. known: None where depths and
+    deflection are to be looked through.
     """
 
     scene: Scene
@@ -59,10 +73,13 @@ class Observation:
     more: dict[str, Any]
     accuracy: Sequence[AccuracyWarning] = ()
     steered: Sequence[str] = ()
+    known: Known | None = None
 
     @cached_property
     def depth(self) -> Vector | None:
         """Depth (n,) m of the deepest of all points that can meet the medium."""
+        if self.known is not None:
+            return self.known.depth
         return np.max([track.values for track in self.depths], axis=0) if self.depths else None
 
     def film(self, most: int) -> dict[str, Any]:
@@ -96,20 +113,38 @@ def pictures(
 def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
     """The summary of a run, and when it touched the medium."""
     scene, time = seen.scene, seen.time
-    energies = {name: values for name, (_, values) in seen.energies.items()}
-    greatest = extremes(time, seen.depths, seen.deflection)
-    touch = find_touch(time, seen.depths) if scene.media else None
+    energies = energy.key_numbers({name: values for name, (_, values) in seen.energies.items()}, least_energy(scene))
+    if seen.known is None:
+        found = extremes(time, seen.depths, seen.deflection)
+        touch = find_touch(time, seen.depths) if scene.media else None
+    else:
+        found = seen.known.greatest
+        touch = None if seen.known.touch is None else touched(time, seen.known.touch)
     stop = None if touch is None else seen.stop(touch)
-    summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, greatest) | seen.more
+    summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, found) | seen.more
+    start = None if seen.depth is None else float(seen.depth[0])
+    return warned(summary, scene, found, seen.reach, start, seen.accuracy, seen.steered), touch
+
+
+def warned(
+    summary: dict[str, Any],
+    scene: Scene,
+    greatest: Extremes,
+    reach: Reach | None,
+    start: float | None,
+    accuracy: Sequence[AccuracyWarning] = (),
+    steered: Sequence[str] = (),
+) -> dict[str, Any]:
+    """A summary with its warnings in it; start: depth (m) of the deepest point then; others as of Observation."""
     summary["warnings"] += [
         *map(str, scene.notes),
-        *seen.steered,
-        *warning_sentences(summary["energy"]["imbalance_relative"], seen.accuracy, scene),
-        *warnings(scene, seen.reach, seen.depth, None if greatest.depth is None else greatest.depth[0]),
+        *steered,
+        *warning_sentences(summary["energy"]["imbalance_relative"], accuracy, scene),
+        *warnings(scene, reach, start, None if greatest.depth is None else greatest.depth[0]),
     ]
     if scene.stiff:
         summary["too_stiff_to_bend"] = list(scene.stiff)
-    return summary, touch
+    return summary
 
 
 def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:

@@ -34,9 +34,12 @@ class Touch:
 def find_touch(time: Vector, depths: Sequence[Track]) -> Touch | None:
     """First crossing of the surface from depths (m) of points, positive below; None when nothing gets below it."""
     first = first_above_zero(time, depths)
-    if first is None:
-        return None
-    return Touch(first, int(np.searchsorted(time, first, side="right")) - 1)
+    return None if first is None else touched(time, first)
+
+
+def touched(time: Vector, when: float) -> Touch:
+    """The touch at a time (s), of a run with the accepted steps (n,) s."""
+    return Touch(when, int(np.searchsorted(time, when, side="right")) - 1)
 
 
 @dataclass(frozen=True)

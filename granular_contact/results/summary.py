@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from typing import Any
 
-import numpy as np
-
-from granular_contact.results import REST_MEASURE, STOP_MEASURE, Cost, Status, energy
+from granular_contact.results import REST_MEASURE, STOP_MEASURE, Cost, Status
 from granular_contact.results.interpolation import Track, greatest
 from granular_contact.results.stopping import Stop, Touch
 from granular_contact.scene.types import Scene, Vector
@@ -39,12 +38,12 @@ def summarise(
     scene: Scene,
     status: Status,
     cost: Cost,
-    energies: dict[str, Vector],
+    energies: dict[str, float],
     touch: Touch | None,
     stop: Stop | None,
     extremes: Extremes,
 ) -> dict[str, Any]:
-    """Key numbers of a run from all its accepted steps; energies by column name, (n,) each. Warnings are left out.
+    """Key numbers of a run; energies: as of `energy.key_numbers`. Warnings are left out.
 
     None depends on which steps those are beyond the error of the steps: times, and what is greatest, are found between
     them (see `interpolation`), and works are integrals over time.
@@ -60,15 +59,20 @@ def summarise(
         "stopping_time_s": None if stop is None else stop.time - begun,
         "stopping_time_measure": _measure(scene),
         "hub_stopping_time_s": None if hub is None else hub - begun,
-        "angle_at_stop_deg": None if stop is None or stop.angle is None else float(np.degrees(stop.angle)),
+        "angle_at_stop_deg": None if stop is None or stop.angle is None else math.degrees(stop.angle),
         "max_depth_m": None if depth is None else depth[0],
         "max_deflection_m": None if deflection is None else abs(deflection[0]),
         "max_deflection_time_s": None if deflection is None else deflection[1],
-        "energy": energy.key_numbers(energies, scene.force_scale * scene.least_path),
-        "cost": asdict(cost),
+        "energy": energies,
+        "cost": dict(vars(cost)),
         "versions": versions(),
         "warnings": [],
     }
+
+
+def least_energy(scene: Scene) -> float:
+    """Energy (J) below which nothing counts."""
+    return scene.force_scale * scene.least_path
 
 
 def _measure(scene: Scene) -> str | None:
@@ -80,11 +84,15 @@ def _measure(scene: Scene) -> str | None:
 
 def versions() -> dict[str, str]:
     """Versions of what the numbers depend on."""
+    return dict(_versions())
+
+
+@cache  # 2 ms, and the same for every run of a sweep
+def _versions() -> dict[str, str]:
     packages = ("granular-contact", "exudyn", "numpy", "numba")
     return {"python": platform.python_version()} | {package: _version(package) for package in packages}
 
 
-@cache  # 0.5 ms each, and the same for every run of a sweep
 def _version(package: str) -> str:
     try:
         return metadata.version(package)

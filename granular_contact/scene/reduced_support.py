@@ -24,14 +24,15 @@ def check_reduced(scene: Scene, modes: int) -> None:
     SceneError
         With the key `method`, all obstacles, and what is supported.
     """
-    obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene), *_media(scene)]
+    obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene), *medium_obstacles(scene)]
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
         raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
 
-def _media(scene: Scene) -> Iterator[str]:
+def medium_obstacles(scene: Scene) -> Iterator[str]:
+    """What keeps the reduced model from a scene's bed and media."""
     if scene.bed is None:
         return
     if not scene.bed.plain:

@@ -210,7 +210,8 @@ class Scene:
     load, solver, method: as the scenario has them, but for `auto`; method: None for the engine. settle: find rest
     first. body_columns: report the motion of every body. stiff: links of the scenario that bend too little to show, and
     are rigid here. notes: what is doubtful about the model, by the key of the config. scenario: what `build` made the
-    scene of; None of a scene that was put together or changed otherwise, as by `dataclasses.replace`.
+    scene of; None of a scene that was put together or changed otherwise, as by `dataclasses.replace`. like: a scene of
+    the same parts, which strike another medium or otherwise, see `again`; None where none is known.
     """
 
     name: str
@@ -230,6 +231,7 @@ class Scene:
     stiff: tuple[str, ...] = ()
     notes: tuple[Fault, ...] = ()
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
+    like: Scene | None = field(default=None, init=False, repr=False, compare=False)
 
     in_space: ClassVar[bool] = False
 
