@@ -84,15 +84,18 @@ class Batch:
             self._force = entry(kernels.force, q, q, *self._active_sand, q)
             self._tangent = entry(kernels.tangent, q, q, *self._active_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
             self._accept = entry(kernels.accept, q, q, *self._all_sand, row, *found, True)
-            entry(kernels.update_active, self.proximity, 0.0, self.active)
+            self._update_active = entry(kernels.update_active, self.proximity, 0.0, self.active)
             self._compiled = True
         self._accept(q, np.zeros_like(q), *self._all_sand, row, *found, True)
         self.proximity[:, kernels.EVER] = -np.inf
 
+    @property
+    def leans(self) -> bool:
+        """Whether any of its bodies is a spatial one, which may lean out of the plane."""
+        return len(self._euler) > 0
+
     def leaning(self, q: Vector) -> float:
-        """Sine of the greatest angle between the z axis of a spatial body and that of the world; 0 of planar ones."""
-        if not len(self._euler):
-            return 0.0
+        """Sine of the greatest angle between the z axis of a spatial body and that of the world."""
         e = (q + self._all_sand[0])[self.places[:, 0][self._euler]].T
         return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))
 
@@ -110,7 +113,7 @@ class Batch:
 
     def update_active(self, step: float) -> bool:
         """Choose the lines that may touch the surface in the next step (s); whether there are any."""
-        return bool(kernels.update_active(self.proximity, step, self.active))
+        return bool(self._update_active(self.proximity, step, self.active))
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and width (m) of the lines that were ever immersed."""

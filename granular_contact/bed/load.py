@@ -61,6 +61,7 @@ class GranularLoad:
         self.lines: list[ContactLine] = []
         self._added = 0  # shapes so far
         self.batches: list[Batch] = []
+        self._leaning: list[Batch] = []  # those with bodies that may lean out of the plane
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
         self.table = self._new_table()  # rows of the history
@@ -110,6 +111,7 @@ class GranularLoad:
                 )
                 self.batches.append(Batch(acting, records, profile, medium, columns, paths))
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
+        self._leaning = [batch for batch in self.batches if batch.leans]
 
     def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:
         """Number, kinds of shape, surface, record and layer of the floor's contact, then of all media."""
@@ -183,12 +185,14 @@ class GranularLoad:
 
         All lines are active after `start`; whoever never calls this has the same forces, in more time.
         """
-        self.active = any([batch.update_active(step) for batch in self.batches])
+        self.active = False
+        for batch in self.batches:
+            self.active |= batch.update_active(step)
         return self.active
 
     def leaning(self, q: Vector) -> float:
         """Sine of the greatest angle by which a spatial body leans out of the plane."""
-        return max((batch.leaning(q) for batch in self.batches), default=0.0)
+        return max(batch.leaning(q) for batch in self._leaning) if self._leaning else 0.0
 
     @contextmanager
     def accepted(self, t: float, q: Vector, v: Vector) -> Iterator[None]:

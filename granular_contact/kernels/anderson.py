@@ -13,6 +13,17 @@ FIRST = 2  # iteration from which on changes are kept: the first one is that of 
 
 
 @kernel
+def begin(q, v, a, multipliers, a_before, multipliers_before, of_q, of_v):
+    """Begin a step with the accelerations a_before (m,) and multipliers (k,) of the last one; the others as below."""
+    for i in range(a.shape[0]):
+        q[i] += of_q * a_before[i]
+        v[i] += of_v * a_before[i]
+        a[i] += a_before[i]
+    for i in range(multipliers.shape[0]):
+        multipliers[i] = multipliers_before[i]
+
+
+@kernel
 def go_on(q, v, a, multipliers, lever, kept, kept_multipliers, of_q, of_v, iteration):
     """Move to where the next iteration starts.
 

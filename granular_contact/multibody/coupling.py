@@ -61,6 +61,7 @@ class Coupling:
         self.overlay = Overlay(mbs)
         self._joints: JointActions | None = None
         self._acts = False  # whether forces were sent last
+        self._under_way = False  # whether forces are asked for within a step, and not at the start of a solve
         self._time: float | None = None  # time of the step for which forces were last asked
         self._last = np.zeros(0)  # coordinates of the last accepted state
         self.views: Views | None = None  # where the engine keeps them, if that is known
@@ -104,16 +105,16 @@ class Coupling:
         self.load_calls += 1
         if t != self._time:
             self._begin(t)
-        joints = self._look(t)
-        acts = self.load.active or joints is not None
+        load, joints = self.load, None if self._joints is None else self._look(t)
+        acts = load.active or joints is not None
         if not acts and not self._acts:
             return
         forces = self.overlay.forces
         forces[:] = self.overlay.constant
         if joints is not None:
             joints.force(self._q, self._v, forces)
-        if self.load.active:
-            self.load.force(self._q if self._under_way(t) else self._q + self._ahead, self._v, forces)
+        if load.active:
+            load.force(self._q if self._under_way else self._q + self._ahead, self._v, forces)
         self.overlay.send()
         self._acts = acts
 
@@ -128,10 +129,6 @@ class Coupling:
         if self.load.active:
             parts.append(self.load.tangent(*state))
         return self.overlay.matrix(np.concatenate(parts)) if parts else self.overlay.empty
-
-    def _under_way(self, t: float) -> bool:
-        """Whether a force at this time (s) is one within a step, and not at the start of a solve."""
-        return self.load.table.length > 1 or t != self.load.time
 
     def _look(self, t: float) -> JointActions | None:
         """What joints do at this time (s); None where no forces act in them."""
@@ -159,6 +156,7 @@ class Coupling:
         if self.load.leaning(self._q) > MOST_TILT:
             raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
         self.load.update_active(t - start_time)
+        self._under_way = self.load.table.length > 1 or t != self.load.time
 
     # ---- accepted states ----
 
@@ -199,7 +197,7 @@ class Coupling:
         """Act as it once did, at a state within a step to a time (s), whose start is accepted already."""
         data = self.mbs.systemData
         self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
-        self._time, self.load.active = t, acting.active
+        self._time, self.load.active, self._under_way = t, acting.active, True
         state.restore_batches(self.load.batches, acting.batches)
 
     @property
@@ -211,6 +209,7 @@ class Coupling:
         """Go back to what was kept; the next forces are sent, whatever was sent last."""
         state.restore(self.load, kept.load)
         self._time, self._last, self.load_calls = kept.time, kept.last, kept.load_calls
+        self._under_way = self.load.table.length > 1 or kept.time != self.load.time
         self._acts = True
 
     def present(self) -> AbstractContextManager[None]:

@@ -58,6 +58,7 @@ class Predictor:
         self.views: Views | None = None  # given before the first step
         self._late = LATE if bends else 0
         self._go_on: Callable[..., Any] | None = None  # compiled
+        self._further: Callable[..., Any] = _begin  # compiled once kernels are loaded
         self._arguments: tuple[Any, ...] = ()  # of the step under way
         self._multipliers = np.zeros(0)
         self._kept = np.zeros((3, 0))
@@ -71,7 +72,7 @@ class Predictor:
             return
         if not iteration:
             self._begin(self.views or Views(mbs))
-        elif self._go_on is not None:
+        elif self._go_on is not None and iteration > self._late:
             self._go_on(*self._arguments, iteration - self._late)
 
     def _begin(self, views: Views) -> None:
@@ -87,14 +88,10 @@ class Predictor:
         # With an acceleration further by one go so much of a coordinate and its rate, as the scheme says.
         of_q = step * step * solver.newmarkBeta * (1.0 - solver.alphaF) / (1.0 - solver.alphaM)
         of_v = of_q * solver.newmarkGamma / (step * solver.newmarkBeta)
-        before = views.a_before
-        q += of_q * before
-        v += of_v * before
-        a += before
-        multipliers[:] = views.multipliers_before
+        if self.lever is not None and self._go_on is None:
+            self.load(views)
+        self._further(q, v, a, multipliers, views.a_before, views.multipliers_before, of_q, of_v)
         if self.lever is not None:
-            if self._go_on is None:
-                self.load(views)
             self._arguments = q, v, a, multipliers, self.lever, self._kept, self._multipliers, of_q, of_v
 
     def load(self, views: Views) -> None:
@@ -108,3 +105,12 @@ class Predictor:
         self._kept, self._multipliers = np.zeros((3, len(q))), np.zeros(len(views.multipliers))
         given = q, q, q, self._multipliers, q, self._kept, self._multipliers, 0.0, 0.0, 0
         self._go_on = entry(anderson.go_on, *given)
+        self._further = entry(anderson.begin, q, q, q, self._multipliers, q, self._multipliers, 0.0, 0.0)
+
+
+def _begin(q: Vector, v: Vector, a: Vector, multipliers: Vector, before: Vector, held: Vector, *of: float) -> None:
+    """As `kernels.anderson.begin`, where no kernels are loaded; of: of_q and of_v."""
+    q += of[0] * before
+    v += of[1] * before
+    a += before
+    multipliers[:] = held

@@ -43,6 +43,8 @@ class Recorder:
         self.control: StepControl | None = None
         self.shortened = 0
         fixed = self.solver.accuracy is None
+        self._rest_time = None if system.scene.drives else self.solver.rest_time_s
+        self._moving = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
         self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf
         self.time = 0.0  # of the last step recorded (s)
@@ -59,21 +61,21 @@ class Recorder:
             return False
         if self.rows == len(self.states):
             self.states = np.concatenate([self.states, np.empty_like(self.states)])
-        row = self.states[self.rows]
-        row[0] = self.time = t
-        row[1 : 1 + self.size] = q
-        row[1 + self.size :] = v
+        row, size = self.states[self.rows], self.size
+        row[0], row[1 : 1 + size], row[1 + size :] = t, q, v
         self._count(t)
+        self.time = t
         self.rows += 1
         if self.motions:
             self.multipliers.append(self.views.multipliers[self.motions])
             self.accelerations.append(self.views.a.copy())
         if self.external:
             self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
-        if self.system.joints is not None:
-            self.system.joints.accept(q, v)
-        if self.system.bed is not None:
-            self.system.bed.accept_state(t, q, v)
+        system = self.system
+        if system.joints is not None:
+            system.joints.accept(q, v)
+        if system.bed is not None:
+            system.bed.accept_state(t, q, v)
         if self.control is not None:
             self.control.accept(mbs, v)
         if self.progress is not None and self.rows % 64 == 0:
@@ -131,28 +133,28 @@ class Recorder:
     def _count(self, t: float) -> None:
         """Count the steps that the engine made shorter than asked for; the last one only fills up the time."""
         if self.control is None and self.rows > 0 and t < self.solver.end_time_s * (1.0 - 1e-9):
-            self.shortened += bool(t - self.states[self.rows - 1, 0] < 0.99 * self.solver.step_s)
+            self.shortened += t - self.time < 0.99 * self.solver.step_s
 
     def _is_over(self, t: float, v: Vector) -> bool:
-        if self.reason == "" and self._rests(t, v):
-            self.reason = "rest"
-        if self.reason == "" and time.perf_counter() > self.deadline:
-            self.reason = "time_limit"
-        if self.reason == "" and self.rows > self.most:
-            self.reason = "crowd"
+        if self.reason == "":
+            if self._rests(t, v):
+                self.reason = "rest"
+            elif self.deadline < math.inf and time.perf_counter() > self.deadline:
+                self.reason = "time_limit"
+            elif self.rows > self.most:
+                self.reason = "crowd"
         return self.reason != ""
 
     def _rests(self, t: float, v: Vector) -> bool:
-        if self.solver.rest_time_s is None or self.system.scene.drives:
+        if self._rest_time is None:
             return False
         speeds = self.lever * v  # the mean square tells most of the time, at a fifth of the cost of the greatest
-        least = self.solver.rest_speed_m_s
-        if speeds.dot(speeds) > self.size * least**2 or np.abs(speeds).max() > least:
+        if speeds.dot(speeds) > self._moving or np.abs(speeds).max() > self.solver.rest_speed_m_s:
             self.resting_since = None
             return False
         if self.resting_since is None:
             self.resting_since = t
-        return t - self.resting_since >= self.solver.rest_time_s
+        return t - self.resting_since >= self._rest_time
 
 
 def levers(system: System) -> Vector:

@@ -123,10 +123,6 @@ class SpatialBatch:
         """Choose what may touch the surface in the next step (s); whether there is anything."""
         return bool(self._update(*self._near, step))
 
-    def leaning(self, q: Vector) -> float:  # noqa: ARG002
-        """As of `batch.Batch`: in space a body may lean."""
-        return 0.0
-
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and size (m) of the bodies that were ever immersed."""
         ever = [
