@@ -40,6 +40,8 @@ class GranularLoad:
         As of `GranularBed`, with its errors.
     """
 
+    _leaning: Sequence[Batch] = ()  # those with bodies that may lean out of the plane; in space any may
+
     def __init__(
         self,
         medium: Law | Layer | Sequence[Law | Layer],
@@ -61,7 +63,6 @@ class GranularLoad:
         self.lines: list[ContactLine] = []
         self._added = 0  # shapes so far
         self.batches: list[Batch] = []
-        self._leaning: list[Batch] = []  # those with bodies that may lean out of the plane
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
         self.table = self._new_table()  # rows of the history

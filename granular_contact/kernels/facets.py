@@ -28,18 +28,16 @@ import math
 
 import numpy as np
 
+from granular_contact.kernels import facet_scatter
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.memory import room2
 from granular_contact.kernels.plates import EDGE
-from granular_contact.kernels.scatter import facet_factor
 from granular_contact.kernels.space_friction import stretched
 
 COLUMNS = 15
 SIDE = 14
-SHEARED, PATH, LAST = 3, 4, 5  # columns of anchors, see `path_length`; the last three are a place
-WITH_PATH = 8  # of columns, where a medium scatters
 
 # A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
 LANES = 32
@@ -51,6 +49,7 @@ Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
 AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
 GROWING, CONSTANT = 24, 27
 ROWS = 30
+NOTED = GROWING  # rows that `facet_scatter` works in before the law fills them
 
 
 def stress(nx, ny, nz, ux, uy, uz, m):
@@ -200,14 +199,8 @@ def along_square(x, y, z, nx, ny, nz):
 def count_shear(anchors, i, x, y, z, nx, ny, nz, immersed):
     """Add to the shear displacement before an anchor goes to (x, y, z) m, as in `path_length`."""
     dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
-    anchors[i, SHEARED] = anchors[i, SHEARED] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
-
-
-@part
-def path_length(anchors, i, x, y, z):
-    """Path length (m) of a facet with its middle at (x, y, z) m, since the start."""
-    dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
-    return anchors[i, PATH] + math.sqrt(dx * dx + dy * dy + dz * dz)
+    column = anchors.shape[1] - 1
+    anchors[i, column] = anchors[i, column] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
 
 
 @part
@@ -295,10 +288,11 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     p0, p1, p2 = r00 * v0 + r10 * v1 + r20 * v2, r01 * v0 + r11 * v1 + r21 * v2, r02 * v0 + r12 * v1 + r22 * v2
     q0, q1, q2 = r00 * w0 + r10 * w1 + r20 * w2, r01 * w0 + r11 * w1 + r21 * w2, r02 * w0 + r12 * w1 + r22 * w2
     depth = height + risex * x0 + risey * y0 - z0  # of the reference point
-    n = 0
+    n, last, grainy, sheared = 0, elements.shape[0], facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
     for i in range(first, elements.shape[0]):
         if n == LANES:
-            return i, n
+            last = i
+            break
         bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
         z = depth + dx * bx + dy * by + dz * bz
         if z + elements[i, 3] * steep <= 0.0:
@@ -347,15 +341,14 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
             ry + r10 * ox + r11 * oy + r12 * oz,
             rz + r20 * ox + r21 * oy + r22 * oz,
         )
-        if anchors.shape[1] > 3:
-            B[SHEAR, n] = anchors[i, SHEARED] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
-        if anchors.shape[1] > PATH:
-            path = path_length(anchors, i, x0 + rx, y0 + ry, z0 + rz)
-            k = facet_factor(path, bx, by, bz, elements[i, 7], cluster)
-            B[FIRST, n] = k if cluster.static & 1 else 1.0
-            B[SECOND, n] = k if cluster.static & 2 else 1.0
+        if sheared:
+            B[SHEAR, n] = anchors[i, anchors.shape[1] - 1] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
+        if grainy:
+            facet_scatter.note(B, n, NOTED, anchors, i, x0 + rx, y0 + ry, z0 + rz)
         n += 1
-    return elements.shape[0], n
+    if grainy:
+        facet_scatter.factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
+    return last, n
 
 
 @part
@@ -396,6 +389,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     dx = ground[1] * R[0, 0] + ground[2] * R[1, 0] - R[2, 0]
     dy = ground[1] * R[0, 1] + ground[2] * R[1, 1] - R[2, 1]
     dz = ground[1] * R[0, 2] + ground[2] * R[1, 2] - R[2, 2]
+    grainy, sheared = facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
     for i in range(elements.shape[0]):
         E = elements[i]
         rx = R[0, 0] * E[0] + R[0, 1] * E[1] + R[0, 2] * E[2]
@@ -405,16 +399,15 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
         deepest = z + max(za, zb, -za - zb)
-        if anchors.shape[1] > PATH:
-            anchors[i, PATH] = path_length(anchors, i, px, py, pz)
-            anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = px, py, pz
+        if grainy:
+            facet_scatter.count_path(anchors, i, px, py, pz)
         row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
             row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
             px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
-        if anchors.shape[1] > 3:
+        if sheared:
             nx, ny, nz = (
                 R[0, 0] * E[4] + R[0, 1] * E[5] + R[0, 2] * E[6],
                 R[1, 0] * E[4] + R[1, 1] * E[5] + R[1, 2] * E[6],

@@ -9,9 +9,8 @@ w and in place, stand values of +1 or -1; between them
 
 and b likewise in the other direction: squares of the weights add to 1, so that xi has the mean 0 and the variance 1
 everywhere, a continuous first derivative, and no value beyond 2. With s <= MOST no strip is ever driven. A strip that
-is longer than a grain takes the mean of several, s sqrt(L / length). In space facets take the value of a cube of the
-size L, fixed to their body, and one larger than a grain takes s L / sqrt(area). The form is [ours]; no published
-spectrum is known.
+is longer than a grain takes the mean of several, s sqrt(L / length). Facets in space: `facet_scatter`. The form is
+[ours]; no published spectrum is known.
 """
 
 from __future__ import annotations
@@ -25,7 +24,6 @@ from granular_contact.kernels.path_length import path_length
 
 MOST = 0.5
 GOLDEN, FIRST, SECOND = (np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB))
-ALONG, ACROSS, UPWARD, BODY = 73856093, 19349663, 83492791, 49979687  # primes: cubes nearby have numbers of their own
 ONE, S27, S30, S31 = (np.uint64(x) for x in (1, 27, 30, 31))
 
 
@@ -63,21 +61,6 @@ def factor(path, place, length, line):
     """What the static terms of a strip are multiplied by; path, place of its middle and length (m) of the strip."""
     s = line.scatter if length <= line.grain else line.scatter * math.sqrt(line.grain / length)
     return 1.0 + s * xi(int(line.seed), path / line.grain, place / line.grain)
-
-
-@part
-def facet_factor(path, x, y, z, area, cluster):
-    """What the static terms of a facet are multiplied by; path (m), its middle in the frame of its body (m), m^2.
-
-    Facets whose middles lie in one cube of the size of a grain share it: they stay there, so that nothing jumps.
-    """
-    size = cluster.grain
-    s = cluster.scatter if area <= size * size else cluster.scatter * size / math.sqrt(area)
-    cube = math.floor(x / size) * ALONG + math.floor(y / size) * ACROSS + math.floor(z / size) * UPWARD
-    cube += cluster.body * BODY
-    i, seed = math.floor(path / size), int(cluster.seed)
-    a0, a1 = weights(path / size - i)
-    return 1.0 + s * (a0 * value(seed, i, cube) + a1 * value(seed, i + 1, cube))
 
 
 @part

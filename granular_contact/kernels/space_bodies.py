@@ -24,6 +24,7 @@ import math
 
 import numpy as np
 
+from granular_contact.kernels import facet_scatter
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
 from granular_contact.kernels.compiled import kernel, part
@@ -314,15 +315,10 @@ def release(elements, anchors, cluster, pose, anew):
         E = elements[i]
         for k in range(3):
             anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
-        if anchors.shape[1] > 3:
-            anchors[i, 3] = 0.0
-        if anew and anchors.shape[1] > 4:
-            anchors[i, 4], anchors[i, 5], anchors[i, 6], anchors[i, 7] = (
-                0.0,
-                anchors[i, 0],
-                anchors[i, 1],
-                anchors[i, 2],
-            )
+        if facet_scatter.shears(anchors):
+            anchors[i, anchors.shape[1] - 1] = 0.0
+        if anew and facet_scatter.scatters(anchors):
+            facet_scatter.start(anchors, i)
 
 
 @kernel

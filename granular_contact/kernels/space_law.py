@@ -7,7 +7,7 @@ pose (6, 3): the rotation R of a body, row by row, then the position of its refe
 angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
 and by how much a depth may grow with a distance, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the
 moment about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; (n, 4) with the
-shear displacement of `path_length`; (n, 8) with the path length (m) and the place (m) at the end of the last step, too.
+shear displacement of `path_length`, (n, 10) with what `facet_scatter` keeps, (n, 11) with both.
 """
 
 from __future__ import annotations

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from support_runs import ROOT
-from support_space import Array, load_on, state
+from support_space import SAND, Array, load_on, state
 
 from granular_contact import Drft, Hill, Plate, VerticalResistance
 from granular_contact.bed.contact_lines import Body, polyline
 from granular_contact.bed.load import GranularLoad
 from granular_contact.config import load
 from granular_contact.errors import ConfigError
+from granular_contact.kernels.scatter import value
 from granular_contact.laws.law import Law
 from granular_contact.laws.scatter import Scatter
 from granular_contact.laws.static_friction import Smooth
@@ -74,6 +75,28 @@ def test_it_changes_with_the_way_and_only_what_is_static() -> None:
     assert np.ptp(ratio) > 0.02  # over three grains of way
     assert np.abs(np.diff(ratio)).max() < 0.5 * np.ptp(ratio)  # in steps of a tenth of a grain
     assert np.abs(other - one).max() > 0.01 * np.abs(plain).max()
+
+
+def test_facets_have_the_values_of_their_cubes_whatever_was_asked_before() -> None:
+    """What a facet keeps of its grain is taken for no other: to and fro, forces are those of the formula."""
+    scattering = SAND.model_copy(update={"scatter": Scatter(SHARE, GRAIN, 7)})
+    plain, kept = (load_on(medium, Plate((SIZE, SIZE)), 0.008) for medium in (SAND, scattering))
+    down = np.array([0.0, 0.0, -0.1])
+    begin, *others = (state(down * s, Rotation.identity(), down, 0.0 * down) for s in (0.1, 0.38, 0.13, 0.27, 0.13))
+    for one in (plain, kept):
+        one.start(begin[0])
+    E, body = kept.batches[0].elements, kept.batches[0].clusters["body"][0]
+    cubes = np.floor(E[:, :3] / GRAIN).astype(int) @ [73856093, 19349663, 83492791] + body * 49979687
+    s = np.where(E[:, 7] <= GRAIN**2, SHARE, SHARE * GRAIN / np.sqrt(E[:, 7]))
+    for at in others:
+        path = (begin[0][2] - at[0][2]) / GRAIN
+        i = int(path)
+        q = (path - i) ** 2 * (3.0 - 2.0 * (path - i))
+        ends = np.array([[value(7, i + k, int(cube)) for k in (0, 1)] for cube in cubes])
+        factors = 1.0 + s * (ends @ [1.0 - q, q]) / np.hypot(1.0 - q, q)
+        force, without = (one.force(*at, np.zeros(7))[2] for one in (kept, plain))
+        assert force == pytest.approx(without * np.average(factors, weights=E[:, 7]), rel=1e-12)
+        assert abs(force / without - 1.0) > 1e-3
 
 
 def test_one_seed_converges_with_the_step_by_order_two() -> None:

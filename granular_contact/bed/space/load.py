@@ -18,7 +18,8 @@ from granular_contact.bed.space.heights import Heights
 from granular_contact.bed.space.history import FIRST, SpatialHistory, SpatialTable
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
 from granular_contact.errors import scene_error
-from granular_contact.kernels.facets import SIDE, WITH_PATH
+from granular_contact.kernels import facet_scatter
+from granular_contact.kernels.facets import SIDE
 from granular_contact.kernels.space_joining import kinds_of, owner_of
 from granular_contact.laws.floor import TERM as FLOOR_TERM
 from granular_contact.laws.floor import Floor, InSpace
@@ -157,7 +158,9 @@ class SpatialLoad(GranularLoad):
             ground[0] -= drop
             between = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
             for kind in kinds(medium):
-                paths = (WITH_PATH - 3 if medium.scatters else int(medium.shear_grows)) if kind == "surface" else 0
+                paths = 0
+                if kind == "surface":
+                    paths = (facet_scatter.COLUMNS - 3 if medium.scatters else 0) + int(medium.shear_grows)
                 sets = [one for one in self.lines if one.meets == kind]
                 self._form(index, medium, sets, (owner_of(type(medium)), record, ground), paths=paths, layer=between)
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
