@@ -67,10 +67,14 @@ def run(
     return made
 
 
-def summary_of(scene: Scene) -> dict[str, Any]:
-    """The summary of a scene's run, as `run` gives it, without the table and pictures that a sweep does not keep."""
+def summary_of(scene: Scene, more: Callable[[Observation], dict[str, Any]] = lambda _: {}) -> dict[str, Any]:
+    """The summary of a scene's run, as `run` gives it, without the table and pictures that a sweep does not keep.
+
+    more: what the summary has besides, from what was observed.
+    """
     begun, seen = _observed(scene, None, None, None)
     summary, _ = key_numbers(seen)
+    summary |= more(seen)
     begun.solving.close()
     return summary
 

@@ -136,30 +136,38 @@ class Kinematics:
         """Greatest speed (n,) m/s of any point."""
         return np.asarray(np.abs(self.trajectory.v * self.lever).max(axis=1))
 
+    @cached_property
+    def work_beyond(self) -> Vector:
+        """As of `medium_work`, which asks for it twice."""
+        from granular_contact.multibody.medium_work import work_beyond
+
+        return work_beyond(self)
+
     def lifted(self) -> Vector:
         """First moment of the masses (n,) kg m about the height of the origin."""
         moment: Vector = self.trajectory.q @ (self.trajectory.mass @ self.upward)
         return moment
 
-    @property
+    @cached_property
     def path_length(self) -> float:
         """Length (m) of the path of the fastest point."""
         return float(accumulate(self.trajectory.time, self.speeds)[-1])
 
+    @cached_property
     def mean_rate(self) -> tuple[Vector, Vector]:
         """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
 
         Free vibration of a hinged mechanism has no angular momentum about its hinge, so this is the rate of the motion
         as a whole, without the vibration of its parts.
         """
-        turn = self._turning()
+        turn = self._turning
         momenta = turn @ self.trajectory.mass
         momentum, inertia = np.sum(momenta * self.trajectory.v, axis=1), np.sum(momenta * turn, axis=1)
         return -momentum / inertia, inertia
 
     def weight_moment(self) -> Vector:
         """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
-        moment: Vector = -self.scene.gravity * (self._turning() @ (self.trajectory.mass @ self.upward))
+        moment: Vector = -self.scene.gravity * (self._turning @ (self.trajectory.mass @ self.upward))
         return moment
 
     @cached_property
@@ -170,6 +178,7 @@ class Kinematics:
         up[[node[1] for nodes in self._links.values() for node in nodes]] = 1.0
         return up
 
+    @cached_property
     def _turning(self) -> Vector:
         """Rates (n, m) of all coordinates while everything turns about the pivot at 1 rad/s, counter-clockwise."""
         pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point

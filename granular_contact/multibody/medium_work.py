@@ -22,7 +22,7 @@ def medium_works(observer: Kinematics) -> tuple[Vector, Vector]:
     assert load is not None
     if not observer.scene.media or observer.scene.method is not None:
         return load.work, load.floor_work  # integrated with the motion
-    more = _more(observer)
+    more = observer.work_beyond
     steps = np.diff(more, prepend=0.0)
     touched = np.diff(load.floor_work, prepend=0.0) != 0.0
     at_floor = np.cumsum(np.where(touched, steps, 0.0))
@@ -35,10 +35,11 @@ def uncertain_work(observer: Kinematics) -> float:
     It is the uncertainty of the dissipated energy by the steps: small where forces and velocities change little in a
     step.
     """
-    return float(np.abs(_more(observer)).max(initial=0.0)) if observer.scene.media else 0.0
+    return float(np.abs(observer.work_beyond).max(initial=0.0)) if observer.scene.media else 0.0
 
 
-def _more(observer: Kinematics) -> Vector:
+def work_beyond(observer: Kinematics) -> Vector:
+    """What the media and the floor did (n,) J beyond what the history has, see `bed.work.beyond`."""
     load = observer.trajectory.load
     return np.zeros(1) if load is None else beyond(load, {name: _motion(observer, name) for name in load.body_names})
 

@@ -42,7 +42,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
             cost=trajectory.cost,
             time=trajectory.time,
             motion=columns | mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels),
-            mean_rate=None if scene.pivot is None else motion.mean_rate()[0],
+            mean_rate=None if scene.pivot is None else motion.mean_rate[0],
             tip=motion.position(*scene.tip)[0],
             deflection=motion.bend(list(system.links)[-1]) if system.links else None,
             depths=found,
@@ -120,7 +120,7 @@ def _never_stops(motion: Kinematics) -> bool:
 
 def _stop_about(motion: Kinematics, pivot: Joint, after: slice) -> Stop | None:
     """First zero of the mean rate in some instants, with the pivot's angle there."""
-    rate, inertia = motion.mean_rate()
+    rate, inertia = motion.mean_rate
     moment, load = motion.weight_moment(), motion.trajectory.load
     if load is not None:
         fx, fy, about_origin = load.terms.sum(axis=1).T

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granular_contact.config import Scenario
-from granular_contact.results import Results
-from granular_contact.studies.sweep.worker import simulate_whole
+from granular_contact.studies.sweep.worker import KeyNumbers
+
+if TYPE_CHECKING:
+    from granular_contact.results.observation import Observation
 
 INSTANTS = 121  # of a history
 SERIES = "series"
@@ -16,13 +18,21 @@ MOST_JOINTS = 2
 _ENDS = ("_drawbar_pull_N", "_sinkage_m")
 
 
-def observed(scenario: Scenario) -> Results:
-    """Results of a run whose summary has histories, too: `series`, by column, at equal steps of the run's time."""
-    results = simulate_whole(scenario)
-    time = results["time_s"]
-    at = np.linspace(time[0], time[-1], INSTANTS)
-    found = {name: np.interp(at, time, results[name]).tolist() for name in _columns(results.names)}
-    return replace(results, summary=results.summary | {SERIES: {"time_s": at.tolist(), **found}})
+def observed(scenario: Scenario) -> KeyNumbers:
+    """Key numbers of a run, with histories among them: `series`, by column, at equal steps of the run's time."""
+    from granular_contact.run import summary_of
+    from granular_contact.scene.build import built
+
+    return KeyNumbers(summary_of(built(scenario), _histories))
+
+
+def _histories(seen: Observation) -> dict[str, Any]:
+    at = np.linspace(seen.time[0], seen.time[-1], INSTANTS)
+    known = {name: values for name, (_, values) in seen.motion.items()}
+    if seen.depth is not None:
+        known["depth_m"] = seen.depth
+    found = {name: np.interp(at, seen.time, known[name]).tolist() for name in _columns(list(known))}
+    return {SERIES: {"time_s": at.tolist(), **found}}
 
 
 def _columns(names: list[str]) -> list[str]:

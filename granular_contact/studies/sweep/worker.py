@@ -99,16 +99,8 @@ def simulate(scenario: Scenario) -> KeyNumbers:
     return KeyNumbers(summary_of(built(scenario)))  # which was checked as it was made of its case
 
 
-def simulate_whole(scenario: Scenario) -> Results:
-    """The same with all that results hold."""
-    from granular_contact.run import run
-    from granular_contact.scene.build import built
-
-    return run(built(scenario))
-
-
 def simulate_with_pictures(scenario: Scenario) -> Results:
-    """The same, and what the player of its page needs."""
+    """The same with all that results hold, and what the player of its page needs."""
     from granular_contact import scene
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
