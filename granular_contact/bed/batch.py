@@ -31,6 +31,8 @@ class Batch:
     the lines that may touch the surface in this step; proximity: see `kernels.batches`.
     """
 
+    _sand: tuple[Any, ...]  # what kernels get between the coordinates and what they fill
+
     def __init__(
         self,
         lines: Sequence[ContactLine],
@@ -76,13 +78,13 @@ class Batch:
             self.places[:, 0] = where[self.places[:, 1]]
         at = (self.ends, self.places, self.geometry)
         sand = (*at, self.records, self.profile, self.medium, self.anchors, *self.work)
-        self._active_sand, self._all_sand = (reference, self.active, *sand), (reference, *sand)
+        self._sand, self._all_sand = (reference, self.active, *sand), (reference, *sand)
         self.active[:] = True
         row, found = np.zeros(FIRST), (self.columns, self.proximity)
         if not self._compiled:
             # Compiling, the first time on a machine, belongs to the start and not to the first step.
-            self._force = entry(kernels.force, q, q, *self._active_sand, q)
-            self._tangent = entry(kernels.tangent, q, q, *self._active_sand, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._force = entry(kernels.force, q, q, *self._sand, q)
+            self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
             self._accept = entry(kernels.accept, q, q, *self._all_sand, row, *found, True)
             self._update_active = entry(kernels.update_active, self.proximity, 0.0, self.active)
             self._compiled = True
@@ -101,11 +103,11 @@ class Batch:
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:
         """Add the generalised forces of the active lines to out, the coordinates of the bed."""
-        self._force(q, v, *self._active_sand, out)
+        self._force(q, v, *self._sand, out)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
         """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
-        return int(self._tangent(q, v, *self._active_sand, factor_q, factor_v, triplets, number))
+        return int(self._tangent(q, v, *self._sand, factor_q, factor_v, triplets, number))
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
@@ -135,10 +137,5 @@ class Batch:
 
     def soonest(self) -> float:
         """Time (s) after `accept` until the first of the lines above the surface may touch it; infinite of none."""
-        return soonest(self.proximity, kernels.DEEPEST, kernels.APPROACH)
-
-
-def soonest(proximity: Vector, deepest: int, approach: int) -> float:
-    """Least height over speed of what is above the surface and comes nearer; columns of depth (m) and speed (m/s)."""
-    lines = proximity.tolist()
-    return min((-one[deepest] / one[approach] for one in lines if one[deepest] < 0.0 < one[approach]), default=math.inf)
+        depths = ((one[kernels.DEEPEST], one[kernels.APPROACH]) for one in self.proximity.tolist())
+        return min((-depth / approach for depth, approach in depths if depth < 0.0 < approach), default=math.inf)

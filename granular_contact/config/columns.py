@@ -79,11 +79,8 @@ def _read(
 ) -> tuple[list[float], list[float]] | None:
     """Times and values of a column, or None with faults."""
     found_faults = list[Fault]()
-    table = read_table(shown(file), found_faults)
-    if table is None:  # of a file that can't be read, the line that names it is at fault
-        words = f"got {file.name!r}, but {shown(file)} can't be read"
-        found_faults = [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in found_faults]
-    else:
+    table = table_named(file, at, path, found_faults)
+    if table is not None:
         words = "there is no column"
         lost = [f"{words} {name!r}; {unknown(name, table.header)}" for name in names if name not in table.header]
         found = _pairs(table, names) if not lost else [Fault(table.file, table.header_line, "", one) for one in lost]
@@ -92,6 +89,15 @@ def _read(
         found_faults = found
     faults += [one if one.key else replace(one, key=".".join(path[:-1])) for one in found_faults]
     return None
+
+
+def table_named(file: Path, at: Position, path: tuple[str, ...], faults: list[Fault]) -> Table | None:
+    """Table of a file; where it can't be read, the line that names it is at fault."""
+    found = list[Fault]()
+    table = read_table(shown(file), found)
+    words = f"got {file.name!r}, but {shown(file)} can't be read"
+    faults += [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in found]
+    return table
 
 
 def _fault(table: Table, line: int | None, message: str) -> list[Fault]:

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
 
-from granular_contact.config.columns import numbers_of
-from granular_contact.config.csv_table import Table, few, form_faults, number, read_table
+from granular_contact.config.columns import numbers_of, table_named
+from granular_contact.config.csv_table import Table, few, form_faults, number
 from granular_contact.config.messages import unknown
-from granular_contact.config.references import shown
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Scalar, child, set_key
 from granular_contact.errors import Fault
 from granular_contact.laws.table import MOST_DRIVING, axis_faults, driving, power
@@ -53,11 +52,8 @@ def _replaced(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
 
 def _read(file: Path, faults: list[Fault], named: Scalar, key: str) -> dict[str, list[float]] | None:
     """Axes and stresses of a file; None, with faults."""
-    own_faults: list[Fault] = []
-    table = read_table(shown(file), own_faults)
+    table = table_named(file, named.position, (key,), faults)
     if table is None:
-        words = f"got {file.name!r}, but {shown(file)} can't be read"
-        faults += [named.position.fault((key,), f"{words}: {o.message}") if o.line is None else o for o in own_faults]
         return None
     own_faults = form_faults(table)
     lost = [name for name in COLUMNS if name not in table.header]

@@ -23,41 +23,56 @@ from granular_contact.results.limits import Reach
 from granular_contact.results.observation import Observation, pictures
 from granular_contact.results.series import Series
 from granular_contact.results.stopping import Stop, Touch, find_rest, find_stop, find_touch, find_turn
-from granular_contact.scene.types import Joint
+from granular_contact.scene.types import Joint, Vector
 
 
 def observe(system: System, trajectory: Trajectory) -> Observation:
     """What results hold of a run."""
-    motion, scene, load = Kinematics(system, trajectory), system.scene, trajectory.load
+    motion = Kinematics(system, trajectory)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
-        depths, driven = depths_by_body(motion), mechanism.drive_forces(motion)
-        found = all_depths(motion, depths)
-        forces = {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
-        terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+        depths, forces = depths_by_body(motion), forces_of(trajectory)
         wheels = wheel_histories(motion, forces)
-        columns = mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven)
-        return Observation(
-            scene=scene,
-            status=trajectory.status,
-            cost=trajectory.cost,
-            time=trajectory.time,
-            motion=columns | mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels),
-            mean_rate=None if scene.pivot is None else motion.mean_rate[0],
-            tip=motion.position(*scene.tip)[0],
-            deflection=motion.bend(list(system.links)[-1]) if system.links else None,
-            depths=found,
-            terms=terms,
-            term_forces=np.zeros((len(trajectory.time), len(terms), 3)) if load is None else load.terms,
-            moments_about=motion.common_center[0] if scene.pivot is None else scene.pivot.parent_point,
-            body_forces=forces,
-            energies=energies(motion, driven),
-            reach=_reach(motion),
-            stop=lambda touch: stop(motion, touch),
-            outlines=motion.outlines,
-            pictures=lambda at: pictures(lambda sampled: Kinematics(system, sampled).outlines, trajectory, at),
-            more=key_numbers(motion, driven, depths, found) | wheel_numbers(trajectory.time, wheels),
-            accuracy=accuracy(motion, driven),
-        )
+        found = observed(motion, forces, depths, all_depths(motion, depths))
+        found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
+        found["more"] |= wheel_numbers(trajectory.time, wheels)
+        return Observation(**found, reach=_reach(motion))
+
+
+def forces_of(trajectory: Trajectory) -> dict[str, Vector]:
+    """Force of the medium on each body: resultant (N) and moment (N m) about the origin, (n, 3), in space (n, 6)."""
+    load = trajectory.load
+    return {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
+
+
+def observed(
+    motion: Kinematics, forces: dict[str, Vector], by_body: dict[str, list[Track]], depths: list[Track]
+) -> dict[str, Any]:
+    """Fields of an observation that are found alike in the plane and in space, by their names."""
+    trajectory, scene, load = motion.whole, motion.scene, motion.trajectory.load
+    driven, links, system = mechanism.drive_forces(motion), motion.system.links, motion.system
+    terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+    nothing = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))
+    return {
+        "scene": scene,
+        "status": trajectory.status,
+        "cost": trajectory.cost,
+        "time": trajectory.time,
+        "motion": mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven),
+        "mean_rate": None if scene.pivot is None else motion.mean_rate[0],
+        "tip": motion.position(*scene.tip)[0],
+        "deflection": motion.bend(list(links)[-1]) if links else None,
+        "depths": depths,
+        "terms": terms,
+        "term_forces": nothing if load is None else load.terms,
+        "moments_about": motion.common_center[0] if scene.pivot is None else scene.pivot.parent_point,
+        "body_forces": forces,
+        "energies": energies(motion, driven),
+        "stop": lambda touch: stop(motion, touch),
+        "outlines": motion.outlines,
+        "pictures": lambda at: pictures(lambda sampled: type(motion)(system, sampled).outlines, trajectory, at),
+        "more": key_numbers(motion, driven, by_body, depths),
+        "accuracy": accuracy(motion, driven),
+    }
 
 
 def _reach(motion: Kinematics) -> Reach | None:

@@ -130,16 +130,20 @@ def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults:
             x = np.where(placed, first + share * (target - first), x)
             x = loops.close(x, ~placed)
         faults += _open(loops, x, "at the start")
-    slopes = np.concatenate(list(loops.jacobian(x).values()))
-    moved = loops.mask(begun.moved)
+    return loops.states(x, dependent_rates(loops.jacobian(x), loops.mask(begun.moved), rates, faults))
+
+
+def dependent_rates(jacobian: Mapping[str, Vector], moved: Mask, rates: Vector, faults: list[Fault]) -> Vector:
+    """Rates (n,) that keep loops closed: those that are given (moved), and those that follow. A fault where none do."""
+    slopes = np.concatenate(list(jacobian.values()))
     rates = np.where(moved, rates, 0.0)
-    follow = ~moved
-    rates[follow] = np.linalg.lstsq(slopes[:, follow], -slopes @ rates, rcond=1e-10)[0] if follow.any() else 0.0
+    if not moved.all():
+        rates[~moved] = np.linalg.lstsq(slopes[:, ~moved], -slopes @ rates, rcond=1e-10)[0]
     opening = float(np.abs(slopes @ rates).max(initial=0.0))
     if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
         words = f"the joint rates violate a loop closure by {opening:.3g} m/s or rad/s: give fewer of them"
         faults.append(scene_fault("initial.joints", words))
-    return loops.states(x, rates)
+    return rates
 
 
 def _home(loops: Loops, begun: Start) -> Vector:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from granular_contact.laws.law import term_names
 from granular_contact.multibody import mechanism
-from granular_contact.multibody.observe import accuracy, energies, key_numbers, stop
+from granular_contact.multibody.observe import forces_of, observed
 from granular_contact.multibody.space.kinematics import SpatialKinematics
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
@@ -19,43 +19,19 @@ from granular_contact.results.in_space import SpatialObservation
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.limits import Reach
 from granular_contact.results.motion import Motion, Part
-from granular_contact.results.observation import pictures
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Vector
 
 
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
     """What results hold of a run."""
-    motion, scene, load = SpatialKinematics(system, trajectory), system.scene, trajectory.load
+    motion = SpatialKinematics(system, trajectory)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
-        depths, driven = motion.depths(), mechanism.drive_forces(motion)
-        found = [track for tracks in depths.values() for track in tracks]
-        forces = {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
-        terms = term_names(scene.media) if load is None or not scene.media else load.term_names
-        columns = mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven)
-        return SpatialObservation(
-            scene=scene,
-            status=trajectory.status,
-            cost=trajectory.cost,
-            time=trajectory.time,
-            motion=columns | body_columns(motion, forces, depths),
-            mean_rate=None,
-            tip=motion.position(*scene.tip)[0],
-            deflection=None,
-            depths=found,
-            terms=terms,
-            term_forces=np.zeros((len(trajectory.time), len(terms), 6)) if load is None else load.terms,
-            moments_about=motion.common_center[0],
-            body_forces=forces,
-            energies=energies(motion, driven),
-            reach=_reach(motion),
-            stop=lambda touch: stop(motion, touch),
-            outlines=motion.outlines,
-            pictures=lambda at: pictures(lambda one: SpatialKinematics(system, one).outlines, trajectory, at),
-            more=key_numbers(motion, driven, depths, found),
-            accuracy=accuracy(motion, driven),
-            moved=lambda at: moved(system, trajectory, forces, at),
-        )
+        depths, forces = motion.depths(), forces_of(trajectory)
+        found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
+        found["motion"] |= body_columns(motion, forces, depths)
+        play = partial(moved, system, trajectory, forces)
+        return SpatialObservation(**found, reach=_reach(motion), moved=play)
 
 
 def body_columns(

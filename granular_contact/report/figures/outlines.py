@@ -33,6 +33,17 @@ def is_closed(outline: Outline) -> bool:
     return len(outline.points) > 3 and bool(np.array_equal(outline.points[0], outline.points[-1]))
 
 
+def add_sand(surface: float | Array | None, low: Array, high: Array, below: float) -> None:
+    """Let a window from low to high (2,) m take in the surface, if it is near, and `below` of its size under that."""
+    size = max(float(np.max(high - low)), 1e-9)
+    if surface is None:
+        return
+    sand = surface_height(surface, np.linspace(low[0], high[0], 65))
+    if sand.max() > low[1] - 2 * size:
+        low[1] = min(low[1], sand.min() - below * size)
+        high[1] = max(high[1], sand.max())
+
+
 def _normals(points: Array) -> Array:
     """Left normals (n, 2) of a line, longer at its corners so that the bar keeps its width on both sides of them."""
     along = np.diff(points, axis=0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from granular_contact.report.figures.outlines import edge
+from granular_contact.report.figures.outlines import add_sand, edge
 from granular_contact.report.figures.style import FLOOR, SAND, SAND_EDGE
 from granular_contact.report.units import Array
 from granular_contact.results import Results, Snapshot
@@ -48,12 +48,7 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
     width in px; its height is at least `flattest` times that.
     """
     low, high = bounds(results.frames)
-    if results.surface is not None:
-        size = float(np.max(high - low))
-        sand = surface_height(results.surface, np.linspace(low[0], high[0], 65))
-        if sand.max() > low[1] - 2 * size:
-            low[1] = min(low[1], sand.min() - 0.1 * size)
-            high[1] = max(high[1], sand.max())
+    add_sand(results.surface, low, high, 0.1)
     stage = _around(low, high, width, flattest)
     largest = strongest(results.frames)
     tips = [force.point + arrow_vector(force.force, largest, stage) for one in results.frames for force in one.forces]

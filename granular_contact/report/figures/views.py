@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.outlines import around, deepest_point, edge, submerged
+from granular_contact.report.figures.outlines import add_sand, around, deepest_point, edge, submerged
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import DOUBLE, LEGEND_ROW, SINGLE
 from granular_contact.results import Results
@@ -59,12 +59,7 @@ def whole_view(results: Results) -> View:
     """Everything drawn, and a strip of sand under it."""
     points = np.concatenate([edge(outline) for shot in results.snapshots for outline in shot.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
-    size = max(float(np.max(high - low)), 1e-9)
-    if results.surface is not None:
-        sand = surface_height(results.surface, np.linspace(low[0], high[0], 65))
-        if sand.max() > low[1] - 2 * size:
-            low[1] = min(low[1], sand.min() - 0.05 * size)
-            high[1] = max(high[1], sand.max())
+    add_sand(results.surface, low, high, 0.05)
     return View("mechanism", low[0], low[1], high[0] - low[0], high[1] - low[1]).grown(0.06)
 
 

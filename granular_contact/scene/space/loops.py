@@ -10,12 +10,11 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
-from granular_contact.scene.loops import LARGEST_GAP, LARGEST_TILT, RANK_TOLERANCE
+from granular_contact.scene.loops import LARGEST_GAP, LARGEST_TILT, RANK_TOLERANCE, Mask, dependent_rates
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
 from granular_contact.scene.space.shapes import orientation
@@ -24,7 +23,6 @@ from granular_contact.scene.space.types import Vector
 from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive
 
-Mask = NDArray[np.bool_]
 # Displacements along the axes of the joint's frame, whose z is its axis, and rotations about them, that are held.
 CONSTRAINED = {
     "hinge": (True, True, True, True, True, False),
@@ -157,21 +155,8 @@ def closed(scenario: schema.SpatialScenario, begun: Start, faults: list[Fault]) 
                 states[name] = JointState(states[name].rates, target)
             states = loops.close(states, ~placed)
         faults += _open(loops, states, "at the start")
-    return _in_motion(loops, begun, states, faults)
-
-
-def _in_motion(loops: Loops, begun: Start, states: dict[str, JointState], faults: list[Fault]) -> dict[str, JointState]:
-    """Closed states with rates of the dependent joints that keep the loops closed."""
-    slopes = np.concatenate(list(loops.jacobian(states).values()))
-    moved = loops.mask(begun.moved)
-    rates = np.where(moved, loops.rates(begun.states), 0.0)
-    if not moved.all():
-        rates[~moved] = np.linalg.lstsq(slopes[:, ~moved], -slopes @ rates, rcond=1e-10)[0]
-    opening = float(np.abs(slopes @ rates).max(initial=0.0))
-    if opening > 1e-6 * max(1.0, float(np.abs(rates).max(initial=0.0))):
-        words = f"the joint rates violate a loop closure by {opening:.3g} m/s or rad/s: give fewer of them"
-        faults.append(scene_fault("initial.joints", words))
-    return loops.moving(states, rates)
+    given = loops.mask(begun.moved), loops.rates(begun.states)
+    return loops.moving(states, dependent_rates(loops.jacobian(states), *given, faults))
 
 
 def _open(loops: Loops, states: Mapping[str, JointState], when: str) -> list[Fault]:

@@ -7,6 +7,7 @@ from contextlib import closing
 
 from granular_contact.config import Study
 from granular_contact.config.messages import unknown
+from granular_contact.report.units import is_number
 from granular_contact.studies.optimise.judging import Judged, asked, judged
 from granular_contact.studies.optimise.methods import Generation, Spent, look
 from granular_contact.studies.optimise.outcome import Outcome
@@ -110,14 +111,10 @@ class _Runs:
             return
         for path, name in asked(self._study.file).items():
             summaries = [row.summary for row in finished]
-            numbers = [key for key, value in summaries[0].items() if value is None or _is_number(value)]
+            numbers = [key for key, value in summaries[0].items() if value is None or is_number(value)]
             if not any(name in summary for summary in summaries) or name not in numbers:
                 message = f"got {name!r}, which is no number of a summary; {unknown(name, numbers)}"
                 raise self._study.fault(path, message)
             if len(self.judged) > 1 and not any(one.row.summary.get(name) is not None for one in self.judged):
                 raise self._study.fault(path, f"none of the first {len(self.judged)} runs has {name}")
         self._known = len(self.judged) > 1
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
