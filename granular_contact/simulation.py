@@ -236,7 +236,7 @@ class Simulation:
         return found
 
     def _cut(self, joint: str, value: float) -> float:
-        """The end of a range, of what lies beyond it; which is kept, to be told."""
+        """The end of a range, of what lies beyond it; which is kept, to be reported."""
         least, most = self._ranges[joint]
         end = min(max(value, least), most)
         if (excess := abs(value - end)) > ROUND_OFF * (most - least):

@@ -55,7 +55,7 @@ def test_the_motion_is_a_film_that_a_notebook_shows(tmp_path: Path) -> None:
     with pytest.raises(ResultsError, match=r"got the ending '\.png'; allowed are \.gif and \.mp4"):
         swung().animation(tmp_path / "swing.png")
     blind = simulate("pendulum", most_frames=0, control=lambda *_: 1 / 0)
-    with pytest.raises(ResultsError, match="was told most_frames=0"):
+    with pytest.raises(ResultsError, match="had most_frames=0"):
         blind.animation(tmp_path / "none.gif")
 
 

@@ -292,7 +292,7 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Known | None = 
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=False)
         found += faults_of([*errors, *structure_errors(node, errors)], node, kind)
-    # What is broken can't be valid, but its fault may have been told by whoever read it.
+    # What is broken can't be valid, but its fault may have been reported by whoever read it.
     if found or scenario is None:
         raise ConfigError(sorted(found, key=by_place))
     return scenario

@@ -1,6 +1,6 @@
 """A file of a search -> a study: a config that can be run with any numbers of its parameters.
 
-What stands in such a file is told by its schema (`schema.optimise`) and shown in configs/optimise_speed_close.yaml.
+What stands in such a file is said by its schema (`schema.optimise`) and shown in configs/optimise_speed_close.yaml.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def study_of(root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe |
 
 
 def _without_faults(root: tree.Mapping) -> OptimiseFile:
-    """What is valid of the parameters of a file that is not, so that all that is wrong with it is told at once."""
+    """What is valid of the parameters of a file that is not, so that all that is wrong with it is reported at once."""
     held = root.nodes.get("parameters")
     nodes = held.nodes if isinstance(held, tree.Mapping) else {}
     valid = {name: one for name, node in nodes.items() if (one := validated(Parameter, node, [])) is not None}

@@ -75,7 +75,7 @@ class SpatialSand:
             from granular_contact.kernels import floor_added_mass
 
             clock, poses, then, seen, *other = step
-            apart = np.zeros_like(seen)  # what is told of depths is that below the surface
+            apart = np.zeros_like(seen)  # what is reported of depths is that below the surface
             found += _bound(floor_added_mass.act, [(*on, part.rows)], (clock, poses, then, apart, *other))
         return found
 

@@ -2,7 +2,7 @@
 
 Each sentence says what was measured on the trajectory. No warning is no proof: a run whose steps miss an event entirely
 has no trace of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
-in `results.accuracy`, which says which of all that is told.
+in `results.accuracy`, which says which of all that is reported.
 """
 
 from __future__ import annotations

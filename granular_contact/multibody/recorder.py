@@ -100,7 +100,7 @@ class Recorder:
             self.control.go_on(t)
 
     def clear(self) -> None:
-        """Forget the state at the start, which is told once more."""
+        """Forget the state at the start, which is reported once more."""
         self.rows = 0
         for kept in self._lists().values():
             kept.clear()

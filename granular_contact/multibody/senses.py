@@ -65,7 +65,7 @@ class Senses:
 
     @property
     def follows(self) -> bool:
-        """Whether it has to be told of all rows."""
+        """Whether it has to see all rows."""
         return bool(self._turning)
 
     def kinematics(self, trajectory: Trajectory) -> Kinematics:
@@ -139,7 +139,7 @@ class Senses:
     # ---- read ----
 
     def follow(self, q: Vector) -> None:
-        """Count the turns of links over rows (n, m) of coordinates that came since it was told some last."""
+        """Count the turns of links over rows (n, m) of coordinates that came since the last call."""
         for turns, places in self._turning:
             turns[0] = np.unwrap([turns[0], *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1]
 

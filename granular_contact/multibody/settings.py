@@ -16,7 +16,7 @@ SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
 # Steps that change leave an oscillation in the accelerations of bodies that hang on each other by joints. It fades by
 # the spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in
 # joints. Jumps of a prescribed acceleration leave one at fixed steps too: at 0.9 the work that the drive of a wheel put
-# in was told twice as large as it is.
+# in was reported twice as large as it is.
 OF_CHANGING_STEPS, CLOSER, LOOSEST = 0.5, 1e-3, 0.1
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
 SHORTEST = 1e-4

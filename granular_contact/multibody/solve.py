@@ -45,7 +45,7 @@ class _Guarded:
 
     def __enter__(self) -> None:
         self._prints, self._takes = exu.config.printToConsole, threading.get_ident() == self._main
-        if self._prints:  # how a run ended is told by its status
+        if self._prints:  # how a run ended is reported by its status
             exu.config.printToConsole = False
         if self._takes:
             self._before = set_handler(signal.SIGINT, self._handler)

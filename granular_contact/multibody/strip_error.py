@@ -17,7 +17,7 @@ from granular_contact.results import FINISHED
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.scene.types import Load, Scene
 
-ERROR = 5e-3  # of the distance, that is told
+ERROR = 5e-3  # of the distance, that is reported
 ROLLING = 6.0  # times the estimate by the moment: other faces meet the sand as a body rolls over (3.6 in random scenes)
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
 

@@ -13,7 +13,7 @@ from granular_contact.laws.kinds import Kind
 from granular_contact.scene.bed import NOTHING, Bed
 from granular_contact.scene.types import Scene
 
-LAID = 1e-6  # m: a depth at the start that is told
+LAID = 1e-6  # m: a depth at the start that is reported
 
 
 @dataclass(frozen=True)

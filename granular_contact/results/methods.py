@@ -83,7 +83,7 @@ def animation(results: Results, file: Path) -> Film:
     if file.suffix not in (".gif", ".mp4"):
         raise ResultsError(f"{file}: got the ending {file.suffix!r}; allowed are .gif and .mp4")
     if not results.frames and results.motion is None:
-        raise ResultsError(f"{results.name} has no pictures: the run was told most_frames=0")
+        raise ResultsError(f"{results.name} has no pictures: the run had most_frames=0")
     from granular_contact.report.figures.film import write
 
     write(results, file)

@@ -1,4 +1,4 @@
-"""When a run first touched its medium and when it stopped: all that is told of stopping is found here.
+"""When a run first touched its medium and when it stopped: all that is reported of stopping is found here.
 
 A pendulum stops at the first zero of its mean rate, whether it stays there or swings back. It is found inside a step,
 from the side before the stop, as there the static resistance turns round: values after it tell nothing about when it
@@ -6,7 +6,7 @@ came. The last step before it has the rate and its derivative, from the moments 
 earlier the zero of a parabola is the stop, to second order in the step. (The reduced model locates the same zero while
 it integrates, see `kernels.events`.)
 
-Of all else only rest is told: one part of it, or one component of a velocity, may be zero while the rest still falls.
+Of all else only rest is reported: one part, or one component of a velocity, may be zero while the rest still falls.
 """
 
 from __future__ import annotations

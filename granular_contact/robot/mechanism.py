@@ -145,7 +145,7 @@ def _form(shape: Shape, reader: Reader, packages: Mapping[str, Path]) -> dict[st
 
 
 def _scale(geometry: Geometry) -> dict[str, Any]:
-    """Of a file in metres none, so that one that is too large for metres is told."""
+    """Of a file in metres none, so that one that is too large for metres is reported."""
     x, y, z = geometry.scale
     return {} if (x, y, z) == (1.0, 1.0, 1.0) else {"scale": x if x == y == z and x > 0.0 else [x, y, z]}
 

@@ -101,7 +101,7 @@ def _same_but_strike(one: schema.Scenario, other: schema.Scenario) -> bool:
 
 
 def _check(made: Scene, scenario: schema.Scenario) -> None:
-    """`verified`, where that can be told from the one that it is like: the medium takes all that is in the sand."""
+    """`verified`, where that follows from the one that it is like: the medium takes all that is in the sand."""
     kinds = {link.kind for link in made.links}
     kinds |= {shape.kind for body in made.rigid for shape in body.shapes if shape.in_sand}
     if any(medium_obstacles(made)) or not all(kinds <= set(medium.takes) for medium in made.media):

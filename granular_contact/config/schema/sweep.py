@@ -14,7 +14,7 @@ METHODS = ("latin_hypercube", "sobol", "one_at_a_time", "saltelli")
 OUTPUTS = ("stopping_time_s",)
 _BALANCED = ("sobol", "saltelli")  # sequences that are even in powers of two only
 _NEARLY_WHOLE = 1e-9
-_READABLE = 10  # digits of a number that is told in full
+_READABLE = 10  # digits of a number that is written in full
 
 # A finite number that stays a whole one if it was written so.
 Number = Annotated[float, WrapValidator(lambda value, check: (check(value), value)[1])]

@@ -45,7 +45,7 @@ class SpatialSenses(Senses):
         return SpatialKinematics(self.system, trajectory)
 
     def follow(self, q: Vector) -> None:
-        """Count the turns of hinges over rows (n, m) of coordinates that came since it was told some last."""
+        """Count the turns of hinges over rows (n, m) of coordinates that came since the last call."""
         still = [0.0] * 14
         for (joint, places), turns in zip(self._coordinates, self.seen.hinges, strict=True):
             for row in q[:, places] if turns else ():

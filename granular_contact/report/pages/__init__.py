@@ -39,7 +39,7 @@ def _still(_folder: Folder) -> dict[str, Any]:
     return NOTHING | {"data": {}}
 
 
-# What is told of each kind of results; what is drawn over time and played; what is drawn of many rows.
+# What is reported of each kind of results; what is drawn over time and played; what is drawn of many rows.
 _CONTENTS: dict[str, Callable[[Folder], dict[str, Any]]] = {
     **dict.fromkeys(("compare", "compare-media"), comparison.content),
     "fit": fit.content,

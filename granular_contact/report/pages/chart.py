@@ -17,7 +17,7 @@ def chart(names: Sequence[str], columns: Mapping[str, Sequence[Any]], x: str, y:
     Parameters
     ----------
     names
-        What is told of the row that is pointed at.
+        What is reported of the row that is pointed at.
     columns
         Cells of each column, by its key; its unit is that of the key.
     x, y

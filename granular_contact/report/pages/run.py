@@ -25,7 +25,7 @@ ENERGIES = {
     "floor_work_J": "work of the floor",
 }
 NOW = 1e-9  # s: a touch before that is the start
-MOST_CONTACTS = 8  # of a body, that are told one by one
+MOST_CONTACTS = 8  # of a body, that are reported one by one
 
 
 def page(folder: Folder) -> str:

@@ -19,7 +19,7 @@ STEEPEST_RISE = math.tan(math.radians(STEEPEST))
 KEY = "bed.height_map.file"
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".pgm", ".jpg", ".jpeg")
 GREY = ("1", "L", "I", "F", "I;16", "I;16B", "I;16L")  # modes of Pillow
-FEW = 4  # lines of a table that are told of
+FEW = 4  # lines of a table that are reported
 
 
 def heights_of(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:

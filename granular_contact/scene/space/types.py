@@ -192,7 +192,7 @@ class SpatialScene(Scene):
 
     @property
     def pivot(self) -> None:
-        """There is none in space: nothing is told of one hinge on the ground alone."""
+        """There is none in space: nothing is reported of one hinge on the ground alone."""
         return
 
     @property

@@ -22,7 +22,7 @@ LEAST_PROBABILITY = 1e-3  # of residuals as small as these
 LEAST_CORRELATION = 0.5  # of measurements that are not independent
 LEAST_SIGNIFICANCE = 4.0  # of that correlation, in units of what chance gives
 MOST_COMPARED = 50  # runs
-LEAST_ROUNDING = 0.5  # share of rounding in the noise from which on it is told
+LEAST_ROUNDING = 0.5  # share of rounding in the noise from which on it is reported
 
 
 def data_warnings(problem: Problem, f: Sequence[Vector], sigma: Vector) -> list[str]:

@@ -59,7 +59,7 @@ def search(
     there = {} if journal is None else {row.index: row for row in journal}
     with closing(CaseRunner(study.sweep, pool, journal=journal, function=function)) as cases:
         runs = _Runs(study, cases, there, advance)
-        runs([{}])  # the config as it is, by which the objective is checked and the gain is told
+        runs([{}])  # the config as it is, by which the objective is checked and the gain is reported
         ended = look(study.file, study.start_fractions(), runs.of_fractions)
     return Outcome(study, tuple(runs.judged), ended)
 
