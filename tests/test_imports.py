@@ -107,6 +107,7 @@ MAY = {
         "studies.sweep",
         "config",
         "scene",
+        "run",
         "laws",
         "report",
         "report.figures",
