@@ -6,9 +6,9 @@ One path with runs in one call: both go on by the same solve, which here pauses 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,25 +16,19 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import ControlError
-from granular_contact.results import Compiling, Outline, Results, Status
+from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.ending import ended, paused
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
 from granular_contact.run import Begun, Solving, begin, scenario_of
 from granular_contact.scene.build import build
-from granular_contact.scene.controls import Control, controls_of
+from granular_contact.scene.controls import Beyond, Control, controls_of, range_warnings
 from granular_contact.scene.types import Scene
 
 Controls = Mapping[str, float] | ArrayLike | None
+Controller = Callable[[float, Observations], Controls]
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
 ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
-
-
-class Beyond(NamedTuple):
-    """How often a control was given beyond the range of its drive, and by how much (SI units) at the most."""
-
-    times: int
-    most: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -194,6 +188,39 @@ class Simulation:
             raise ControlError(f"dt: got {dt!r}, allowed is a time of at least {self._shortest:g} s")
         return self._go_on(controls, self._solving.time + time)
 
+    def run(
+        self,
+        control: Controller | None = None,
+        control_rate_Hz: float = 1000.0,
+        *,
+        progress: Progress | None = None,
+        most_frames: int = 0,
+    ) -> Results:
+        """Go on from here to the end of the run, steered by a controller if there is one.
+
+        Parameters
+        ----------
+        control, control_rate_Hz, progress, most_frames
+            As of `simulate`; the controller is called first at the present time.
+
+        Returns
+        -------
+        Results
+            Of the whole run.
+
+        Raises
+        ------
+        ControlError
+            The rate is no number above 0, or the run is over.
+        """
+        from granular_contact.steering import steer  # which imports this
+
+        if control is None or self.ended is not None:
+            self._go_on(None, math.inf)
+        else:
+            steer(self, control, control_rate_Hz, progress)
+        return self.results(most_frames)
+
     def _go_on(self, controls: Controls, until: float) -> Observations:
         """`step` to a time (s)."""
         solving = self._solving
@@ -240,18 +267,8 @@ class Simulation:
         least, most = self._ranges[joint]
         end = min(max(value, least), most)
         if (excess := abs(value - end)) > ROUND_OFF * (most - least):
-            times, before = self._beyond.get(joint, Beyond(0, 0.0))
-            self._beyond[joint] = Beyond(times + 1, max(before, excess))
+            self._beyond[joint] = self._beyond.get(joint, Beyond()).and_by(excess)
         return end
-
-    def _range_warnings(self) -> Iterator[str]:
-        """Warnings of what was set beyond ranges."""
-        for name, control in self._controls.items():
-            if (beyond := self._beyond.get(control.joint)) is not None:
-                times = "once" if beyond.times == 1 else f"{beyond.times} times"
-                words = f"{name} was given beyond its range, {control.bounds[0]:g} to {control.bounds[1]:g}, {times}"
-                most = beyond.most / control.unit
-                yield f"{words}, by {most:.3g} at the most: it was set to the end of the range"
 
     def _named(self, controls: Any) -> dict[str, Any]:
         """Controls that were given in their order."""
@@ -311,7 +328,7 @@ class Simulation:
         if status is not None:
             trajectory = replace(trajectory, status=status)
         assert self._begun is not None  # or there were no trajectory
-        seen = replace(self._begun.observe(trajectory), steered=tuple(self._range_warnings()))
+        seen = replace(self._begun.observe(trajectory), steered=tuple(range_warnings(self._controls, self._beyond)))
         return results(seen, scenario_to_dict(self.scenario), most_frames)
 
     # ---- back to an earlier state ----

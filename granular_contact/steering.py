@@ -11,17 +11,14 @@ from granular_contact.config import Loaded, Scenario, load
 from granular_contact.errors import ControlError
 from granular_contact.results import Compiling, Progress, Results
 from granular_contact.results.frames import MOST
-from granular_contact.results.observed import Observations
 from granular_contact.run import run, scenario_of
 from granular_contact.scene.build import build
 from granular_contact.scene.types import Scene
-from granular_contact.simulation import Controls, Simulation, finite
+from granular_contact.simulation import Controller, Simulation, finite
 
 if TYPE_CHECKING:
     from granular_contact.laws.law import Law
     from granular_contact.multibody.system import System, Trajectory
-
-Controller = Callable[[float, Observations], Controls]
 
 
 def simulate(
@@ -87,23 +84,27 @@ def simulate(
         scene = build(scene)
     if control is None:
         return run(scene, scenario, progress, most_frames=most_frames, inspect=inspect, compiling=compiling)
+    simulation = Simulation(scenario_of(scene, scenario), compiling=compiling)
+    try:
+        return simulation.run(control, control_rate_Hz, progress=progress, most_frames=most_frames)
+    finally:
+        simulation.close()
+
+
+def steer(simulation: Simulation, control: Controller, control_rate_Hz: float, progress: Progress | None) -> None:
+    """Go on to the end of a run, with controls from a controller that is called so many times a second.
+
+    Raises ControlError where the rate is no number above 0; what the controller raises ends the run.
+    """
     rate = finite(control_rate_Hz)
     if rate is None or rate <= 0.0:
         raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
-    simulation = Simulation(scenario_of(scene, scenario), compiling=compiling)
-    _steer(simulation, control, rate, progress)
-    made = simulation.results(most_frames)
-    simulation.close()
-    return made
-
-
-def _steer(simulation: Simulation, control: Controller, rate: float, progress: Progress | None) -> None:
-    """Go on to the end of a run, with controls from a controller that is called so many times a second."""
     seen, calls, end = simulation.observe(), 0, simulation.scenario.solver.end_time_s
+    began = seen.time
     while simulation.ended is None:
         calls += 1
         try:
-            seen = simulation._go_on(control(seen.time, seen), calls / rate)
+            seen = simulation._go_on(control(seen.time, seen), began + calls / rate)
         except KeyboardInterrupt:
             simulation.interrupt()
         except Exception as error:  # whatever the controller of a user raises

@@ -84,9 +84,12 @@ def go_on(simulation: Simulation, pauses: int) -> list[np.ndarray]:
 # ---- the same run ----
 
 
-@pytest.mark.parametrize(("name", "pauses"), [("pendulum_rigid", 1000), ("pendulum", 100)])
-def test_a_thousand_steps_are_the_run_in_one_call(name: str, pauses: int) -> None:
-    scenario = scenario_of(name, "solver.end_time_s=0.02", "solver.step_s=2e-5", "solver.rest_time_s=null")
+@pytest.mark.parametrize(
+    ("name", "pauses", "more"),
+    [("pendulum_rigid", 1000, ()), ("pendulum", 100, ()), ("pendulum", 1000, SCENES["reduced"][1][2:])],
+)
+def test_a_thousand_steps_are_the_run_in_one_call(name: str, pauses: int, more: tuple[str, ...]) -> None:
+    scenario = scenario_of(name, "solver.end_time_s=0.02", "solver.step_s=2e-5", "solver.rest_time_s=null", *more)
     whole, simulation, calls = run(build(scenario)), Simulation(scenario), 0
     while simulation.ended is None:
         simulation.step(None, 0.02 / pauses)
@@ -97,7 +100,7 @@ def test_a_thousand_steps_are_the_run_in_one_call(name: str, pauses: int) -> Non
     # Times differ by their sum's round-off, 1e-13 of the step, at speeds up to 2 m/s and accelerations up to 1e4 m/s2.
     scale = np.abs(whole.table).max(axis=0)
     assert (np.abs(parts.table - whole.table).max(axis=0) <= 1e-8 * np.maximum(scale, 1e-3)).all()
-    for key in ("steps", "newton_iterations", "jacobians"):
+    for key in () if more else ("steps", "newton_iterations", "jacobians"):  # of the engine
         assert parts.summary["cost"][key] == whole.summary["cost"][key]
     assert parts.status == whole.status
 
@@ -110,6 +113,25 @@ def test_pauses_leave_chosen_steps_as_exact(name: str) -> None:
     assert parts.status == whole.status
     # Both are off by their tolerances, 1e-3 of the way at the most, over which the pendulum turns by 5 degrees.
     assert parts["pivot_angle_deg"][-1] == pytest.approx(whole["pivot_angle_deg"][-1], abs=0.005)
+
+
+@pytest.mark.parametrize("name", ["leg", "minimal", "reduced", "reduced with bristles"])
+def test_all_solvers_go_on_to_the_end(name: str) -> None:
+    simulation = of(name)
+    np.testing.assert_array_equal(simulation.run().table, run(build(simulation.scenario)).table)
+    with pytest.raises(ControlError, match="the run is over"):
+        simulation.run()
+    # From half way, under a controller that is called first there.
+    simulation.reset()
+    half = simulation.step(None, 0.5 * simulation.scenario.solver.end_time_s).time
+    called: list[float] = []
+
+    def watch(t: float, _: object) -> None:
+        called.append(t)
+
+    results = simulation.run(watch, control_rate_Hz=4.0 / half)
+    assert results.status == simulation.ended
+    np.testing.assert_allclose(called, half * np.array([1.0, 1.25, 1.5, 1.75]))
 
 
 def test_a_scene_that_settles_starts_where_its_run_does() -> None:

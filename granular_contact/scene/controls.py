@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from granular_contact.scene.types import Scene
 
@@ -29,6 +31,26 @@ class Control:
     def bounds_in_si(self) -> tuple[float, float]:
         """Range of what can be set, in SI units."""
         return self.unit * self.bounds[0], self.unit * self.bounds[1]
+
+
+class Beyond(NamedTuple):
+    """How often a control was given beyond the range of its drive, and by how much (SI units) at the most."""
+
+    times: int = 0
+    most: float = 0.0
+
+    def and_by(self, excess: float) -> Beyond:
+        """The same and once more, by so much."""
+        return Beyond(self.times + 1, max(self.most, excess))
+
+
+def range_warnings(controls: Mapping[str, Control], beyond: Mapping[str, Beyond]) -> Iterator[str]:
+    """What was set beyond ranges, of controls by name; beyond: by joint."""
+    for name, control in controls.items():
+        if (found := beyond.get(control.joint)) is not None:
+            times = "once" if found.times == 1 else f"{found.times} times"
+            words = f"{name} was given beyond its range, {control.bounds[0]:g} to {control.bounds[1]:g}, {times}"
+            yield f"{words}, by {found.most / control.unit:.3g} at the most: it was set to the end of the range"
 
 
 def controls_of(scene: Scene) -> dict[str, Control]:

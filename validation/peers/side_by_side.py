@@ -1,0 +1,179 @@
+"""Programs without any of this project, to see what two processes gain over one on a machine.
+
+Each does the same work again and again and tells the processor time (s) that it took. Two of them are near to the
+runner's environment: `exudyn_alone` in what it does (five bodies, implicit steps, motors and ground in Python, as one
+writes them), and `compiling` in how much memory it goes through meanwhile (see `touched`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+
+TIMES = 3  # that a module of the standard library is compiled
+NUMBERS = 3_000_000  # that are added up
+CALLS = 40_000  # of each of five functions of NumPy
+STEPS, STEP = 400, 1e-3  # of the engine, s
+PERIODS, SKIP = 600, 5  # of MuJoCo: steps between two looks, as Gymnasium's environments have it
+_HELD: dict[str, Any] = {}  # of a process: models that are built once
+
+
+def count() -> float:
+    """Add up numbers: no memory to speak of."""
+    began, total = time.process_time(), 0
+    for number in range(NUMBERS):
+        total += number
+    return time.process_time() - began
+
+
+def small_arrays() -> float:
+    """Small calls of NumPy."""
+    began, a = time.process_time(), np.linspace(0.0, 1.0, 12)
+    for _ in range(CALLS):
+        b = a * 0.5
+        b += a
+        a = np.minimum(b, 1.0)
+        b.dot(a)
+        a = np.concatenate([a[6:], a[:6]])
+    return time.process_time() - began
+
+
+def compiling() -> float:
+    """Python compiles a module of its own library."""
+    if "source" not in _HELD:
+        _HELD["source"] = inspect.getsource(argparse)
+    began = time.process_time()
+    for _ in range(TIMES):
+        compile(_HELD["source"], "argparse.py", "exec")
+    return time.process_time() - began
+
+
+def touched(work: Callable[[], Any]) -> float:
+    """Memory (MB) that work goes through, by pages of 4 kB; not a number where nothing tells.
+
+    Less what asking takes itself.
+    """
+    try:
+        nothing, some = _touched(lambda: None), _touched(work)
+    except (OSError, ValueError):
+        return math.nan
+    return max(0.0, some - nothing)
+
+
+def _touched(work: Callable[[], Any]) -> float:
+    own = Path("/proc/self")
+    for _ in range(2):  # asking takes memory, too
+        (own / "clear_refs").write_text("1")
+        work()
+        lines = (own / "smaps_rollup").read_text().splitlines()
+    return next(float(line.split()[1]) for line in lines if line.startswith("Referenced:")) / 1024.0
+
+
+def mujoco_ant() -> float:
+    """The ant of Gymnasium in MuJoCo, with torques that come from what is seen."""
+    if "ant" not in _HELD:
+        import gymnasium
+        import mujoco
+
+        path = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
+        model = mujoco.MjModel.from_xml_path(str(path))
+        _HELD["ant"] = mujoco, model, mujoco.MjData(model)
+    mujoco, model, data = _HELD["ant"]
+    mujoco.mj_resetData(model, data)
+    began = time.process_time()
+    for _ in range(PERIODS):
+        seen = np.concatenate([data.qpos[2:], data.qvel, np.clip(data.cfrc_ext, -1.0, 1.0).ravel()])
+        data.ctrl[:] = np.sin(seen[5:13] + 10.0 * data.time)
+        mujoco.mj_step(model, data, nstep=SKIP)
+    return time.process_time() - began
+
+
+def _motor(mbs: Any, t: float, item: int, angle: float, rate: float, *given: float) -> float:  # noqa: ARG001
+    """Torque of a motor that turns a leg."""
+    return 0.01 * (rate - 10.0) + 0.05 * math.sin(angle)
+
+
+def _ground(mbs: Any, t: float, item: int, q: Any, v: Any) -> Any:  # noqa: ARG001
+    """Forces of the ground on a leg whose coordinates these are."""
+    q, v = np.array(q), np.array(v)
+    under = np.maximum(-(q[1] + 0.03 * np.sin(q[2] + np.linspace(0.0, 1.5, 16))), 0.0)
+    force = np.array([-5.0 * v[0], 400.0, 0.0]) * under.sum() - np.array([0.0, 2.0, 1e-4]) * v
+    return force.tolist()
+
+
+def _walker() -> Any:
+    """A trunk on four legs in Exudyn."""
+    system = exu.SystemContainer()
+    mbs = system.AddSystem()
+    trunk = _body(mbs, 0.05, 0.2)
+    for place in (-0.08, -0.03, 0.03, 0.08):
+        leg = _body(mbs, 0.05, 0.01, place)
+        hip = [
+            mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=trunk, localPosition=[place, 0.0, 0.0])),
+            mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=leg)),
+        ]
+        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=hip))
+        mbs.AddObject(
+            items.ObjectConnectorTorsionalSpringDamper(
+                markerNumbers=hip, stiffness=0.0, damping=0.0, springTorqueUserFunction=_motor
+            )
+        )
+        node = mbs.GetObject(leg)["nodeNumber"]
+        mbs.AddObject(
+            items.ObjectGenericODE2(
+                nodeNumbers=[node],
+                massMatrix=1e-9 * np.eye(3),
+                stiffnessMatrix=np.zeros((3, 3)),
+                dampingMatrix=np.zeros((3, 3)),
+                forceVector=np.zeros(3),
+                forceUserFunction=_ground,
+            )
+        )
+    mbs.Assemble()
+    return system, mbs
+
+
+def _body(mbs: Any, height: float, mass: float, x: float = 0.0) -> Any:
+    """A rigid body under gravity."""
+    start = [x, height, 0.0]
+    node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=start))
+    body = mbs.AddObject(items.ObjectRigidBody2D(physicsMass=mass, physicsInertia=1e-3 * mass, nodeNumber=node))
+    centre = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+    mbs.AddLoad(items.LoadMassProportional(markerNumber=centre, loadVector=[0.0, -9.81, 0.0]))
+    return body
+
+
+def exudyn_alone() -> float:
+    """Steps of the engine."""
+    if "engine" not in _HELD:
+        settings = exu.SimulationSettings()
+        settings.timeIntegration.numberOfSteps = STEPS
+        settings.timeIntegration.endTime = STEPS * STEP
+        settings.timeIntegration.verboseMode = settings.displayStatistics = 0
+        settings.solutionSettings.writeSolutionToFile = False
+        settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+        settings.linearSolverType = exu.LinearSolverType.EigenSparse
+        _HELD["engine"] = (*_walker(), settings)
+    _, mbs, settings = _HELD["engine"]
+    began = time.process_time()
+    mbs.SolveDynamic(settings)
+    return time.process_time() - began
+
+
+# What they are called, and how much each does in units of the table.
+PROGRAMS = {
+    "Exudyn alone, s of motion": (exudyn_alone, STEPS * STEP),
+    "Python compiling, modules": (compiling, TIMES),
+    "MuJoCo alone, thousands of steps": (mujoco_ant, 1e-3 * PERIODS * SKIP),
+    "small arrays of NumPy, thousands of calls": (small_arrays, 5e-3 * CALLS),
+    "counting, millions": (count, 1e-6 * NUMBERS),
+}
