@@ -6,7 +6,7 @@ One path with runs in one call: both go on by the same solve, which here pauses 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
+from granular_contact.controllers import Controller, Controls, finite, steer
 from granular_contact.errors import ControlError
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.ending import ended, paused
@@ -25,8 +26,6 @@ from granular_contact.scene.build import build
 from granular_contact.scene.controls import Beyond, Control, controls_of, range_warnings
 from granular_contact.scene.types import Scene
 
-Controls = Mapping[str, float] | ArrayLike | None
-Controller = Callable[[float, Observations], Controls]
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
 ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
 
@@ -213,12 +212,10 @@ class Simulation:
         ControlError
             The rate is no number above 0, or the run is over.
         """
-        from granular_contact.steering import steer  # which imports this
-
         if control is None or self.ended is not None:
             self._go_on(None, math.inf)
         else:
-            steer(self, control, control_rate_Hz, progress)
+            steer(self, control, control_rate_Hz, self._end, progress)
         return self.results(most_frames)
 
     def _go_on(self, controls: Controls, until: float) -> Observations:
@@ -395,12 +392,3 @@ class Simulation:
     def interrupt(self) -> None:
         """End the run as interrupted."""
         self._failed = ended("interrupted", self.time, self.scenario.solver)
-
-
-def finite(value: Any) -> float | None:
-    """A value as a number; None if it is none, or not finite."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        return None
-    return number if math.isfinite(number) and not isinstance(value, bool | str) else None

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.config import Loaded, Scenario, load
-from granular_contact.errors import ControlError
+from granular_contact.controllers import Controller
 from granular_contact.results import Compiling, Progress, Results
 from granular_contact.results.frames import MOST
 from granular_contact.run import run, scenario_of
 from granular_contact.scene.build import build
 from granular_contact.scene.types import Scene
-from granular_contact.simulation import Controller, Simulation, finite
+from granular_contact.simulation import Simulation
 
 if TYPE_CHECKING:
     from granular_contact.laws.law import Law
@@ -89,33 +88,3 @@ def simulate(
         return simulation.run(control, control_rate_Hz, progress=progress, most_frames=most_frames)
     finally:
         simulation.close()
-
-
-def steer(simulation: Simulation, control: Controller, control_rate_Hz: float, progress: Progress | None) -> None:
-    """Go on to the end of a run, with controls from a controller that is called so many times a second.
-
-    Raises ControlError where the rate is no number above 0; what the controller raises ends the run.
-    """
-    rate = finite(control_rate_Hz)
-    if rate is None or rate <= 0.0:
-        raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
-    seen, calls, end = simulation.observe(), 0, simulation.scenario.solver.end_time_s
-    began = seen.time
-    while simulation.ended is None:
-        calls += 1
-        try:
-            seen = simulation._go_on(control(seen.time, seen), began + calls / rate)
-        except KeyboardInterrupt:
-            simulation.interrupt()
-        except Exception as error:  # whatever the controller of a user raises
-            simulation.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
-        if progress is not None:
-            progress(seen.time, end)
-
-
-def _words(error: Exception) -> str:
-    """An error in one sentence, with the place in the controller where it was raised."""
-    if isinstance(error, ControlError):
-        return str(error).replace("\n", "; ")
-    frames: Sequence[traceback.FrameSummary] = traceback.extract_tb(error.__traceback__)
-    return f"{type(error).__name__}: {error} ({frames[-1].filename}:{frames[-1].lineno})"

@@ -66,8 +66,10 @@ MAY = {
         "results",
         "errors",
     },
-    "simulation": {"run", "config", "scene", "results", "errors"},
+    "controllers": {"results", "errors"},
+    "simulation": {"controllers", "run", "config", "scene", "results", "errors"},
     "steering": {
+        "controllers",
         "simulation",
         "run",
         "config",
