@@ -70,6 +70,33 @@ def error(y, h, slope, end, end_slope, bodies, allowed):
     return max(math.sqrt(position) / allowed[0], math.sqrt(velocity) / allowed[1])
 
 
+@part
+def tried(h, y, w, c, clock, counts, direction, slope, end, end_slope, before, last):
+    """Try a step of h (s), and shorter ones until its error is allowed: its length, 0 if none is, and that ratio.
+
+    slope: rates at y; end and end_slope get where it leads, and the rates there; before, last: to work in.
+    """
+    while True:
+        if clock[AGE] >= OLD:
+            clock[RADIUS], evaluations = radius(y, slope, w, direction, last, before)
+            clock[AGE] = 0
+            counts[RATES] += evaluations
+        stages = stages_for(h, clock[RADIUS])
+        if stages == MOST_STAGES:
+            h = (MOST_STAGES**2 - 2) / (1.54 * clock[RADIUS])
+        step(y, h, stages, w, slope, before, last, end)
+        rates(end, w, end_slope)
+        counts[RATES] += stages
+        ratio = error(y, h, slope, end, end_slope, w.bodies, c.allowed)
+        if ratio <= 1.0:
+            return h, ratio
+        counts[REJECTED] += 1
+        clock[AGE] = OLD
+        h *= max(0.1, 0.8 * ratio ** (-1.0 / 3.0)) if ratio < np.inf else 0.1
+        if h <= 1e-13 * c.end:
+            return 0.0, ratio
+
+
 @kernel
 def march(y, w, control, clock, counts, direction, blank, states, rows):
     """Step on from y until one of the reasons above; everything passed in is kept up to date.
@@ -89,25 +116,9 @@ def march(y, w, control, clock, counts, direction, blank, states, rows):
         batches.update_active(w.proximity, h, w.active)
         rates(y, w, slope)
         counts[RATES] += 1
-        while True:
-            if clock[AGE] >= OLD:
-                clock[RADIUS], evaluations = radius(y, slope, w, direction, last, before)
-                clock[AGE] = 0
-                counts[RATES] += evaluations
-            stages = stages_for(h, clock[RADIUS])
-            if stages == MOST_STAGES:
-                h = (MOST_STAGES**2 - 2) / (1.54 * clock[RADIUS])
-            step(y, h, stages, w, slope, before, last, end)
-            rates(end, w, end_slope)
-            counts[RATES] += stages
-            ratio = error(y, h, slope, end, end_slope, w.bodies, c.allowed)
-            if ratio <= 1.0:
-                break
-            counts[REJECTED] += 1
-            clock[AGE] = OLD
-            h *= max(0.1, 0.8 * ratio ** (-1.0 / 3.0)) if ratio < np.inf else 0.1
-            if h <= 1e-13 * c.end:
-                return FAILED
+        h, ratio = tried(h, y, w, c, clock, counts, direction, slope, end, end_slope, before, last)
+        if h == 0.0:
+            return FAILED
         clock[STEP] = h * min(5.0, 0.8 * max(ratio, 1e-10) ** (-1.0 / 3.0))
         clock[NOW] = c.end if h == left else clock[NOW] + h
         clock[AGE] += 1

@@ -119,8 +119,6 @@ class MujocoBed:
         turn = np.array([along, np.cross(self.up, along), self.up])
         return GranularLoad(medium, surface, **options, form=form), turn
 
-    # ---- what the medium acts on ----
-
     def body(self, name: str | int) -> Body:
         """A body of the model, as the bed has it.
 
@@ -245,8 +243,6 @@ class MujocoBed:
         if self._shared is not None:
             raise scene_error("bed", "it is in use already; name every geom before the first call with data")
 
-    # ---- one data ----
-
     def of(self, data: Any) -> BedData:
         """What the bed keeps for an MjData, made at the first call; the first of all compiles and looks at the model.
 
@@ -353,8 +349,6 @@ class MujocoBed:
             What `BedData.state` gave.
         """
         self.of(data).restore(state)
-
-    # ---- as MuJoCo's callback ----
 
     def install(self, *datas: Any) -> MujocoBed:
         """Become MuJoCo's passive callback for these data, or for all of the model if none is named.

@@ -1,12 +1,5 @@
 """The plugin door: a granular bed that acts on bodies of any Exudyn model.
 
-    bed = GranularBed(mbs, preset("play_sand"), surface=-0.14)
-    bed.add_cables(elements, diameter=0.006)
-    bed.attach()                      # before mbs.Assemble()
-    ...
-    mbs.SolveDynamic(settings)
-    print(bed.work, bed.force)
-
 The load itself is `granular_contact.bed`, which knows no engine; how it gets into the system is `coupling`. Nothing
 else of the model is touched, no user function of the model is taken.
 """
@@ -74,10 +67,7 @@ class GranularBed:
     Notes
     -----
     Without `up` bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an
-    error.
-
-    `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
-
+    error. `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
     A solve that starts when the last one ended, or in the state in which it ended, goes on with friction state and
     history as they are; any other resets them. A static solve moves bodies and leaves no history.
     """
@@ -107,8 +97,6 @@ class GranularBed:
 
             self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up, floor=floor)
         self.mbs, self.coupling = mbs, Coupling(mbs, self.load)
-
-    # ---- what the medium acts on ----
 
     def add_rigid(
         self,
@@ -261,10 +249,8 @@ class GranularBed:
             Diameter of a round beam, or width of a flat one normal to the plane of motion (m); give one of the two.
         strips_per_element : int
             How finely depth, velocity and friction state are resolved along an element.
-        free_end : bool
-            Whether the last face is free (for end caps).
-        name : str, optional
-            Under which the forces on the beam are kept.
+        free_end, name
+            As of `add_rigid`, for the last face and the beam.
 
         Raises
         ------
@@ -345,8 +331,6 @@ class GranularBed:
         except SceneError as error:
             raise SceneError([replace(fault, key=f"bed.{name}") for fault in error.faults]) from None
 
-    # ---- during a solve ----
-
     @property
     def load_calls(self) -> int:
         """How often the engine asked for forces."""
@@ -367,8 +351,6 @@ class GranularBed:
             Coordinates and rates of the system, float64 and contiguous, as the engine keeps them; not checked.
         """
         self.coupling.accept_state(t, q, v)
-
-    # ---- what is read afterwards ----
 
     @property
     def history(self) -> LoadHistory:
@@ -411,9 +393,7 @@ class GranularBed:
     @property
     def force(self) -> Vector:
         """Resultant (2,) N, in space (3,), of the medium on all named bodies at the end."""
-        size = 3 if self.in_space else 2
-        total: Vector = sum(self.terms.values(), np.zeros(2 * size - (not self.in_space)))[:size]
-        return total
+        return np.asarray(np.sum([*self.terms.values()], axis=0)[: 3 if self.in_space else 2])
 
 
 def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:

@@ -38,7 +38,6 @@ def joints_of(
             continue
         assert child is not None  # closures with child and parent swapped are refused before
         turn, at_child = joint_frame(joint, placed)
-        # The points of a slider stay where they are on their bodies; elsewhere both are the same.
         at_parent = _origin(placed, joint) if joint.type == "slider" else at_child
         on_child = turn  # closed to round-off
         if joint.type in ("hinge", "ball", "free"):
@@ -62,7 +61,7 @@ def joints_of(
 
 
 def _origin(placed: Pose, joint: AnyJoint | AnyClosure) -> Vector:
-    """Point (3,) m of a joint on its parent."""
+    """Point (3,) m of a joint on its parent: of a slider another one than that on its child."""
     return placed.frames[joint.parent].world(np.array(joint.parent_point_m))
 
 
