@@ -127,7 +127,8 @@ def finished(code: str) -> Results:
     table = np.zeros((2, 1))
     columns = (Column("time_s", "since the start"),)
     summary = {"stopping_time_s": 0.0254, "stopping_time_measure": "mean rate", "energy": {"imbalance_relative": 1e-6}}
-    return Results("strike", Status(code, f"it was {code}"), columns, table, summary, {}, (), None, ("too fast",))
+    status, warnings = Status(code, f"it was {code}"), ("too fast",)
+    return Results("strike", status, columns, table, summary, {"medium": None}, (), None, warnings)
 
 
 @pytest.fixture

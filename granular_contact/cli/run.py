@@ -149,9 +149,10 @@ def _left_out(chosen: argparse.Namespace, solved: list[tuple[System, Trajectory]
 
 def _surface_left_out(scenario: dict[str, Any]) -> bool:
     """Whether the height of a body was given, and none of the surface, which then goes with it."""
+    if scenario["medium"] is None:
+        return False
     bed = scenario["bed"] or {}
-    given = scenario["surface_height_m"], bed.get("height_m"), bed.get("profile_m")
-    if scenario["medium"] is None or given != (None, None, None):
+    if (scenario["surface_height_m"], bed.get("height_m"), bed.get("profile_m")) != (None, None, None):
         return False
     starts = (scenario["initial"]["joints"] or {}).values()
     return any(start.get("y_m") is not None or start.get("z_m") is not None for start in starts)
