@@ -5,8 +5,9 @@
 Each config in the engine: as shipped, by the rule (`scene/steps.py`), with fixed steps from 8 ms down, and with several
 accuracies. An error is the greatest distance of any coordinate (of angles times how far their body reaches) from a fine
 run, at any step, over the longest way of any coordinate; the fine run has a tenth of the fixed step, or an accuracy of
-1e-4. Times are processor time of the solve, the least of two rounds in turn. A setting lies on the front if nothing
-takes less than 1 / 1.3 of its time and is as exact, to a tenth of the error.
+1e-4. Of what moves as it is told, at any step, the places say nothing; there the work of the medium stands for them,
+which is what such a run is for. Times are processor time of the solve, the least of two rounds in turn. A setting lies
+on the front if nothing takes less than 1 / 1.3 of its time and is as exact, to a tenth of the error.
 """
 
 from __future__ import annotations
@@ -58,7 +59,17 @@ def solved(scene: Scene) -> tuple[Run, float]:
     trajectory = begun.solving.trajectory()
     lever = begun.solving.recorder.lever  # type: ignore[attr-defined]  # of the engine's
     begun.solving.close()
-    return Run(trajectory.time, trajectory.q * lever, trajectory.status.code), seconds
+    place = trajectory.q * lever
+    if _is_prescribed(scene):
+        assert trajectory.load is not None
+        place = trajectory.load.work[:, None]
+    return Run(trajectory.time, place, trajectory.status.code), seconds
+
+
+def _is_prescribed(scene: Scene) -> bool:
+    """Whether every joint follows a motion."""
+    moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
+    return {joint.name for joint in scene.joints if joint.kind != "weld"} <= moved
 
 
 def fixed(step: float) -> tuple[str, str]:

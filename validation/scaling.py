@@ -85,7 +85,7 @@ def add_empty_call(system: System) -> None:
     handles = [*system.rigid.values(), *system.links.values()]
     node = handles[0].node if isinstance(handles[0], RigidHandle) else handles[0].nodes[0]
     size = len(system.mbs.systemData.GetNodeLTGODE2(node))
-    Overlay(system.mbs).attach({node: np.zeros(size)}, lambda _: None)
+    Overlay(system.mbs).attach({node: np.zeros(size)}, lambda *_: [0.0] * size)
     system.mbs.Assemble()
 
 

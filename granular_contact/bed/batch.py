@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -12,10 +11,9 @@ from numpy.typing import NDArray
 
 from granular_contact.bed.contact_lines import ContactLine
 from granular_contact.kernels import batches as kernels
-from granular_contact.kernels.entry import entry
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.kinematics import SPATIAL
-from granular_contact.kernels.lines import FIRST
+from granular_contact.kernels.lending import places
 from granular_contact.kernels.path_length import COLUMNS
 from granular_contact.laws.kinds import Kind
 
@@ -30,8 +28,6 @@ class Batch:
     stations are counted, see `kernels.path_length`. anchors (stations, 2 or 6) m: the friction state; active (lines,):
     the lines that may touch the surface in this step; proximity: see `kernels.batches`.
     """
-
-    _sand: tuple[Any, ...]  # what kernels get between the coordinates and what they fill
 
     def __init__(
         self,
@@ -59,7 +55,7 @@ class Batch:
         self.places = np.column_stack([coordinates, coordinates])
         spatial = self.ends[:-1][self.geometry["kind"][self.ends[:-1, 0]] == SPATIAL, 1]
         self._euler = spatial[:, None] + np.arange(3, 7)  # places of the Euler parameters of spatial bodies
-        self._compiled = False
+        self.reference: Vector = np.zeros(0)  # values that are added to the coordinates of the system
 
     @cached_property
     def medium(self) -> NDArray[np.void]:
@@ -72,24 +68,15 @@ class Batch:
         self.medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
         self.forget()
 
-    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
-        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
+    def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+        """Begin anew, with arguments as of `GranularLoad.start`; where all arrays are, in the order of `SAND`."""
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
-        at = (self.ends, self.places, self.geometry)
-        sand = (*at, self.records, self.profile, self.medium, self.anchors, *self.work)
-        self._sand, self._all_sand = (reference, self.active, *sand), (reference, *sand)
         self.active[:] = True
-        row, found = np.zeros(FIRST), (self.columns, self.proximity)
-        if not self._compiled:
-            # Compiling, the first time on a machine, belongs to the start and not to the first step.
-            self._force = entry(kernels.force, q, q, *self._sand, q)
-            self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
-            self._accept = entry(kernels.accept, q, q, *self._all_sand, row, *found, True)
-            self._update_active = entry(kernels.update_active, self.proximity, 0.0, self.active)
-            self._compiled = True
-        self._accept(q, np.zeros_like(q), *self._all_sand, row, *found, True)
-        self.proximity[:, kernels.EVER] = -np.inf
+        self.reference = reference
+        at = (self.reference, self.active, self.ends, self.places, self.geometry)
+        sand = (self.records, self.profile, self.medium, self.anchors, *self.work)
+        return places(*at, *sand, self.columns, self.proximity)
 
     @property
     def leans(self) -> bool:
@@ -98,24 +85,8 @@ class Batch:
 
     def leaning(self, q: Vector) -> float:
         """Sine of the greatest angle between the z axis of a spatial body and that of the world."""
-        e = (q + self._all_sand[0])[self.places[:, 0][self._euler]].T
+        e = (q + self.reference)[self.places[:, 0][self._euler]].T
         return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))
-
-    def force(self, q: Vector, v: Vector, out: Vector) -> None:
-        """Add the generalised forces of the active lines to out, the coordinates of the bed."""
-        self._force(q, v, *self._sand, out)
-
-    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
-        """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
-        return int(self._tangent(q, v, *self._sand, factor_q, factor_v, triplets, number))
-
-    def accept(self, q: Vector, v: Vector, row: Vector) -> None:
-        """End of a step at this state, added to a history row."""
-        self._accept(q, v, *self._all_sand, row, self.columns, self.proximity, False)
-
-    def update_active(self, step: float) -> bool:
-        """Choose the lines that may touch the surface in the next step (s); whether there are any."""
-        return bool(self._update_active(self.proximity, step, self.active))
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and width (m) of the lines that were ever immersed."""
@@ -134,8 +105,3 @@ class Batch:
     def depths(self) -> Vector:
         """Depth (lines,) m of the deepest station of each line where it was accepted last."""
         return self.proximity[:, kernels.DEEPEST]
-
-    def soonest(self) -> float:
-        """Time (s) after `accept` until the first of the lines above the surface may touch it; infinite of none."""
-        depths = ((one[kernels.DEEPEST], one[kernels.APPROACH]) for one in self.proximity.tolist())
-        return min((-depth / approach for depth, approach in depths if depth < 0.0 < approach), default=math.inf)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +18,10 @@ from granular_contact.bed.given import floor_of, layers_of, profile_of, records_
 from granular_contact.bed.history import HistoryTable, LoadHistory
 from granular_contact.bed.state import batch_states, restore_batches
 from granular_contact.errors import scene_error
+from granular_contact.kernels import planar_sand
+from granular_contact.kernels.batches import EVER
+from granular_contact.kernels.entry import entry
+from granular_contact.kernels.lines import FIRST
 from granular_contact.laws.floor import TERM as FLOOR_TERM
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.kinds import WORDS
@@ -25,6 +31,20 @@ from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
 APART = 100.0  # m, between the places of two shapes on the lattice of a medium's scatter
+
+
+class _Compiled(NamedTuple):
+    """Functions of `planar_sand` as compiled."""
+
+    force: Callable[..., None]
+    tangent: Callable[..., int]
+    accept: Callable[..., None]
+    update_active: Callable[..., bool]
+    soonest: Callable[..., float]
+
+
+def _nothing(q: Vector, v: Vector, out: Vector) -> None:
+    """What a load on no lines adds."""
 
 
 class GranularLoad:
@@ -39,8 +59,6 @@ class GranularLoad:
     medium, surface, slope, gravity, static, form, end_cap, floor
         As of `GranularBed`, with its errors.
     """
-
-    _leaning: Sequence[Batch] = ()  # those with bodies that may lean out of the plane; in space any may
 
     def __init__(
         self,
@@ -63,9 +81,14 @@ class GranularLoad:
         self.lines: list[ContactLine] = []
         self._added = 0  # shapes so far
         self.batches: list[Batch] = []
+        self._leaning: list[Batch] = []  # those with bodies that may lean out of the plane
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
         self.table = self._new_table()  # rows of the history
+        # `force` as compiled, without what it returns: for whoever calls it in each iteration of a solve.
+        self.add_forces: Callable[[Vector, Vector, Vector], None] = _nothing
+        self._compiled: _Compiled | None = None
+        self._sand = np.zeros((0, 0), np.int64)  # where the arrays of all batches are, see `planar_sand`
 
     # ---- what the medium acts on ----
 
@@ -156,29 +179,43 @@ class GranularLoad:
         if not self.batches:
             self.close()
         self.table.length, self.time = 0, None
-        if reference is None:
-            reference = np.zeros_like(q)
+        self._start(q, where, np.zeros_like(q) if reference is None else np.ascontiguousarray(reference))
+
+    def _start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
+        """Begin all batches, and compile what a solve calls, which is no part of its first step."""
+        if not self.batches:
+            return
+        sand = self._sand = np.array([batch.start(where, reference) for batch in self.batches])
+        if self._compiled is None:
+            self._compiled = _Compiled(
+                entry(planar_sand.force, sand, q, q, q),
+                entry(planar_sand.tangent, sand, q, q, 1.0, 1.0, self._triplets),
+                entry(planar_sand.accept, sand, q, q, q, True),
+                entry(planar_sand.update_active, sand, 0.0),
+                entry(planar_sand.soonest, sand),
+            )
+        self.add_forces = partial(self._compiled.force, sand)
+        self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:
-            batch.start(q, where, reference)
+            batch.proximity[:, EVER] = -np.inf
 
     def force(self, q: Vector, v: Vector, out: Vector) -> Vector:
         """Add the generalised forces of all active lines to out (m,), and return it."""
-        for batch in self.batches:
-            batch.force(q, v, out)
+        self.add_forces(q, v, out)
         return out
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
         """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3); the next call overwrites them."""
         number = 0
-        for batch in self.batches:
-            number = batch.tangent(q, v, factor_q, factor_v, self._triplets, number)
+        if self._compiled is not None:
+            number = self._compiled.tangent(self._sand, q, v, factor_q, factor_v, self._triplets)
         return self._triplets[:number]
 
     def accept(self, t: float, q: Vector, v: Vector) -> None:
         """End a step at the time t (s) in this state: the friction state follows, the history gets a row."""
         row = self.table.new_row(t)
-        for batch in self.batches:
-            batch.accept(q, v, row)
+        if self._compiled is not None:
+            self._compiled.accept(self._sand, q, v, row, False)
         self.time = t
 
     def update_active(self, step: float) -> bool:
@@ -186,9 +223,7 @@ class GranularLoad:
 
         All lines are active after `start`; whoever never calls this has the same forces, in more time.
         """
-        self.active = False
-        for batch in self.batches:
-            self.active |= batch.update_active(step)
+        self.active = self._compiled is not None and self._compiled.update_active(self._sand, step)
         return self.active
 
     def leaning(self, q: Vector) -> float:
@@ -222,7 +257,7 @@ class GranularLoad:
 
     def soonest(self) -> float:
         """Time (s) after the last accepted step until something above the surface may touch it; infinite of nothing."""
-        return min((batch.soonest() for batch in self.batches), default=math.inf)
+        return math.inf if self._compiled is None else float(self._compiled.soonest(self._sand))
 
 
 def _in(layer: Layer | None, line: ContactLine, gravity: float) -> NDArray[np.void]:

@@ -16,7 +16,8 @@ is paid once for hundreds of bodies. Arguments that they share:
     room, body          to work in, see `work`
 
 Forces that `force` found for a line stay in `room` and `body` with the coordinates that they belong to. A step mostly
-ends where the last forces were asked for, and then `accept` takes them from there: they are not computed again.
+ends where the last forces were asked for, and then `accept` takes them from there: they are not computed again. Nor
+does `tangent` compute them, which the engine asks for where it asked for forces before.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from granular_contact.kernels.memory import clear, piece, room2, rows
 # depth so far (m).
 DEEPEST, APPROACH, EVER = 0, 1, 2
 BLOCK = 6  # rows of `body` before a line's tangent
-KEPT = 3  # rows at the end of `body` for each line: coordinates and rates of its last forces, and their totals
+KEPT = 4  # rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, and these
 
 
 def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
@@ -56,21 +57,28 @@ def gather(system_q, system_v, reference, places, q, v):
 
 
 @part
-def keep(body, row, q, v, totals):
-    """Keep the totals of forces found at q and v."""
+def keep(body, row, q, v, f, totals):
+    """Keep the generalised forces f found at q and v, and their totals."""
     for i in range(q.shape[0]):
-        body[row, i], body[row + 1, i] = q[i], v[i]
+        body[row, i], body[row + 1, i], body[row + 3, i] = q[i], v[i], f[i]
     for term in range(TERMS):
         for k in range(3):
             body[row + 2, 3 * term + k] = totals[term, k]
 
 
 @part
-def recall(body, row, q, v, totals):
-    """Whether the last forces were found at q and v, with their totals; they are not known any more from then on."""
+def known_at(body, row, q, v):
+    """Whether the last forces were found at q and v."""
     known = True
     for i in range(q.shape[0]):
         known = known and body[row, i] == q[i] and body[row + 1, i] == v[i]
+    return known
+
+
+@part
+def recall(body, row, q, v, totals):
+    """Whether the last forces were found at q and v, with their totals; they are not known any more from then on."""
+    known = known_at(body, row, q, v)
     if known:
         for term in range(TERMS):
             for k in range(3):
@@ -79,7 +87,7 @@ def recall(body, row, q, v, totals):
     return known
 
 
-@kernel
+@part
 def force(
     system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, room, body, out
 ):  # fmt: skip
@@ -99,12 +107,12 @@ def force(
             rows(piece(room, 0, s + n), s, n), rows(piece(room, 1, s + n), s, n), rows(piece(room, 2, s + n), s, n),
             totals, f,
         )  # fmt: skip
-        keep(body, body.shape[0] - KEPT * (lines.shape[0] - r), q, v, totals)
+        keep(body, body.shape[0] - KEPT * (lines.shape[0] - r), q, v, f, totals)
         for i in range(m):
             out[places[c + i, 1]] += f[i]
 
 
-@kernel
+@part
 def tangent(
     system_q, system_v, reference, active, ends, places, geometry, lines, profile, medium, anchors, room, body, fq, fv,
     triplets, count,
@@ -113,6 +121,7 @@ def tangent(
 
     Rows and columns are coordinates of the bed; entries of zero are left out. Returns the new count.
     """
+    totals = room2(TERMS, 3)
     for r in range(lines.shape[0]):
         if not active[r]:
             continue
@@ -121,9 +130,21 @@ def tangent(
         q, v, block = piece(body, 0, m), piece(body, 1, m), rows(body, BLOCK, m)
         gather(system_q, system_v, reference, rows(places, c, m), q, v)
         clear(block)
-        one.tangent(
+        row = body.shape[0] - KEPT * (lines.shape[0] - r)
+        P, f = rows(piece(room, 0, s + n), s, n), piece(body, row + 3, m)
+        if not known_at(body, row, q, v):
+            clear(f)
+            clear(totals)
+            line_force(
+                q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
+                P, rows(piece(room, 1, s + n), s, n), rows(piece(room, 2, s + n), s, n), totals, f,
+            )  # fmt: skip
+            keep(body, row, q, v, f, totals)
+        if not one.immersed(P, lines[r], profile):
+            continue
+        one.differences(
             q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
-            piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), rows(body, 2, 4), fq, fv, block,
+            piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), rows(body, 3, 3), f, fq, fv, block,
         )  # fmt: skip
         for i in range(m):
             for j in range(m):
@@ -134,7 +155,7 @@ def tangent(
     return count
 
 
-@kernel
+@part
 def accept(
     system_q, system_v, reference, ends, places, geometry, lines, profile, medium, anchors, room, body, row, columns,
     proximity, begins,

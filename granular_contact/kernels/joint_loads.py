@@ -35,7 +35,7 @@ def gather(system_q, system_v, places, count, q, v):
 
 
 @kernel
-def force(system_q, system_v, joints, state, places, out):
+def force(joints, state, places, system_q, system_v, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
     q, v, slope = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):

@@ -185,18 +185,25 @@ def difference(q, fq, fv):
 
 @part
 def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, room, fq, fv, out):
-    """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by differences.
-
-    q and v are moved together, by d fq and d fv along each coordinate, see `difference`.
-    Coordinates whose forces do not meet are moved at once. room (4, m) to work in.
-    """
-    size, totals = q.shape[0], room2(TERMS, 3)
-    at_state, moved = piece(room, 0, size), piece(room, 1, size)
+    """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by `differences`; room (4, m) to work in."""
+    at_state, totals = piece(room, 0, q.shape[0]), room2(TERMS, 3)
     clear(at_state)
     line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
-    if not immersed(P, line, profile):
-        return
-    q_there, v_there, d = piece(room, 2, size), piece(room, 3, size), difference(q, fq, fv)
+    if immersed(P, line, profile):
+        differences(
+            q, v, geometry, line, profile, medium, anchors, P, V, F, rows(room, 1, 3), at_state, fq, fv, out,
+        )  # fmt: skip
+
+
+@part
+def differences(q, v, geometry, line, profile, medium, anchors, P, V, F, room, at_state, fq, fv, out):
+    """`tangent` of a line that is immersed, with its generalised forces at_state (m,) at q and v.
+
+    q and v are moved together, by d fq and d fv along each coordinate, see `difference`. Coordinates whose forces do
+    not meet are moved at once. room (3, m) to work in.
+    """
+    size, totals, moved = q.shape[0], room2(TERMS, 3), piece(room, 0, q.shape[0])
+    q_there, v_there, d = piece(room, 1, size), piece(room, 2, size), difference(q, fq, fv)
     for j in range(size):
         q_there[j], v_there[j] = q[j], v[j]
     apart = 0 if line.resultant else spacing(geometry)

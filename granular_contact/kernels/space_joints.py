@@ -176,7 +176,7 @@ def _damp_across(joint, R, G, v, out):
 
 
 @kernel
-def force(system_q, system_v, joints, state, places, out):
+def force(joints, state, places, system_q, system_v, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
     q, v, f = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):

@@ -46,8 +46,8 @@ def assembled(system: AnySystem) -> AnySystem:
     """The system with weights, bed and what joints do in it, through one overlay, and ready to be solved."""
     system = _attach(system)
     system.mbs.Assemble()
-    if system.joints is not None and system.joints.loads is not None:
-        system.joints.loads.start()
+    if system.joints is not None:
+        system.joints.start()
     return system
 
 

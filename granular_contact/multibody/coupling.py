@@ -97,26 +97,30 @@ class Coupling:
         self.load.close()
         self._joints = joints
         self.overlay.attach(constant, self._force, self._jacobian)
+        self._set, self._sink = self.mbs.SetObjectParameter, self.overlay.sink
 
     # ---- what the engine calls ----
 
-    def _force(self, t: float) -> None:
-        """Set the forces at the system's present state."""
+    def _force(self, _mbs: Any, t: float, _item: Any, _q: list[float], _v: list[float]) -> list[float]:
+        """Set the forces at the system's present state; nothing else is called in most iterations."""
         self.load_calls += 1
         if t != self._time:
             self._begin(t)
-        load, joints = self.load, None if self._joints is None else self._look(t)
-        acts = load.active or joints is not None
-        if not acts and not self._acts:
-            return
-        forces = self.overlay.forces
-        forces[:] = self.overlay.constant
-        if joints is not None:
-            joints.force(self._q, self._v, forces)
-        if load.active:
-            load.force(self._q if self._under_way else self._q + self._ahead, self._v, forces)
-        self.overlay.send()
-        self._acts = acts
+        joints, overlay = self._joints, self.overlay
+        if joints is not None and t != joints.time:
+            joints.begin(t)
+        pulls = joints is not None and joints.acts
+        acts = self.load.active or pulls
+        if acts or self._acts:
+            forces = overlay.forces
+            forces[:] = overlay.constant
+            if joints is not None and pulls:
+                joints.add_forces(self._q, self._v, forces)
+            if self.load.active:
+                self.load.add_forces(self._q if self._under_way else self._q + self._ahead, self._v, forces)
+            self._set(self._sink, "forceVector", forces)  # as `Overlay.send`
+            self._acts = acts
+        return overlay.nothing
 
     def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
         """Tangent at the system's present state, as the engine's sparse matrix."""
@@ -180,9 +184,10 @@ class Coupling:
 
     def _begin_at(self, t: float, q: Vector, v: Vector) -> None:
         """Begin with an empty history in a state; one that just touches the medium as it will be at once."""
-        for self._ahead in (np.zeros_like(v), AHEAD * v):
-            self.load.start(q + self._ahead, *self._places())
-            self.load.accept(t, q + self._ahead, v)
+        for ahead in (np.zeros_like(v), AHEAD * v):
+            self._ahead = ahead
+            self.load.start(q + ahead, *self._places())
+            self.load.accept(t, q + ahead, v)
             if abs(self.load.last.depth[-1]) > TOUCHES:
                 return
 

@@ -8,7 +8,7 @@ while forces are asked for, which the engine does before it looks at constraints
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -37,9 +37,17 @@ class JointActions:
     def __init__(self, mbs: Any, loads: JointLoads | None, turning: Sequence[Turning]) -> None:
         self.mbs, self.loads, self.acts = mbs, loads, loads is not None
         self.time = math.nan
+        # Adds the generalised forces at q and v (of the whole system) to out, the coordinates of the overlay.
+        self.add_forces: Callable[[Vector, Vector, Vector], None] = _nothing
         self._turning: dict[Signal, list[Turning]] = {}  # a signal that several follow is asked once
         for one in turning:
             self._turning.setdefault(one.signal, []).append(one)
+
+    def start(self) -> None:
+        """In the assembled system, before anything is asked for."""
+        if self.loads is not None:
+            self.loads.start()
+            self.add_forces = self.loads.add_forces
 
     def begin(self, t: float) -> None:
         """Look at another instant (s); before t = 0 clocks stand."""
@@ -50,11 +58,6 @@ class JointActions:
             angle = signal.value(max(t, 0.0))
             for one in followers:  # the engine counts angles from the start
                 self.mbs.SetObjectParameter(one.object, "offset", angle - one.start)
-
-    def force(self, q: Vector, v: Vector, out: Vector) -> None:
-        """Add the generalised forces at this state of the whole system to out, the coordinates of the overlay."""
-        if self.loads is not None:
-            self.loads.force(q, v, out)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
         """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3)."""
@@ -70,14 +73,15 @@ class JointActions:
         self._overlay = overlay
         overlay.attach(constant, self._due, self._jacobian if self.acts else None)
 
-    def _due(self, t: float) -> None:
+    def _due(self, _mbs: Any, t: float, *_: Any) -> list[float]:
         if t != self.time:
             self.begin(t)
         if self.acts:
             data, overlay = self.mbs.systemData, self._overlay
             overlay.forces[:] = overlay.constant
-            self.force(data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False), overlay.forces)
+            self.add_forces(data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False), overlay.forces)
             overlay.send()
+        return self._overlay.nothing
 
     def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
         if t != self.time:
@@ -86,3 +90,7 @@ class JointActions:
         q, v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
         # The engine keeps these on the left-hand side, opposite in sign to the force.
         return self._overlay.matrix(self.tangent(q, v, -factor_q, -factor_v))
+
+
+def _nothing(q: Vector, v: Vector, out: Vector) -> None:
+    """What joints without forces add."""

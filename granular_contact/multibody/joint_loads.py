@@ -6,7 +6,8 @@ All of it is computed in one compiled call, `kernels.joint_loads`, and reaches t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,8 @@ class JointLoads:
             places[: sum(sizes), 1] = np.concatenate(each)
         records = np.concatenate([load.record for load in loads])
         self._arguments = records, self.state, self.places
+        # Adds the generalised forces at q and v (of the whole system) to out, the coordinates of the overlay.
+        self.add_forces: Callable[[Vector, Vector, Vector], None]  # from `start` on
         self._rubs = bool(records["friction"].any())
         self._triplets = np.zeros((sum(load.coordinate.size**2 for load in loads), 3))
         self._asked: dict[Any, tuple[Drive, list[JointLoad]]] = {}  # drives that want the same are asked once
@@ -133,7 +136,7 @@ class JointLoads:
             places[: len(load.where), 0] = load.where
         q = np.zeros(data.ODE2Size())
         kernels = self._kernels
-        self._force = entry(kernels.force, q, q, *self._arguments, q)
+        self.add_forces = partial(entry(kernels.force, *self._arguments, q, q, q), *self._arguments)
         self._tangent = entry(kernels.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
         if self._rubs:
             self._accept = entry(kernels.accept, q, q, *self._arguments)
@@ -144,10 +147,6 @@ class JointLoads:
             values = setpoint(drive, t)
             for load in loads:
                 load.want(values)
-
-    def force(self, q: Vector, v: Vector, out: Vector) -> None:
-        """Add the generalised forces at this state of the whole system to out, the coordinates of the overlay."""
-        self._force(q, v, *self._arguments, out)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
         """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3); the next call overwrites them."""

@@ -27,6 +27,7 @@ class Overlay:
         self.mbs = mbs
         self.nodes: dict[int, NDArray[np.int64]] = {}  # with the places of their coordinates
         self.size = 0
+        self.nothing: list[float] = []  # forces of the trigger object
 
     def coordinates(self, nodes: Sequence[int], each: int) -> NDArray[np.int64]:
         """Indices of the coordinates of nodes, (nodes, each); adds nodes that are not in the overlay yet."""
@@ -39,13 +40,14 @@ class Overlay:
     def attach(
         self,
         constant: Mapping[int, ArrayLike],
-        due: Callable[[float], None] | None = None,
+        due: Callable[..., list[float]] | None = None,
         jacobian: Callable[[float, float, float], Any] | None = None,
     ) -> None:
         """Add the objects, with constant forces only unless functions are given.
 
-        constant: generalised forces that act all the time, by node. due: called with the time whenever forces are
-        needed, before they are read. jacobian: called with the time and the engine's two factors, returns its sparse
+        constant: generalised forces that act all the time, by node. due: what the engine calls as a force function
+        (system, time, object, coordinates, rates) whenever forces are needed, before they are read; it returns
+        `nothing`. jacobian: called with the time and the engine's two factors, returns its sparse
         matrix (see `matrix`).
         """
         places = {node: self.coordinates([int(node)], np.size(forces))[0] for node, forces in constant.items()}
@@ -56,10 +58,11 @@ class Overlay:
         self.empty = self.matrix(np.zeros((0, 3)))
         if due is not None:
             first, of_first = next(iter(self.nodes.items()))
-            silent = _no_tangent(len(of_first))
-            self._add([first], forceUserFunction=_trigger(due, len(of_first)), jacobianUserFunction=silent)
+            self.nothing = [0.0] * len(of_first)
+            self._add([first], forceUserFunction=due, jacobianUserFunction=_no_tangent(len(of_first)))
         matrix = _no_tangent(self.size) if jacobian is None else _tangent(jacobian)
-        self._force_object = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
+        # The object whose constant forces are set anew.
+        self.sink = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
 
     def _add(self, nodes: list[int], **options: Any) -> Any:
         return self.mbs.AddObject(
@@ -72,21 +75,11 @@ class Overlay:
 
     def send(self) -> None:
         """Let `forces` act from now on."""
-        self.mbs.SetObjectParameter(self._force_object, "forceVector", self.forces)
+        self.mbs.SetObjectParameter(self.sink, "forceVector", self.forces)
 
     def matrix(self, triplets: Vector) -> Any:
         """The engine's sparse matrix of rows (row, column, value) in overlay coordinates."""
         return _sparse(triplets, self.size)
-
-
-def _trigger(due: Callable[[float], None], size: int) -> Callable[..., list[float]]:
-    nothing = [0.0] * size
-
-    def tell(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> list[float]:  # noqa: ARG001
-        due(t)
-        return nothing
-
-    return tell
 
 
 def _tangent(jacobian: Callable[[float, float, float], Any]) -> Callable[..., Any]:

@@ -57,11 +57,12 @@ class Predictor:
         self.solver, self.lever, self.tolerances, self.patience = solver, lever, tolerances, patience
         self.views: Views | None = None  # given before the first step
         self._late = LATE if bends else 0
-        self._go_on: Callable[..., Any] | None = None  # compiled
-        self._further: Callable[..., Any] = _begin  # compiled once kernels are loaded
-        self._arguments: tuple[Any, ...] = ()  # of the step under way
-        self._multipliers = np.zeros(0)
-        self._kept = np.zeros((3, 0))
+        self._found: Views | None = None  # those of which the following is known
+        self._of_square, self._of_step = 0.0, 0.0  # see `_look`
+        self._start: Callable[..., Any] | None = None  # compiled, as is the next
+        self._go_on: Callable[..., Any] | None = None
+        self._words = np.zeros(0, np.int64)  # where their arrays are
+        self._arrays: tuple[Vector, ...] = ()
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
         """Before the residual of an iteration of the step to t (s)."""
@@ -73,44 +74,52 @@ class Predictor:
         if not iteration:
             self._begin(self.views or Views(mbs))
         elif self._go_on is not None and iteration > self._late:
-            self._go_on(*self._arguments, iteration - self._late)
+            self._go_on(self._words, iteration - self._late)
 
     def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""
-        solver = self.solver
-        step = solver.it.currentStepSize
+        if views is not self._found:
+            self._look(views)
+        step = self.solver.it.currentStepSize
         if self.patience is not None:
-            solver.newton.absoluteTolerance = self.patience[0]
+            self.solver.newton.absoluteTolerance = self.patience[0]
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
-            solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
-        q, v, a, multipliers = views.q, views.v, views.a, views.multipliers
+            self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
+        of_q, of_v = self._of_square * step * step, self._of_step * step
+        if self._start is not None:
+            self._start(self._words, of_q, of_v)
+            return
+        before = views.a_before
+        views.q += of_q * before
+        views.v += of_v * before
+        views.a += before
+        views.multipliers[:] = views.multipliers_before
+
+    def _look(self, views: Views) -> None:
+        """Learn from the engine what stays the same for all steps of a part of the solve."""
+        self._found, solver = views, self.solver
         # With an acceleration further by one go so much of a coordinate and its rate, as the scheme says.
-        of_q = step * step * solver.newmarkBeta * (1.0 - solver.alphaF) / (1.0 - solver.alphaM)
-        of_v = of_q * solver.newmarkGamma / (step * solver.newmarkBeta)
-        if self.lever is not None and self._go_on is None:
-            self.load(views)
-        self._further(q, v, a, multipliers, views.a_before, views.multipliers_before, of_q, of_v)
+        share = (1.0 - solver.alphaF) / (1.0 - solver.alphaM)
+        self._of_square, self._of_step = solver.newmarkBeta * share, solver.newmarkGamma * share
         if self.lever is not None:
-            self._arguments = q, v, a, multipliers, self.lever, self._kept, self._multipliers, of_q, of_v
+            self.load(views)
 
     def load(self, views: Views) -> None:
-        """Load the kernel that leads iterations on, where they are."""
+        """Load the kernels that begin steps and lead iterations on, for the engine's vectors."""
         if self.lever is None:
             return
         from granular_contact.kernels import anderson
         from granular_contact.kernels.entry import entry
+        from granular_contact.kernels.lending import places
 
-        q = np.zeros_like(views.q)
-        self._kept, self._multipliers = np.zeros((3, len(q))), np.zeros(len(views.multipliers))
-        given = q, q, q, self._multipliers, q, self._kept, self._multipliers, 0.0, 0.0, 0
-        self._go_on = entry(anderson.go_on, *given)
-        self._further = entry(anderson.begin, q, q, q, self._multipliers, q, self._multipliers, 0.0, 0.0)
-
-
-def _begin(q: Vector, v: Vector, a: Vector, multipliers: Vector, before: Vector, held: Vector, *of: float) -> None:
-    """As `kernels.anderson.begin`, where no kernels are loaded; of: of_q and of_v."""
-    q += of[0] * before
-    v += of[1] * before
-    a += before
-    multipliers[:] = held
+        kept, multipliers = np.zeros((3, len(views.q))), np.zeros(len(views.multipliers))
+        before = views.a_before, views.multipliers_before
+        now = views.q, views.v, views.a, views.multipliers
+        self._arrays = *now, *before, self.lever, kept, multipliers, np.zeros(2)
+        self._words = places(*self._arrays)
+        if self._go_on is None:
+            self._start, self._go_on = (
+                entry(anderson.begin, self._words, 0.0, 0.0),
+                entry(anderson.go_on, self._words, 0),
+            )

@@ -50,7 +50,7 @@ class Recorder:
         self.time = 0.0  # of the last step recorded (s)
         self._paused, self._outdated = False, False
 
-    def __call__(self, mbs: Any, t: float) -> bool:
+    def __call__(self, _mbs: Any, t: float) -> bool:
         """After a step accepted at t (s): whether to go on."""
         if self._paused:
             self._go_on(t)
@@ -77,7 +77,7 @@ class Recorder:
         if system.bed is not None:
             system.bed.accept_state(t, q, v)
         if self.control is not None:
-            self.control.accept(mbs, v)
+            self.control.accept(t)
         if self.progress is not None and self.rows % 64 == 0:
             self.progress(t, self.solver.end_time_s)
         return not self._is_over(t, v)

@@ -17,7 +17,10 @@ SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
 # the spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in
 # joints. Jumps of a prescribed acceleration leave one at fixed steps too: at 0.9 the work that the drive of a wheel put
 # in was reported twice as large as it is.
-OF_CHANGING_STEPS, CLOSER, LOOSEST = 0.5, 1e-3, 0.1
+OF_CHANGING_STEPS = 0.5
+# What it may leave there of the tolerance asked for: at short steps, and at the most with longer ones. Above the
+# accuracy OF_COARSE the first grows as the accuracy, the second as its square; in space neither does.
+CLOSER, LOOSEST, OF_COARSE = 1e-3, 0.1, 1e-2
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
 SHORTEST = 1e-4
 # In space joints have constraints of positions and directions, and what Newton's method leaves in them over a step is a
@@ -26,10 +29,16 @@ SHORTEST_IN_SPACE = 1e-2
 # What Newton's method leaves in joints at fixed steps is a rate that swings from step to step: a controller answers it.
 CONTROLLED = 1e-2
 NEVER = 2**30
+# At fixed steps: steps after which one that was halved is tried whole again, as what a step fails at is mostly over in
+# the next one.
+RECOVERY = 1
 # A link that bends on one hinge, at fixed steps: what a step of SHORT leaves of the motion is a hundred times more than
 # what Newton's method leaves with a tolerance EASED times the one asked for, which takes half of the iterations. With
 # shorter steps both shrink alike.
 EASED, SHORT = 100.0, 2e-4
+# Systems up to so many unknowns are solved by full matrices: a Jacobian then takes half of the time, and an iteration
+# as much.
+FULL = 60
 # Of Newton's method where steps are chosen: what an iteration has to leave of the residual at most, or its Jacobian is
 # renewed, of links that bend and of rigid bodies alone; most iterations.
 GAIN, OF_RIGID, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 0.6, 14, 40
@@ -69,6 +78,8 @@ def settings(scene: Scene) -> Any:
     t.numberOfSteps = max(1, math.ceil(solver.end_time_s / solver.step_s - 1e-9))
     t.minimumStepSize = (SHORTEST_IN_SPACE if scene.in_space else SHORTEST) * solver.step_s
     t.verboseMode = 0
+    if solver.accuracy is None and not scene.in_space:
+        t.adaptiveStepRecoverySteps = RECOVERY
     newton = t.newton
     newton.absoluteTolerance = solver.tolerance * scene.force_scale
     newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of a step
@@ -80,9 +91,11 @@ def settings(scene: Scene) -> Any:
         radius = OF_CHANGING_STEPS
     # In space the constraint of the Euler parameters, a number without unit, shares the tolerance too.
     if scene.in_space or (solver.accuracy is not None and (moving > 1 or prescribed)):
-        newton.absoluteTolerance = max(CLOSER * newton.absoluteTolerance, _noise(scene))
+        newton.absoluteTolerance = max(CLOSER * _coarser(scene) * newton.absoluteTolerance, _noise(scene))
     elif moving > 1 and any(drive.kind == "control" for drive in scene.drives):
         newton.absoluteTolerance = max(CONTROLLED * newton.absoluteTolerance, _noise(scene))
+    elif not scene.links and scene.solver.accuracy is None:
+        newton.absoluteTolerance *= max(1.0, solver.step_s / SHORT)
     elif _swings(scene) and not unresolved(scene):
         newton.absoluteTolerance *= max(1.0, EASED * min(1.0, solver.step_s / SHORT) ** 2)
     if unresolved(scene):
@@ -96,8 +109,20 @@ def settings(scene: Scene) -> Any:
             radius = OF_UNRESOLVED
     t.generalizedAlpha.spectralRadius = radius if solver.spectral_radius is None else solver.spectral_radius
     s.solution.file.write = False
-    s.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    full = not scene.in_space and _unknowns(scene) <= FULL
+    s.linearSolver.solverType = exu.LinearSolverType.EigenDense if full else exu.LinearSolverType.EigenSparse
     return s
+
+
+def _unknowns(scene: Scene) -> int:
+    """Coordinates of a scene in the plane, and about as many constraints as it has."""
+    links = sum(4 * (link.elements + 1) for link in scene.links)
+    return 3 * len(scene.rigid) + links + sum(3 if joint.kind == "weld" else 2 for joint in scene.joints)
+
+
+def _coarser(scene: Scene) -> float:
+    """How much coarser than OF_COARSE the accuracy of a scene in the plane is; 1 of all others."""
+    return 1.0 if scene.in_space else max(1.0, (scene.solver.accuracy or 0.0) / OF_COARSE)
 
 
 def _swings(scene: Scene) -> bool:
@@ -110,9 +135,10 @@ def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | No
     """Tolerances of `predictor.Predictor`: where steps are chosen and joints ask for less; None elsewhere."""
     newton, whole = simulation.timeIntegration.newton, scene.solver.tolerance * scene.force_scale
     least = newton.absoluteTolerance
-    if scene.in_space or scene.solver.accuracy is None or newton.residualMode != 0 or least >= LOOSEST * whole:
+    greatest = LOOSEST * _coarser(scene) ** 2 * whole
+    if scene.in_space or scene.solver.accuracy is None or newton.residualMode != 0 or least >= greatest:
         return None
-    return least, LOOSEST * whole, scene.solver.step_s
+    return least, greatest, scene.solver.step_s
 
 
 def patience(scene: Scene, simulation: Any) -> tuple[float, float] | None:

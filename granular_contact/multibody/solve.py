@@ -116,7 +116,8 @@ class Solve:
             return None
         lever = self.recorder.lever if self._goes_round() else None
         limits = tolerances(scene, simulation), patience(scene, simulation)
-        return Predictor(self.solver, lever, *limits, bends=bool(scene.links))
+        alone = bool(scene.links) and sum(joint.kind != "weld" for joint in scene.joints) == 1
+        return Predictor(self.solver, lever, *limits, bends=alone)
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.
@@ -152,6 +153,8 @@ class Solve:
         self.recorder.views = views = Views(self.system.mbs)
         if self._predictor is not None:
             self._predictor.views = views
+        if self.recorder.control is not None:
+            self.recorder.control.look(views)
         if self.system.bed is not None:
             self.system.bed.views = views
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import exudyn as exu
 
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.multibody.stepping import KEPT
 from granular_contact.multibody.system import System
 from granular_contact.multibody.tangent import Place, Tangent, joint_states, set_joints, set_turns, turns
 from granular_contact.scene.types import Vector
@@ -80,7 +79,7 @@ class Keeper:
             first_anchors=tuple(load.first_anchor for load in system.loads.values()),
             turns=turns(system),
             recorded=self.recorder.kept(),
-            control=None if control is None else {name: getattr(control, name) for name in KEPT},
+            control=None if control is None else control.kept(),
             bed=None if system.bed is None else system.bed.kept,
             seconds=seconds,
             success=success,
@@ -103,8 +102,8 @@ class Keeper:
             load.first_anchor = anchor
         set_turns(system, kept.turns)
         recorder.restore(kept.recorded)
-        if recorder.control is not None:
-            vars(recorder.control).update(kept.control or {})
+        if recorder.control is not None and kept.control is not None:
+            recorder.control.restore(kept.control)
         if system.bed is not None and kept.bed is not None:
             system.bed.restore(kept.bed)
 

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,11 +36,16 @@ from granular_contact.multibody.system import System
 from granular_contact.scene.signals import bends
 from granular_contact.scene.types import Vector
 
+if TYPE_CHECKING:
+    from granular_contact.multibody.views import Views
+
 SAFETY, MOST, LEAST = 0.85, 2.0, 0.2
 KEEP = 0.8, 1.25  # within these factors of the last step its Jacobian serves, and no longer one is taken
-# What of a control its future depends on. The arrays are never written over.
-KEPT = ("speed", "next", "last", "chosen", "start", "change", "slope", "now", "refused")
+# What of a control its future depends on, and arrays of it.
+KEPT = ("speed", "next", "last", "chosen", "begun", "now", "refused")
+OF_STEP = "start", "change", "slope"
 END = 1e-10  # s, within which the engine takes an end for reached
+NO_ERROR = [0.0, -1.0]  # as the engine takes a step for good
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
 FINE, LONGER = 1e-2, 2.0  # accuracy up to which that holds, and how much longer a step may be at a coarser one
@@ -60,8 +65,13 @@ class StepControl:
     """
 
     def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float) -> None:
+        from granular_contact.kernels import step_error  # here, as a run with fixed steps and no sand needs no numba
+        from granular_contact.kernels.entry import entry
+        from granular_contact.kernels.lending import places
+
         scene = system.scene
         self.system, self.solver, self.lever, self.accuracy = system, solver, lever, accuracy
+        self._it = solver.it
         self.size = max(scene.length, 1e-3)
         swing = math.sqrt(self.size / max(abs(scene.gravity), 0.1))
         self.speed = max(scene.speed, SLOWEST * self.size / swing)
@@ -72,8 +82,18 @@ class StepControl:
         self.next = min(scene.solver.step_s, self.longest)
         data = system.mbs.systemData
         links = [np.array([data.GetNodeLTGODE2(node)[:2] for node in link.nodes]) for link in system.links.values()]
-        self.links = [places[:, axis] for places in links for axis in (0, 1)]
-        self.rigid = np.array([i for rigid in system.rigid.values() for i in data.GetNodeLTGODE2(rigid.node)], int)
+        means = [places[:, axis] for places in links for axis in (0, 1)]
+        self.group = np.full(len(lever), step_error.NONE if links else step_error.EACH, np.int64)
+        for rigid in system.rigid.values():
+            self.group[data.GetNodeLTGODE2(rigid.node)] = step_error.EACH
+        for number, nodes in enumerate(means):
+            self.group[nodes] = number
+        # Accelerations at the start of the step, how they have changed, and by the time in the step before.
+        self.start, self.change, self.slope = np.zeros((3, len(lever)))
+        self._arrays = self.lever, self.group, self.start, self.change, self.slope, np.zeros((len(means), 3))
+        self._words, self._places = np.zeros(0, np.int64), places
+        self._measure = entry(step_error.measure, self._words, 1.0)
+        self._start = entry(step_error.begin, self._words, 1.0)
         arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.joints}
         motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
         self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
@@ -84,8 +104,7 @@ class StepControl:
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
         self.chosen = self.next  # step to come, but for where it has to end
-        self.start: Vector | None = None
-        self.change = self.slope = np.zeros_like(lever)
+        self.begun = False  # whether a step was accepted, or the start
         self.now = 0.0
         self.refused = 0
         self.least = self._beta = self._both = 0.0  # s, -, -: see `_begin`
@@ -93,11 +112,10 @@ class StepControl:
 
     def __call__(self, mbs: Any, t: float) -> list[float]:  # noqa: ARG002
         """Error of the step just solved, as the engine wants it, and a step to take instead."""
-        if self.start is None:
-            return [0.0, -1.0]
-        data, step = mbs.systemData, self.solver.it.currentStepSize
-        self.change = self.lever * data.GetODE2Coordinates_tt(copy=False) - self.start
-        need = self._need(step, _most(np.abs(self.lever * data.GetODE2Coordinates_t(copy=False))))
+        if not self.begun:
+            return NO_ERROR
+        step = self._it.currentStepSize
+        need = self._need(step, *self._measure(self._words, step))
         factor = min(MOST, max(LEAST, SAFETY / max(need, 1e-6)))
         if need > 1.0 and step > self.least and not self._in_vain(step, need):
             self.refused += 1
@@ -105,7 +123,7 @@ class StepControl:
             self.solver.conv.jacobianUpdateRequested = True
             return [REFUSED, factor * step]
         self.next = min(factor * step, self.longest) if need <= 1.0 or self.tried is None else step
-        return [0.0, -1.0]
+        return NO_ERROR
 
     def _in_vain(self, step: float, need: float) -> bool:
         """Whether a shorter step was of no use, in space.
@@ -118,11 +136,13 @@ class StepControl:
             return False
         return need > self.tried[1] * math.sqrt(step / self.tried[0])
 
-    def _need(self, step: float, speed: float) -> float:
-        """How many times longer a step (s) was than it should be, where it ends at this speed (m/s)."""
+    def _need(self, step: float, speed: float, jump: float, whole: float, most: float) -> float:
+        """How many times longer a step (s) was than it should be.
+
+        speed: that at which it ends (m/s), and how accelerations have changed, see `kernels.step_error`.
+        """
         speed = max(speed, self.now)
         fastest = max(speed, self.speed)
-        jump, whole, most = self._changes(step)
         drift = step * (self._beta * most + whole / 12.0) / fastest
         slow = step * self._both * whole / max(speed, fastest / SLOWED)
         if self.rolls and speed < 0.5 * fastest:
@@ -131,53 +151,52 @@ class StepControl:
         need: float = max(math.sqrt(max(drift, slow) / self.accuracy), kick / self.accuracy)
         return need if math.isfinite(need) else math.inf
 
-    def _changes(self, step: float) -> tuple[float, float, float]:
-        """Of the changes of accelerations: the unexpected, the whole, and with all that links bend (m/s2)."""
-        other = self.change - self.slope * step
-        size, of_other = np.abs(self.change), np.abs(other)
-        if not self.links:
-            most = _most(size)
-            return _most(np.minimum(size, of_other)), most, most
-        jump = self._greatest(np.where(size < of_other, self.change, other))
-        return jump, self._greatest(self.change), _most(size)
-
-    def _greatest(self, change: Vector) -> float:
-        """Greatest size of changes (m,) of bodies' accelerations, of links' means."""
-        means = [abs(float(change[places].mean())) for places in self.links]
-        return max(float(np.abs(change[self.rigid]).max(initial=0.0)), *means, 0.0)
-
     def _begin(self) -> None:
         """Learn from the engine, once it has begun, what stays the same for all steps."""
-        self.least, beta = self.solver.it.minStepSize, float(self.solver.newmarkBeta)
+        self.least, beta = self._it.minStepSize, float(self.solver.newmarkBeta)
         # Coefficient of the scheme, apart from that of an acceleration that varies linearly over a step.
         self._beta = abs(beta - 1.0 / 6.0)
         # Speed with which a change of the acceleration puts positions off, over that change and the step.
         self._both = (1.0 + self.coarse * self.accuracy) * (self._beta + 1.0 / 12.0)
 
-    def accept(self, mbs: Any, v: Vector) -> None:
-        """Set the step to come; after the accepted step that ended with the rates v (m,)."""
-        if self.start is None:
+    def accept(self, t: float) -> None:
+        """Set the step to come; after the step accepted at t (s)."""
+        if not self.begun:
             self._begin()
-        data = mbs.systemData
         self.tried = None
-        self.last = self.solver.it.currentStepSize
-        self.slope = self.change / self.last
-        self.start = self.lever * data.GetODE2Coordinates_tt(copy=False)
-        self.now = _most(np.abs(self.lever * v))
+        self.last = self._it.currentStepSize
+        self.now = self._start(self._words, self.last)
+        self.begun = True
         self.speed = max(self.speed, self.now)
-        t = data.GetTime()
         self.chosen = max(self._foreseen(t, min(self.next, self._until_touch(), self._until_bend(t))), self.least)
         self._take(t)
 
+    def look(self, views: Views) -> None:
+        """Learn where the engine keeps its vectors in the part of the solve that begins."""
+        self._words = self._places(views.a, views.v, *self._arrays)
+
+    def kept(self) -> dict[str, Any]:
+        """All that its future depends on."""
+        arrays = {name: getattr(self, name).copy() for name in OF_STEP}
+        return {name: getattr(self, name) for name in KEPT} | arrays
+
+    def restore(self, kept: dict[str, Any]) -> None:
+        """Go back to what was kept."""
+        for name, value in kept.items():
+            if name in OF_STEP:
+                getattr(self, name)[:] = value
+            else:
+                setattr(self, name, value)
+
     def go_on(self, t: float) -> None:
         """Set the step to come where a solve goes on from t (s) after a pause."""
-        self.solver.it.currentStepSize = self.last
-        if self.start is not None:
+        self._it.currentStepSize = self.last
+        if self.begun:
             self._take(t)
 
     def _take(self, t: float) -> None:
         """Set the step chosen, shortened so that some of its like end where they have to."""
-        it, step = self.solver.it, self.chosen
+        it, step = self._it, self.chosen
         fitted = math.isfinite(self.until)
         if fitted:
             left = self.until - t
@@ -225,8 +244,3 @@ class StepControl:
             return math.inf
         least = self.accuracy * self.size / self.speed
         return max(least, self.system.bed.load.soonest())
-
-
-def _most(sizes: Vector) -> float:
-    """The greatest; by where it is, which numpy finds in a fifth of the time that it takes for `max`."""
-    return float(sizes[sizes.argmax()])

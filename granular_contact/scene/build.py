@@ -96,7 +96,8 @@ def _in_space(scenario: schema.Scenario) -> Scene:
 
 def _built(scenario: schema.Scenario) -> Scene:
     faults = list[Fault]()
-    driven = (*drives(scenario, faults), *wheel_drives(scenario, faults))
+    solver = steps(scenario)
+    driven = (*drives(scenario, solver, faults), *wheel_drives(scenario, faults))
     layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
     if scenario.initial.impact_tip_speed_m_s is not None:
         layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)
@@ -118,7 +119,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         gravity=scenario.gravity_m_s2,
         bed=placed,
         load=scenario.load,
-        solver=steps(scenario),
+        solver=solver,
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,
         method=_method(scenario, placed),

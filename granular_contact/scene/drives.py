@@ -11,14 +11,14 @@ from granular_contact.config import schema
 from granular_contact.config.schema.drives import target
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene import signals
-from granular_contact.scene.steps import steps
+from granular_contact.scene.steps import Steps
 from granular_contact.scene.types import Drive
 
 FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
 
 
-def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
-    """All drives of a scenario; faults are appended."""
+def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tuple[Drive, ...]:
+    """All drives of a scenario that is solved by these steps; faults are appended."""
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
@@ -35,19 +35,19 @@ def drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
             continue
         signal = _signal(given, math.radians(1.0) if key == "angle_deg" else 1.0, phase)
         if isinstance(spec, schema.Motion):
-            signal = _without_jumps(signal, scenario, name, spec, faults)
+            signal = _without_jumps(signal, solver, name, spec, faults)
         made.append(_drive(name, spec, signal))
     return tuple(made)
 
 
 def _without_jumps(
-    signal: signals.Signal, scenario: schema.Scenario, name: str, spec: schema.Motion, faults: list[Fault]
+    signal: signals.Signal, solver: Steps, name: str, spec: schema.Motion, faults: list[Fault]
 ) -> signals.Signal:
     """The signal of a motion with a rate that does not jump during the run; a fault is appended where it would.
 
     A jump of the rate takes an infinite force, whose result would depend on the step of the integrator.
     """
-    solver, key = steps(scenario), target(spec)
+    key = target(spec)
     found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
     if spec.smooth_s is None:
         faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []

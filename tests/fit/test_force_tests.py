@@ -188,10 +188,11 @@ def test_zeros_of_depth_and_force_are_found_or_said_to_be_one(tmp_path: Path) ->
 
 
 def test_forces_of_a_run_over_time_are_fitted_where_the_columns_say_so(tmp_path: Path) -> None:
-    short = ("solver.end_time_s=0.02", "medium.zeta=1.3")
+    short = ("solver.end_time_s=0.02", "solver.step_s=1e-3", "medium.zeta=1.3")
     results = simulate("dragged_plate", *short)
     table(tmp_path / "a.csv", "t,F", results["time_s"], results["rail_force_N"], noise=0.01)
-    text = f"parameters: [medium.zeta]\nset: {{solver.end_time_s: 0.02}}\nruns: [{{config: {DRAGGED}, data: a.csv, "
+    text = "parameters: [medium.zeta]\nset: {solver.end_time_s: 0.02, solver.step_s: 1e-3}\n"
+    text += f"runs: [{{config: {DRAGGED}, data: a.csv, "
     value, error = found(fitted(tmp_path, text + "columns: {time_s: t, rail_force_N: F}}]"))["medium.zeta"]
     assert abs(value - 1.3) < 4.0 * error < 0.05
 

@@ -8,10 +8,9 @@ import exudyn as exu
 import numpy as np
 import pytest
 from exudyn import itemInterface as items
-from numba import njit
 from test_bed import DIAMETER, HALF, INERTIA, MASS, SAND, G, settings
 
-from granular_contact.kernels import batches as kernels
+from granular_contact.bed.load import GranularLoad
 from granular_contact.multibody.bed import GranularBed
 
 COUNT, SURFACE = 8, -0.03
@@ -73,12 +72,13 @@ def test_the_active_set_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> Non
     step = 1e-3
     (_,), with_set = solved(1, step)
 
-    @njit
-    def everything(proximity: np.ndarray, step: float, active: np.ndarray) -> bool:  # noqa: ARG001
-        active[:] = True
+    def everything(load: GranularLoad, step: float) -> bool:  # noqa: ARG001
+        for batch in load.batches:
+            batch.active[:] = True
+        load.active = True
         return True
 
-    monkeypatch.setattr(kernels, "update_active", everything)
+    monkeypatch.setattr(GranularLoad, "update_active", everything)
     (_,), without = solved(1, step)
     np.testing.assert_array_equal(with_set, without)
 

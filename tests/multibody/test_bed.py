@@ -344,12 +344,12 @@ def solved_with(wrap: Any = None, reader: Any = None) -> tuple[np.ndarray, Granu
 
 
 def test_repeated_tries_of_a_step_advance_nothing() -> None:
-    def thrice(bed: GranularBed, force: Any) -> Any:
-        def again(t: float) -> None:
-            start = bed.mbs.systemData.GetTime(exu.ConfigurationType.StartOfStep)
+    def thrice(_bed: GranularBed, force: Any) -> Any:
+        def again(mbs: Any, t: float, *given: Any) -> list[float]:
+            start = mbs.systemData.GetTime(exu.ConfigurationType.StartOfStep)
             for part in (0.5, 0.25) if t > start else ():
-                force(start + part * (t - start))
-            force(t)
+                force(mbs, start + part * (t - start), *given)
+            return list(force(mbs, t, *given))
 
         return again
 

@@ -295,7 +295,7 @@ def test_tangent_of_what_acts_in_a_joint_is_the_derivative_of_its_force(element:
 
     def force(q: Array, v: Array) -> Array:
         out = np.zeros(size)
-        acting.force(q, v, out)
+        acting.add_forces(q, v, out)
         return out[over]
 
     step, moved = 1e-6, 1e-6 * np.eye(size)[where]
@@ -321,5 +321,5 @@ def test_dry_friction_grows_to_its_bound_and_never_beyond(kind: dict[str, str], 
     for strain in (-3.0, -1.5, -1.01, -0.5, 0.5, 1.01, 1.5, 3.0):
         q, out = np.zeros(size), np.zeros(size)
         q[moved] = strain * law.slip
-        system.joints.loads.force(q, np.zeros(size), out)
+        system.joints.loads.add_forces(q, np.zeros(size), out)
         assert out[moved] == pytest.approx(-law.friction * np.clip(strain, -1.0, 1.0), rel=1e-9)

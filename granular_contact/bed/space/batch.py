@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -9,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.bed.batch import Batch
 from granular_contact.bed.space.elements import Elements
 from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
@@ -21,7 +21,7 @@ from granular_contact.laws.kinds import Kind
 Vector = NDArray[np.float64]
 
 
-class SpatialBatch(Batch):
+class SpatialBatch:
     """Elements of one kind in one medium, computed in one call.
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
@@ -100,6 +100,14 @@ class SpatialBatch(Batch):
         on = (self.bodies, self.clusters, self.elements, self.anchors, self.active)
         return (*on, self.ground, self.poses, self.proximity)
 
+    def force(self, q: Vector, v: Vector, out: Vector) -> None:
+        """Add the generalised forces of the active elements to out, the coordinates of the bed."""
+        self._force(q, v, *self._sand, out)
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
+        """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
+        return int(self._tangent(q, v, *self._sand, factor_q, factor_v, triplets, number))
+
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
         self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns)
@@ -121,6 +129,16 @@ class SpatialBatch(Batch):
             group for group, depth in zip(self._groups, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0
         ]
         return {(one.body.name, one.kind, one.size) for group in ever for one in group}
+
+    @property
+    def depths(self) -> Vector:
+        """Depth (bodies,) m of the deepest point of each body where it was accepted last."""
+        return self.proximity[:, kernels.DEEPEST]
+
+    def soonest(self) -> float:
+        """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
+        near = self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]].tolist()
+        return min((-depth / speed for depth, speed in near if depth < 0.0 < speed), default=math.inf)
 
     def forget(self) -> None:
         """As of `batch.Batch`: in space no forces are kept."""

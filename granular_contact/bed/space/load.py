@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -193,13 +194,45 @@ class SpatialLoad(GranularLoad):
         bodies = tuple(dict.fromkeys(one.body.name for one in self.lines))
         return SpatialTable(terms, names, bodies, self.floor is not None, self.watch)
 
+    def _start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
+        for batch in self.batches:
+            batch.start(q, where, reference)
+
+    def add_forces(self, q: Vector, v: Vector, out: Vector) -> None:
+        """As of `GranularLoad`."""
+        for batch in self.batches:
+            batch.force(q, v, out)
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
+        """As of `GranularLoad`."""
+        number = 0
+        for batch in self.batches:
+            number = batch.tangent(q, v, factor_q, factor_v, self._triplets, number)
+        return self._triplets[:number]
+
     def accept(self, t: float, q: Vector, v: Vector) -> None:
         """As of `GranularLoad`."""
-        super().accept(t, q, v)
+        row = self.table.new_row(t)
+        for batch in self.batches:
+            batch.accept(q, v, row)
+        self.time = t
         if self.watch:
             for batch, medium in zip(self.batches, self.met, strict=True):
                 if medium is not None:
                     batch.reach(self.table.row[FIRST : FIRST + 4])
+
+    def update_active(self, step: float) -> bool:
+        """As of `GranularLoad`."""
+        self.active = any([batch.update_active(step) for batch in self.batches])
+        return self.active
+
+    def leaning(self, q: Vector) -> float:  # noqa: ARG002
+        """As of `GranularLoad`: in space a body may lean."""
+        return 0.0
+
+    def soonest(self) -> float:
+        """As of `GranularLoad`."""
+        return min((batch.soonest() for batch in self.batches), default=math.inf)
 
     @property
     def history(self) -> SpatialHistory:  # type: ignore[override]  # with vectors in space

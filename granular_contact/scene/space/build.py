@@ -37,7 +37,8 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     """
     faults, notes = list[Fault](), list[Fault]()
     model = scenario.model
-    driven = drives(scenario, faults)
+    solver = steps(scenario)
+    driven = drives(scenario, solver, faults)
     states = closed(scenario, start(scenario, driven, faults), faults)
     held = needed(model, states, driven, faults) if not faults else {}
     met = {kind for medium, *_ in places(scenario) for kind in kinds(medium)}
@@ -61,7 +62,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         gravity=scenario.gravity_m_s2,
         bed=surface,
         load=scenario.load,
-        solver=steps(scenario),
+        solver=solver,
         tip=_tip(model, rigid),
         output_interval=scenario.output.interval_s,
         drives=driven,
