@@ -29,7 +29,7 @@ def entry(kernel: Any, *arguments: Any) -> Callable[..., Any]:
     types = tuple(_type_of(argument) for argument in arguments)
     if types not in kernel.overloads:  # compile() finds out too, in ten times the time
         kernel.compile(types)
-    compiled: Callable[..., Any] = kernel.get_overload(types)
+    compiled: Callable[..., Any] = kernel.overloads[types].entry_point  # get_overload() reads the types once more
     return compiled
 
 

@@ -21,6 +21,7 @@ from granular_contact.bed import state
 from granular_contact.bed.contact_lines import Body, ContactLine, beam
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import scene_error
+from granular_contact.kernels.lines import DEPTH
 from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.views import START, Views
@@ -188,7 +189,7 @@ class Coupling:
             self._ahead = ahead
             self.load.start(q + ahead, *self._places())
             self.load.accept(t, q + ahead, v)
-            if abs(self.load.last.depth[-1]) > TOUCHES:
+            if abs(self.load.table.row[DEPTH]) > TOUCHES:
                 return
 
     # ---- to go back to an earlier state ----
