@@ -10,7 +10,19 @@ from pathlib import Path
 
 from granular_contact.config.messages import got, kind_of
 from granular_contact.config.provenance import restated
-from granular_contact.config.tree import Broken, Mapping, Node, Position, Scalar, child, drop_key, merge, plain, set_key
+from granular_contact.config.tree import (
+    Broken,
+    Items,
+    Mapping,
+    Node,
+    Position,
+    Scalar,
+    child,
+    drop_key,
+    merge,
+    plain,
+    set_key,
+)
 from granular_contact.config.urdf import is_of_robot, mechanism
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault
@@ -18,7 +30,7 @@ from granular_contact.laws.catalogue import LAWS
 from granular_contact.robot.files import is_file
 from granular_contact.values.strict import did_you_mean
 
-FROM, LAW = "from", "law"
+FROM, LAW, SCATTER = "from", "law", "measured_scatter"
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _PACKAGE = Path(__file__).parents[1]
 
@@ -73,7 +85,11 @@ class Resolver:
         """`node`, written in `file`, merged over what it refers to; `chain` holds the files that led here."""
         if isinstance(node, Scalar):
             return self._load(node, library, (library.key,), file, chain)
-        if not isinstance(node, Mapping) or FROM not in node.nodes:
+        if not isinstance(node, Mapping):
+            return node
+        if isinstance(node.nodes.get(SCATTER), Scalar) and library is MEDIA:
+            node = self._with_scatter(node, file, chain)
+        if FROM not in node.nodes:
             return node
         base = self._load(node.nodes[FROM], library, (library.key, FROM), file, chain)
         if isinstance(base, Broken):
@@ -86,6 +102,13 @@ class Resolver:
             message = f"{why}, and law can't change under from: leave one of the two out"
             return self._refuse(node.keys[LAW], (library.key, LAW), message)
         return restated(base, merge(base, drop_key(node, FROM)))
+
+    def _with_scatter(self, node: Mapping, file: Path, chain: tuple[Path, ...]) -> Mapping:
+        """A medium with what was measured in the one that it names, which is of the same sand by another law."""
+        named = node.nodes[SCATTER]
+        found = self._load(named, MEDIA, (MEDIA.key, SCATTER), file, chain)
+        measured = found if isinstance(found, Broken) else child(found, SCATTER) or Items(named.position, ())
+        return set_key(node, SCATTER, measured, node.keys[SCATTER])
 
     def _load(self, node: Node, library: Library, path: tuple[str, ...], file: Path, chain: tuple[Path, ...]) -> Node:
         if isinstance(node, Broken):

@@ -27,7 +27,7 @@ from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.scatter import MeasuredScatter, Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
-from granular_contact.values.strict import Faults, Listed, OrNull, Text, listed
+from granular_contact.values.strict import Faults, Listed, OrName, OrNull, Text, listed
 
 if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
@@ -87,7 +87,7 @@ class Law(Coefficients):
     provenance: Literal["published", "fitted", "own"] | None = None
     validity: Validity = Field(NOT_STATED, alias="range")
     scatter: Scatter | None = None
-    measured_scatter: Annotated[tuple[MeasuredScatter, ...], Listed] = ()
+    measured_scatter: Annotated[tuple[MeasuredScatter, ...], Listed, OrName()] = ()
     law: str
 
     equation: ClassVar[str]

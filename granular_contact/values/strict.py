@@ -123,6 +123,16 @@ class OrNull:
         return core_schema.nullable_schema(handler(source))
 
 
+class OrName:
+    """Marks a field for which a file may name another file that has it, and that is put in its place."""
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: Any) -> dict[str, Any]:
+        """Schema of the value, or a name."""
+        found = handler(core)
+        default = {key: found.pop(key) for key in ("default", "title") if key in found}
+        return {"anyOf": [found, {"type": "string"}], ALLOWED: "a list, or the name of what has it", **default}
+
+
 class Tagged:
     """Marks a union whose member is named by the value of one key.
 

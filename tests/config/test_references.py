@@ -8,6 +8,7 @@ from support_config import GOOD, changed
 
 from granular_contact.config import is_run, load, scenario_to_dict
 from granular_contact.errors import ConfigError
+from granular_contact.scene.media import preset
 
 START = "initial: {impact_angle_deg: 31}\n"
 ARM = GOOD[GOOD.index("model:") : GOOD.index("medium:")].removeprefix("model:\n")
@@ -50,6 +51,21 @@ def test_the_installed_model_is_found_from_anywhere(folder):
     assert list(scenario.model.bodies) == ["RB1", "RB2", "link"]
     assert scenario.medium.plunging.lambda_ == 1.1
     assert scenario.medium.withdrawing is scenario.medium.plunging
+
+
+def test_a_medium_has_the_measured_scatter_of_one_that_it_names(folder):
+    own = "medium: {law: rft, zeta: 1, measured_scatter: cmu_dry_sand, scatter: {measured: locked_wheel}}\n"
+    medium = run(folder, START + "model: compound_pendulum\n" + own).scenario.medium
+    assert (
+        medium.measured_scatter
+        == preset("cmu_dry_sand").measured_scatter
+        == preset("cmu_dry_sand_plate").measured_scatter
+    )
+    assert len(medium.measured_scatter) == 3
+    with pytest.raises(
+        ConfigError, match=r"run.yaml:3: medium.measured_scatter: got 'cmu', but there is no such medium"
+    ):
+        run(folder, START + "model: compound_pendulum\n" + own.replace("cmu_dry_sand", "cmu"))
 
 
 def test_a_path_is_relative_to_the_file_that_names_it(folder):
