@@ -1,10 +1,10 @@
 """How many impacts a second a sweep runs, what two cores gain over one, and whether its memory grows.
 
-    python validation/sweep_throughput.py [--quick]
+    python validation/sweep_throughput.py [--quick] [--together] [--beside CHECKOUT]
 
-The whole command, as a user runs it: 10 000 impacts of the source's single-mode pendulum, 1 000 of the finite-element
-one, by Latin hypercube over four inputs. One worker and two in turn, best of the repeats each, so that a machine that
-others use for a while counts less.
+The whole command, as a user runs it: 10 000 impacts of a rigid pendulum and of the source's single-mode one, 1 000 of
+the finite-element one, by Latin hypercube over four inputs. One worker and two in turn, best of the repeats each, so
+that a machine that others use for a while counts less.
 
 Efficiency is the time on one worker over twice that on two. `whole` has starting, reading, checking and writing in it,
 `running` is from the first rows to the last. `by CPU` does not depend on who else uses the cores: CPU seconds that one
@@ -12,7 +12,10 @@ worker takes for the rows, over those that two workers and the parent, which sha
 
 A second table has the same impacts of reduced models in this process, by CPU time: each alone with whole results, each
 alone with its key numbers, and marched together by one compiled call; on one thread and on two. --together prints that
-table alone.
+table alone. A loop of additions, timed in between, tells how fast the machine was: the last column counts in it.
+
+--beside has the sweeps of reduced models by the code of another checkout of this repository too, in turn, on two
+workers: how many times as many for the same CPU time, with starting, checking and writing in it.
 """
 
 from __future__ import annotations
@@ -40,8 +43,12 @@ from granular_contact.scene.build import built
 from validation.tables import machine, markdown
 
 CONFIG = ROOT / "configs" / "pendulum.yaml"
-METHODS = {"single mode, reduced": "{reduced: {modes: 1}}", "finite elements": "engine"}
-COUNTS = {"single mode, reduced": 10_000, "finite elements": 1_000}
+METHODS = {
+    "rigid link, reduced": "{reduced: {modes: 0}}",
+    "single mode, reduced": "{reduced: {modes: 1}}",
+    "finite elements": "engine",
+}
+COUNTS = {"rigid link, reduced": 10_000, "single mode, reduced": 10_000, "finite elements": 1_000}
 RANGES = """
     medium.eta_d: [4, 9]
     medium.eta_h: [4, 16]
@@ -65,9 +72,13 @@ class Look:
 
 @dataclass(frozen=True)
 class Timing:
-    """One sweep: seconds in all; from the first rows to the last, wall and CPU; parent's MB at a fifth, and most."""
+    """One sweep: seconds in all; from the first rows to the last, wall and CPU; parent's MB at a fifth, and most.
+
+    cpu: CPU seconds of parent and workers in all.
+    """
 
     whole: float
+    cpu: float
     running: float
     parent: float
     workers: float
@@ -82,15 +93,17 @@ def sweep_file(method: str, count: int, folder: Path) -> Path:
     return path
 
 
-def run(method: str, count: int, workers: int) -> tuple[Timing, int]:
-    """Time the command from outside; with the number of cases that have not failed."""
+def run(method: str, count: int, workers: int, root: Path = ROOT) -> tuple[Timing, int]:
+    """Time the command of a checkout from outside; with the number of cases that have not failed."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         path = sweep_file(method, count, folder)
         words = ["sweep", str(path), "--out", str(folder / "out"), "--workers", str(workers), "--quiet"]
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        environment = os.environ | {"PYTHONPATH": f"{root}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
         begin = time.perf_counter()
-        with subprocess.Popen([sys.executable, "-m", "granular_contact", *words], env=environment) as process:
+        with subprocess.Popen(
+            [sys.executable, "-m", "granular_contact", *words], env=environment, cwd=folder
+        ) as process:
             timing = watch(process, folder / "out.part" / "journal", begin)
         with (folder / "out" / "table.csv").open(encoding="utf-8", newline="") as file:
             good = sum(row["status"] in ("rest", "end_time") for row in csv.DictReader(file))
@@ -117,7 +130,7 @@ def watch(process: subprocess.Popen[bytes], journal: Path, begin: float) -> Timi
     first, last = rows[0], next(look for look in rows if look.rows == most)
     early = next(look for look in rows if look.rows >= most / 5)
     spent = last.time - first.time, last.parent - first.parent, last.workers - first.workers
-    return Timing(whole, *spent, (early.memory, max(look.memory for look in rows)))
+    return Timing(whole, last.parent + last.workers, *spent, (early.memory, max(look.memory for look in rows)))
 
 
 def children(process: int) -> list[int]:
@@ -188,6 +201,33 @@ HEAD = (
 )
 
 
+def measure_beside(method: str, count: int, repeats: int, other: Path) -> list[list[str]]:
+    """Rows of the table with another checkout, in turn."""
+    roots, found = {"before": other, "now": ROOT}, dict[str, list[Timing]]()
+    for root in roots.values():
+        run(method, 2, 1, root)
+    for _ in range(repeats):
+        for name, root in roots.items():
+            found.setdefault(name, []).append(run(method, count, 2, root)[0])
+    cpu = {name: min(timing.cpu for timing in timings) for name, timings in found.items()}
+    least = {name: min(timing.whole for timing in timings) for name, timings in found.items()}
+    return [
+        [method, name, str(count), f"{least[name]:.1f}", f"{count / least[name]:.0f}", f"{1e3 * cpu[name] / count:.2f}",
+         f"{cpu['before'] / cpu[name]:.2f}"]
+        for name in roots
+    ]  # fmt: skip
+
+
+HEAD_BESIDE = (
+    "impacts",
+    "code",
+    "run",
+    "s, 2 workers",
+    "per s",
+    "CPU ms a case, all",
+    "times as many for the same CPU",
+)
+
 REDUCED = {
     "rigid, true sign": "{reduced: {modes: 0}}",
     "single mode, elastoplastic": "{reduced: {modes: 1}}",
@@ -227,13 +267,21 @@ WAYS: dict[str, Callable[[Sweep, list[Case]], None]] = {
 }
 
 
+def loop() -> float:
+    """CPU seconds of a loop of 100 000 additions: how fast the machine is now."""
+    begin, total = time.process_time(), 0
+    for i in range(100_000):
+        total += i * i
+    return time.process_time() - begin
+
+
 def in_this_process(count: int, repeats: int) -> list[list[str]]:
     """Rows of the second table: least CPU and wall time of several rounds, in each of which all ways take turns."""
     found = []
     for name, method in REDUCED.items():
         with tempfile.TemporaryDirectory() as folder:
             sweep = load_sweep(sweep_file(method, count, Path(folder)))
-        cases, spent = list(sweep.cases), {way: [] for way in WAYS}
+        cases, spent, loops = list(sweep.cases), {way: [] for way in WAYS}, [loop()]
         for way in WAYS.values():
             way(sweep, cases[:4])
         for _ in range(repeats):
@@ -241,16 +289,17 @@ def in_this_process(count: int, repeats: int) -> list[list[str]]:
                 clock, cpu = time.perf_counter(), time.process_time()
                 act(sweep, cases)
                 spent[way].append((time.process_time() - cpu, time.perf_counter() - clock))
+                loops.append(loop())
         least = {way: [min(column) / count for column in zip(*times, strict=True)] for way, times in spent.items()}
         first = least[next(iter(WAYS))][0]
         found += [
-            [name, way, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}"]
+            [name, way, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}", f"{cpu / min(loops):.2f}"]
             for way, (cpu, clock) in least.items()
         ]
     return found
 
 
-HEAD_TOGETHER = ("runs", "how", "CPU ms a run", "times as many for the same CPU", "per s, wall")
+HEAD_TOGETHER = ("runs", "how", "CPU ms a run", "times as many for the same CPU", "per s, wall", "loops a run")
 
 
 def main() -> int:
@@ -259,8 +308,14 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a tenth of the impacts, once")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--together", action="store_true", help="the second table alone")
+    parser.add_argument("--beside", type=Path, help="another checkout: its code in turn with this one, and no more")
     chosen = parser.parse_args()
     share, repeats = (10, 1) if chosen.quick else (1, chosen.repeats)
+    if chosen.beside is not None:
+        several = [measure_beside(m, COUNTS[m] // share, repeats, chosen.beside) for m in COUNTS if "reduced" in m]
+        print(f"{machine('exudyn', 'numba', 'scipy')}; least of {repeats} after a warm-up\n")
+        print(markdown(HEAD_BESIDE, [row for rows in several for row in rows]))
+        return 0
     beside = in_this_process(64 if chosen.quick else 256, repeats)
     print(f"{machine('numba', 'scipy')}; least of {repeats} rounds after a warm-up\n")
     print(markdown(HEAD_TOGETHER, beside) + "\n")

@@ -195,6 +195,7 @@ class Template:
         self._resolved: dict[tuple[setting.Override, ...], tree.Node] = {}
         self._plainly: tuple[tree.Node, tree.Node] | None = None  # the last model, before and after `renewed`
         self._known: Known = {}
+        self._small: tree.Node | None = None  # the last tree without a number that is too large
 
     def make(self, overrides: Sequence[setting.Override], faults: Sequence[Fault] = ()) -> Loaded:
         """The scenario with the overrides in it.
@@ -210,13 +211,20 @@ class Template:
         node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
         notices: list[str] = []
         node = self._renewed(_restated(read, node), notices)
-        found += too_large(_others(node, self._known))
+        if not self._is_small(read, overrides):
+            found += too_large(_others(node, self._known))
         node = with_columns(_named(node, self._path), self._path.parent, found)
         node = with_tables(node, self._path.parent, found)
         node = with_paths(node, self._path.parent)
         scenario = scenario_of(node, found, self._known)
         self._known = _validated(node, scenario)
         return Loaded(scenario, SourceMap(node, notices))
+
+    def _is_small(self, read: tree.Node, overrides: Sequence[setting.Override]) -> bool:
+        """Whether no number is too large: of the tree before the overrides, looked through once, and of theirs."""
+        if self._small is not read and not any(too_large(read)):
+            self._small = read
+        return self._small is read and not any(fault for one in overrides for fault in too_large(one.value))
 
     def _renewed(self, node: tree.Node, notices: list[str]) -> tree.Node:
         """`renewed`, which goes through a model once."""

@@ -9,6 +9,8 @@ import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.dormand_prince import inside
+from granular_contact.kernels.memory import piece, room1, rows
+from granular_contact.kernels.modal import SIZE
 from granular_contact.kernels.modal_calls import margins
 from granular_contact.kernels.pendulum import inertia, momentum
 
@@ -40,7 +42,7 @@ def regime_end(C, s, w, stopped):
 
     By the Illinois form of false position; both halves are looked at, as a component may turn and turn back.
     """
-    y, margin = np.empty(C.shape[1]), np.empty_like(s)
+    y, margin = rows(room1(SIZE), 0, C.shape[1]), rows(room1(2), 0, s.shape[0])
     for c in range(stopped.shape[0]):
         stopped[c] = False
     near = w.pendulum[0].still
@@ -80,19 +82,19 @@ def regime_end(C, s, w, stopped):
 def turning(y, w, which):
     """Mean rate (which = 0) or rate of the hub (which = 1), rad/s."""
     m = w.pendulum[0].modes + 1
-    q, v = y[:m], y[m : 2 * m]
+    q, v = rows(y, 0, m), rows(y, m, m)
     return v[0] if which == 1 else momentum(q, v, w.pendulum[0]) / inertia(q, w.pendulum[0])
 
 
 @part
 def look_for_stop(t, h, C, w, watch):
     """Locate the first zeros of mean rate and hub rate after the touch."""
-    y = np.empty(C.shape[1])
+    y = rows(room1(SIZE), 0, C.shape[1])
     for which, sign, time in ((0, MEAN_SIGN, MEAN_TIME), (1, HUB_SIGN, HUB_TIME)):
         if not np.isnan(watch[time]):
             continue
         if watch[sign] == 0.0:
-            watch[sign] = np.sign(turning(C[0], w, which))
+            watch[sign] = np.sign(turning(piece(C, 0, C.shape[1]), w, which))
         inside(C, 1.0, y)
         if watch[sign] == 0.0 or turning(y, w, which) * watch[sign] > 0.0:
             continue

@@ -16,7 +16,7 @@ from granular_contact.kernels.dormand_prince import STAGES, error, inside, inter
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
 from granular_contact.kernels.memory import clear, copy, piece, room1, room2
 from granular_contact.kernels.memory import rows as rows_of
-from granular_contact.kernels.modal import MOST
+from granular_contact.kernels.modal import SIZE
 from granular_contact.kernels.modal_calls import rates
 from granular_contact.kernels.modal_load import PendulumArrays, drag, lent
 from granular_contact.kernels.modal_motion import decide, follow
@@ -44,7 +44,6 @@ CONTROL = np.dtype(
         ("forces", "?"),
     ]
 )
-SIZE = 2 * MOST + 2
 NOW, STEP, RESTING_SINCE = 0, 1, 2  # of clock (3,), s
 # Of counts (6,): ends of regimes, and those of them since they were last found to crowd.
 STEPS, REJECTED, RATES, ROWS, TURNS, CROWDED = 0, 1, 2, 3, 4, 5
@@ -195,8 +194,8 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
     for _ in range(share):
         if counts[ROWS] + ahead(c) > rows.shape[0]:
             return PAUSE
-        if w.pendulum[0].true_sign:
-            follow(y, s, w)
+        if w.pendulum[0].true_sign and follow(y, s, w):
+            known = False
         if not known:
             rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
             counts[RATES] += 1
@@ -225,7 +224,7 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
         clock[NOW] += h
         counts[STEPS] += 1
         # The last slope is that of the end, where bristles that were dragged along pull as they did.
-        known = theta > 1.0 and not w.pendulum[0].true_sign
+        known = theta > 1.0
         if known:
             copy(piece(k, 0, k.shape[1]), piece(k, STAGES - 1, k.shape[1]))
         if theta <= 1.0:

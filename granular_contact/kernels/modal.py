@@ -20,6 +20,7 @@ from granular_contact.kernels.compiled import part
 
 MOST_MODES = 20
 MOST = MOST_MODES + 1  # coordinates
+SIZE = 2 * MOST + 2  # numbers of a state, see `modal_motion`
 
 # along, across: place in the undeformed pendulum, seen from the pivot (m); phi: mode shapes there; pivot: (x, y), m.
 MODAL_STATION = np.dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])

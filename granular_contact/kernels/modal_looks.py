@@ -103,13 +103,17 @@ def crossing(a, b, a_rate, b_rate):
 
 @part
 def note(P, V, i, z, beside, found):
-    """Take on the extremes of a station at depth z (m)."""
+    """Take on the extremes of a station at depth z (m); roots are taken where they may be needed."""
     found[DEEPEST], found[LOWEST] = max(found[DEEPEST], z), min(found[LOWEST], P[i, 1])
-    if z > 0.0 and P.shape[0] > 1:
+    if not z > 0.0 or P.shape[0] < 2:
+        return
+    square = V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]
+    if square > found[SPEED] * found[SPEED]:
+        found[SPEED] = math.sqrt(square)
+    if P[i, 0] - beside < found[LEFT] or P[i, 0] + beside > found[RIGHT]:
         k = min(i, P.shape[0] - 2)
         x, y = P[k + 1, 0] - P[k, 0], P[k + 1, 1] - P[k, 1]
         wide = beside * abs(y) / math.sqrt(x * x + y * y)
-        found[SPEED] = max(found[SPEED], math.sqrt(V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]))
         found[LEFT] = min(found[LEFT], P[i, 0] - wide)
         found[RIGHT] = max(found[RIGHT], P[i, 0] + wide)
 

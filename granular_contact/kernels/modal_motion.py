@@ -10,11 +10,11 @@ import numpy as np
 
 from granular_contact.kernels import modal_calls
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.memory import clear, copy, room1, rows
-from granular_contact.kernels.modal import MOST
+from granular_contact.kernels.memory import clear, copy, piece, room1, room2, rows
+from granular_contact.kernels.modal import MOST, SIZE
 from granular_contact.kernels.modal_load import load
 from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
-from granular_contact.kernels.slip import slip_bias, slip_rows, slip_velocity
+from granular_contact.kernels.slip import along, slip_bias, slip_rows, slip_velocity
 
 BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
 
@@ -69,36 +69,39 @@ def margins(y, s, w, margin):
 
 @kernel
 def follow(y, s, w):
-    """Above the surface the regime is the direction of motion."""
-    m = w.pendulum[0].modes + 1
+    """Above the surface the regime is the direction of motion; whether it changed."""
+    m, changed = w.pendulum[0].modes + 1, False
     g = rows(room1(2), 0, s.shape[0])
     if slip_velocity(rows(y, 0, m), rows(y, m, m), w, g):
-        return
+        return False
     for c in range(s.shape[0]):
-        if g[c] != 0.0:
-            s[c] = np.sign(g[c])
+        way = 1.0 if g[c] > 0.0 else -1.0
+        if g[c] != 0.0 and s[c] != way:
+            s[c], changed = way, True
+    return changed
 
 
 @part
 def violation(y, s, open_, w):
-    """How badly a regime contradicts itself, 0 if it does not.
+    """How badly a regime contradicts itself, 0 if it does not; open_ (components,): 1 of those that may change, else 0.
 
     A component that sticks must be held within the bound; one that slips from rest must gather speed its way.
     """
     m = w.pendulum[0].modes + 1
-    q, v, count = y[:m], y[m : 2 * m], s.shape[0]
-    dy, sigma, totals = np.empty_like(y), np.zeros(count), np.zeros((3, 3))
+    q, v, count = rows(y, 0, m), rows(y, m, m), s.shape[0]
+    dy, sigma, totals = rows(room1(SIZE), 0, y.shape[0]), rows(room1(2), 0, count), room2(3, 3)
+    clear(sigma)
+    clear(totals)
     modal_calls.rates(y, s, w, sigma, totals, dy)
-    J, bias = np.zeros((count, m)), np.zeros(count)
+    J, bias = room2(2, MOST), rows(room1(2), 0, count)
     slip_rows(q, w, J)
     slip_bias(q, v, w, bias)
     worst = 0.0
     for c in range(count):
         if s[c] == 0.0:
             worst = max(worst, abs(sigma[c]) - 1.0)
-        elif open_[c]:
-            gain = np.dot(J[c], dy[m : 2 * m]) + bias[c]
-            worst = max(worst, -s[c] * gain)
+        elif open_[c] != 0.0:
+            worst = max(worst, -s[c] * (along(J, c, rows(dy, m, m)) + bias[c]))
     return worst
 
 
@@ -110,24 +113,26 @@ def decide(y, s, stopped, w):
     that sticks most is taken; the velocity of what sticks is set to zero exactly.
     """
     m, count = w.pendulum[0].modes + 1, s.shape[0]
-    g = np.empty(count)
-    slip_velocity(y[:m], y[m : 2 * m], w, g)
-    open_ = (s == 0.0) | stopped | (np.abs(g) <= 2.0 * w.pendulum[0].still)
-    best, least = s.copy(), np.inf
-    trial = s.copy()
+    g, open_ = rows(room1(2), 0, count), rows(room1(2), 0, count)
+    slip_velocity(rows(y, 0, m), rows(y, m, m), w, g)
+    best, trial, least = rows(room1(2), 0, count), rows(room1(2), 0, count), np.inf
+    for c in range(count):
+        open_[c] = s[c] == 0.0 or stopped[c] or abs(g[c]) <= 2.0 * w.pendulum[0].still
+        best[c] = s[c]
     for code in range(3**count):
         rest, allowed = code, True
         for c in range(count):
             option = float(rest % 3)
             option = option if option < 2.0 else -1.0
             rest //= 3
-            allowed = allowed and (open_[c] or option == 1.0)
-            trial[c] = option if open_[c] else np.sign(g[c])
+            allowed = allowed and (open_[c] != 0.0 or option == 1.0)
+            trial[c] = option if open_[c] != 0.0 else np.sign(g[c])
         if not allowed:
             continue
         found = violation(y, trial, open_, w)
         if found < least:
-            best[:], least = trial, found
+            copy(best, trial)
+            least = found
     copy(s, best)
     halt(y, s, w)
 
@@ -136,17 +141,20 @@ def decide(y, s, stopped, w):
 def halt(y, s, w):
     """Take the last round-off of speed from the components that stick: q' less M^-1 J^T (J M^-1 J^T)^-1 g."""
     m = w.pendulum[0].modes + 1
-    q, v = y[:m], y[m : 2 * m]
+    q, v = rows(y, 0, m), rows(y, m, m)
     if m == 1:
         if s[0] == 0.0:
             v[0] = 0.0
         return
-    J, g, push = np.zeros((2, m)), np.zeros(2), np.empty(m)
+    J, g, push = room2(2, MOST), room1(2), rows(room1(MOST), 0, m)
     for _ in range(3):
         slip_velocity(q, v, w, g)
         slip_rows(q, w, J)
         for c in range(2):
-            if s[c] == 0.0:
-                copy(push, J[c])
-                accelerate(q, push, w.pendulum[0])
-                v -= push * ((np.dot(J[c], v)) / np.dot(J[c], push))
+            if s[c] != 0.0:
+                continue
+            copy(push, piece(J, c, m))
+            accelerate(q, push, w.pendulum[0])
+            share = along(J, c, v) / along(J, c, push)
+            for k in range(m):
+                v[k] -= share * push[k]

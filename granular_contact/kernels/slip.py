@@ -17,7 +17,7 @@ import numpy as np
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.memory import clear, copy, piece, room1, room2, rows
-from granular_contact.kernels.modal import modal_scatter, modal_stations
+from granular_contact.kernels.modal import MOST, modal_scatter, modal_stations
 from granular_contact.kernels.modal_load import load, stations_of
 from granular_contact.kernels.pendulum import accelerate
 from granular_contact.kernels.strips import at, halfway, immersed_segment
@@ -65,7 +65,7 @@ def slip_velocity(q, v, w, g):
 
 @part
 def slip_rows(q, w, J):
-    """Fill J (components, n + 1), so that g = J q'."""
+    """Fill J (components, n + 1 or more), so that g = J q'."""
     if q.shape[0] == 1:
         J[0, 0] = 1.0
         return
@@ -79,45 +79,54 @@ def slip_rows(q, w, J):
     clear(J)
     for c in range(2):
         F[i, c], F[i + 1, c] = 1.0 - (place - i), place - i
-        modal_scatter(q, geometry, P, F, J[c])
+        modal_scatter(q, geometry, P, F, piece(J, c, q.shape[0]))
         F[i, c], F[i + 1, c] = 0.0, 0.0
+
+
+@part
+def along(J, c, v):
+    """J_c v of row c of J and v (n + 1,)."""
+    total = 0.0
+    for k in range(v.shape[0]):
+        total += J[c, k] * v[k]
+    return total
 
 
 @part
 def slip_bias(q, v, w, bias):
     """Fill bias with J' q', by central differences along the motion; the middle itself moves along the link."""
-    bias[:] = 0.0
+    clear(bias)
     if q.shape[0] == 1:
         return
-    ahead, behind = np.empty_like(bias), np.empty_like(bias)
-    time = 1e-6 / max(1.0, abs(v[0]))
-    slip_velocity(q + time * v, v, w, ahead)
-    slip_velocity(q - time * v, v, w, behind)
+    there, moved, time = room1(2), rows(room1(MOST), 0, q.shape[0]), 1e-6 / max(1.0, abs(v[0]))
+    for side in (1.0, -1.0):
+        for k in range(q.shape[0]):
+            moved[k] = q[k] + side * time * v[k]
+        slip_velocity(moved, v, w, there)
+        for c in range(2):
+            bias[c] += side * there[c]
     for c in range(2):
-        bias[c] = (ahead[c] - behind[c]) / (2.0 * time)
+        bias[c] /= 2.0 * time
 
 
 @part
 def solve_small(A, b, count):
-    """Solution (2,) of the leading count x count part of A x = b; beyond all bounds where friction can't act."""
-    x = np.zeros(2)
+    """Solution of the leading count x count part of A x = b; beyond all bounds where friction can't act."""
     if count == 1:
-        x[0] = b[0] / A[0, 0] if A[0, 0] < 0.0 else -np.copysign(NONE_HOLDS, b[0])
-        return x
+        return b[0] / A[0, 0] if A[0, 0] < 0.0 else -np.copysign(NONE_HOLDS, b[0]), 0.0
     det = A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
     if abs(det) < 1e-14 * (abs(A[0, 0] * A[1, 1]) + abs(A[0, 1] * A[1, 0])) or det == 0.0:
-        x[:] = NONE_HOLDS
-        return x
-    x[0] = (b[0] * A[1, 1] - b[1] * A[0, 1]) / det
-    x[1] = (b[1] * A[0, 0] - b[0] * A[1, 0]) / det
-    return x
+        return NONE_HOLDS, NONE_HOLDS
+    return (b[0] * A[1, 1] - b[1] * A[0, 1]) / det, (b[1] * A[0, 0] - b[0] * A[1, 0]) / det
 
 
 @part
-def hold_rigid(q, v, h, w, sigma):
+def hold_rigid(q, v, h, s, w, sigma):
     """`hold` without modes, where one component sticks: the bound pulls against what is to be held."""
+    copy(sigma, s)
+    if s[0] != 0.0:
+        return
     totals, free, pull = room2(3, 3), room1(1), room1(1)
-    sigma[0] = 0.0
     load(q, v, sigma, w, totals, free)
     held = h[0] + free[0]
     side = 1.0 if held > 0.0 else -1.0
@@ -131,39 +140,41 @@ def hold_rigid(q, v, h, w, sigma):
 def hold(q, v, h, s, w, sigma):
     """Fill sigma from the directions s, where 0 stands for a component that sticks: its multiplier is found.
 
-    h: generalised forces other than those of the medium.
+    h: generalised forces other than those of the medium. With modes; without them `hold_rigid` does the same.
     """
     copy(sigma, s)
-    count, m = 0, q.shape[0]
-    for c in range(s.shape[0]):
-        count += s[c] == 0.0
-    if count == 0:
-        return
-    if m == 1:
-        hold_rigid(q, v, h, w, sigma)
-        return
-    stuck = np.flatnonzero(s == 0.0)
-    J, bias, totals = np.zeros((s.shape[0], m)), np.zeros(s.shape[0]), room2(3, 3)
+    if s[0] == 0.0 or s[1] == 0.0:
+        multipliers(q, v, h, s, w, 0 if s[0] == 0.0 else 1, 2 if s[0] == s[1] else 1, sigma)
+
+
+@part
+def multipliers(q, v, h, s, w, first, count, sigma):
+    """Those of `count` components, from the `first` on, that stick."""
+    m = q.shape[0]
+    J, bias, totals, A, b = room2(2, MOST), room1(2), room2(3, 3), room2(2, 2), room1(2)
+    Q, free, pull, probe = rows(room1(MOST), 0, m), rows(room1(MOST), 0, m), rows(room1(MOST), 0, m), room1(2)
     slip_rows(q, w, J)
     slip_bias(q, v, w, bias)
-    Q, pull, probe = np.empty(m), np.empty(m), s.copy()
     load(q, v, s, w, totals, Q)
-    free = h + Q
+    for k in range(m):
+        free[k] = h[k] + Q[k]
     accelerate(q, free, w.pendulum[0])
-    A, b = np.zeros((2, 2)), np.zeros(2)
     for i in range(count):
-        b[i] = -(np.dot(J[stuck[i]], free) + bias[stuck[i]])
+        b[i] = -(along(J, first + i, free) + bias[first + i])
+    copy(probe, s)
     for side in (-1.0, 1.0):
         for j in range(count):
-            probe[stuck[j]] = side
+            probe[first + j] = side
             load(q, v, probe, w, totals, pull)
-            probe[stuck[j]] = 0.0
-            pull -= Q
+            probe[first + j] = 0.0
+            for k in range(m):
+                pull[k] -= Q[k]
             accelerate(q, pull, w.pendulum[0])
             for i in range(count):
-                A[i, j] = np.dot(J[stuck[i]], pull) * side
+                A[i, j] = along(J, first + i, pull) * side
         x = solve_small(A, b, count)
-        for j in range(count):
-            sigma[stuck[j]] = x[j]
-        if side * x[count - 1] >= 0.0:
+        sigma[first] = x[0]
+        if count == 2:
+            sigma[1] = x[1]
+        if side * (x[1] if count == 2 else x[0]) >= 0.0:
             return

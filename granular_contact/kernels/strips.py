@@ -92,19 +92,24 @@ def immersed_segment(Z):
 
 
 @part
+def length_within(P, i, first, last):
+    """Length (m) of what of strip i lies between two positions i + xi."""
+    share = min(last, i + 1.0) - max(first, float(i))
+    return share * math.hypot(P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]) if share > 0.0 else 0.0
+
+
+@part
 def halfway(P, first, last):
     """Middle, by length along the stations P (n, 2) m, of what lies between two positions i + xi; a position."""
-    lengths = np.zeros(P.shape[0] - 1)
+    left = 0.0
     for i in range(P.shape[0] - 1):
-        share = min(last, i + 1.0) - max(first, float(i))
-        if share > 0.0:
-            lengths[i] = share * math.hypot(P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1])
-    left = 0.5 * np.sum(lengths)
+        left += 0.5 * length_within(P, i, first, last)
     for i in range(P.shape[0] - 1):
-        if left < lengths[i]:
+        length = length_within(P, i, first, last)
+        if left < length:
             start, end = max(first, float(i)), min(last, i + 1.0)
-            return start + left / lengths[i] * (end - start)
-        left -= lengths[i]
+            return start + left / length * (end - start)
+        left -= length
     return last
 
 

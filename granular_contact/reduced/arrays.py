@@ -37,7 +37,7 @@ def arrays_of(reduced: Model) -> PendulumArrays:
     record["true_sign"] = reduced.method.static == "true_sign" and len(lines) > 0
     parts = {"rates": modal_motion.rates}
     if record["true_sign"]:
-        parts |= {"margins": modal_motion.margins, "hold": slip.hold}
+        parts |= {"margins": modal_motion.margins, "hold": slip.hold if reduced.method.modes else slip.hold_rigid}
     modal_calls.provide(record, parts)
     medium = np.zeros(1, LAW)
     if scene.media:

@@ -16,7 +16,7 @@ from granular_contact.config.tree import Position, Scalar
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import FINISHED, Results
 from granular_contact.run import run
-from granular_contact.scene import build
+from granular_contact.scene.again import Builder
 from granular_contact.scene.steps import steps
 
 Vector = NDArray[np.float64]
@@ -64,6 +64,7 @@ class Simulator:
         self._template, self._keys = template, tuple(keys)
         self.columns, self.early = tuple(columns), 0.0
         self._responses: dict[tuple[float, ...], Response] = {}
+        self._build = Builder()
 
     def __getstate__(self) -> dict[str, object]:
         """What is sent to a worker: all but the cached runs, which it computes faster than it receives them."""
@@ -87,7 +88,7 @@ class Simulator:
         """
         try:
             scenario = self.load(values, more).scenario
-            results = run(build(scenario), scenario)
+            results = run(self._build(scenario))
         except (ConfigError, SceneError, SolveError) as error:
             raise ModelFailed(str(error)) from error
         if results.status.code not in FINISHED:
@@ -120,7 +121,7 @@ class Simulator:
             ("solver", "rest_time_s"): None,
         }
         if "depth_m" in self.columns:
-            turned["surface_height_m",] = build(scenario).surface
+            turned["surface_height_m",] = self._build(scenario).surface
         if "bed" in scenario_to_dict(scenario):
             turned["bed",] = None
         return self.results(values, [Override(key, Scalar(HERE, v, repr(v)), HERE) for key, v in turned.items()])
