@@ -1,6 +1,6 @@
 """How many impacts a second a sweep runs, what two cores gain over one, and whether its memory grows.
 
-    python validation/sweep_throughput.py [--quick] [--together] [--beside CHECKOUT]
+    python validation/sweep_throughput.py [--quick] [--together] [--alone] [--beside CHECKOUT]
 
 The whole command, as a user runs it: 10 000 impacts of a rigid pendulum and of the source's single-mode one, 1 000 of
 the finite-element one, by Latin hypercube over four inputs. One worker and two in turn, best of the repeats each, so
@@ -14,8 +14,9 @@ A second table has the same impacts of reduced models in this process, by CPU ti
 alone with its key numbers, and marched together by one compiled call; on one thread and on two. --together prints that
 table alone. A loop of additions, timed in between, tells how fast the machine was: the last column counts in it.
 
---beside has the sweeps of reduced models by the code of another checkout of this repository too, in turn, on two
-workers: how many times as many for the same CPU time, with starting, checking and writing in it.
+--alone has the parts of one run in a warm process. --beside has the sweeps of reduced models by the code of another
+checkout of this repository too, in turn, on two workers: how many times as many for the same CPU time, with starting,
+checking and writing in it. Either prints no more than that.
 """
 
 from __future__ import annotations
@@ -30,19 +31,22 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from granular_contact.config import Case, Sweep, load_sweep
+from granular_contact.config import Case, Sweep, load_sweep, scenario_to_dict
+from granular_contact.results.observation import results
+from granular_contact.run import begin, summaries_of, summary_of
 from granular_contact.run import run as run_whole
-from granular_contact.run import summaries_of, summary_of
 from granular_contact.scene.again import Builder
 from granular_contact.scene.build import built
 from validation.tables import machine, markdown
 
-CONFIG = ROOT / "configs" / "pendulum.yaml"
+CONFIG = Path("configs", "pendulum.yaml")
 METHODS = {
     "rigid link, reduced": "{reduced: {modes: 0}}",
     "single mode, reduced": "{reduced: {modes: 1}}",
@@ -85,11 +89,13 @@ class Timing:
     memory: tuple[float, float]
 
 
-def sweep_file(method: str, count: int, folder: Path) -> Path:
-    """A sweep of so many impacts; method: as a config has it, or a name of METHODS."""
+def sweep_file(method: str, count: int, folder: Path, root: Path = ROOT) -> Path:
+    """A sweep of so many impacts, by a config of a checkout; method: as a config has it, or a name of METHODS."""
     path = folder / "many.yaml"
     sample = f"sample:\n  method: latin_hypercube\n  count: {count}\n  ranges:{RANGES}"
-    path.write_text(f"config: {CONFIG}\nset: {{method: {METHODS.get(method, method)}}}\n{sample}", encoding="utf-8")
+    path.write_text(
+        f"config: {root / CONFIG}\nset: {{method: {METHODS.get(method, method)}}}\n{sample}", encoding="utf-8"
+    )
     return path
 
 
@@ -97,7 +103,7 @@ def run(method: str, count: int, workers: int, root: Path = ROOT) -> tuple[Timin
     """Time the command of a checkout from outside; with the number of cases that have not failed."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        path = sweep_file(method, count, folder)
+        path = sweep_file(method, count, folder, root)
         words = ["sweep", str(path), "--out", str(folder / "out"), "--workers", str(workers), "--quiet"]
         environment = os.environ | {"PYTHONPATH": f"{root}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
         begin = time.perf_counter()
@@ -267,6 +273,41 @@ WAYS: dict[str, Callable[[Sweep, list[Case]], None]] = {
 }
 
 
+ALONE = REDUCED | {"rigid, minimal coordinates": "minimal"}
+
+
+def of_one_run(repeats: int) -> list[list[str]]:
+    """CPU ms of the parts of one run alone in a warm process, of the round that was the fastest by the loop."""
+    found = []
+    for name, method in ALONE.items():
+        with tempfile.TemporaryDirectory() as folder:
+            sweep = load_sweep(sweep_file(method, 2, Path(folder)))
+        rounds = [_parts(sweep, sweep.cases[0]) for _ in range(repeats + 1)][1:]
+        parts, least = min(rounds, key=lambda one: sum(one[0]) / one[1])
+        cells = [f"{1e3 * part:.2f}" for part in (*parts, sum(parts))]
+        found.append([name, *cells, f"{sum(parts) / least:.2f}"])
+    return found
+
+
+def _parts(sweep: Sweep, case: Case) -> tuple[list[float], float]:
+    """CPU seconds of scenario, scene, start, march, observation and results of a run, and of the loop before it."""
+    begin_loop, at = loop(), [time.process_time()]
+
+    def passed(value: Any) -> Any:
+        at.append(time.process_time())
+        return value
+
+    scenario = passed(sweep.scenario(case))
+    begun = begin(passed(built(scenario)), None, None)
+    passed(begun).solving.advance()
+    seen = begun.observe(passed(begun.solving).trajectory())
+    passed(results(passed(seen), scenario_to_dict(scenario)))
+    return [later - earlier for earlier, later in pairwise(at)], begin_loop
+
+
+HEAD_ALONE = ("run", "scenario", "scene", "start", "march", "observation", "results", "CPU ms in all", "loops")
+
+
 def loop() -> float:
     """CPU seconds of a loop of 100 000 additions: how fast the machine is now."""
     begin, total = time.process_time(), 0
@@ -308,9 +349,14 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a tenth of the impacts, once")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--together", action="store_true", help="the second table alone")
+    parser.add_argument("--alone", action="store_true", help="the parts of one run, and no more")
     parser.add_argument("--beside", type=Path, help="another checkout: its code in turn with this one, and no more")
     chosen = parser.parse_args()
     share, repeats = (10, 1) if chosen.quick else (1, chosen.repeats)
+    if chosen.alone:
+        print(f"{machine('numba', 'scipy')}; the fastest of 20 after a warm-up\n")
+        print(markdown(HEAD_ALONE, of_one_run(20)))
+        return 0
     if chosen.beside is not None:
         several = [measure_beside(m, COUNTS[m] // share, repeats, chosen.beside) for m in COUNTS if "reduced" in m]
         print(f"{machine('exudyn', 'numba', 'scipy')}; least of {repeats} after a warm-up\n")
