@@ -38,7 +38,7 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from granular_contact.config import Case, Sweep, load_sweep, scenario_to_dict
+from granular_contact.config import Case, Sweep, load, load_sweep, scenario_to_dict
 from granular_contact.results.observation import results
 from granular_contact.run import begin, summaries_of, summary_of
 from granular_contact.run import run as run_whole
@@ -273,39 +273,41 @@ WAYS: dict[str, Callable[[Sweep, list[Case]], None]] = {
 }
 
 
-ALONE = REDUCED | {"rigid, minimal coordinates": "minimal"}
+ALONE = {
+    "rigid, true sign": ("pendulum", {"reduced": {"modes": 0}}),
+    "single mode, elastoplastic": ("pendulum", {"reduced": {"modes": 1}}),
+    "rigid, minimal coordinates": ("pendulum_rigid", "minimal"),
+}
 
 
 def of_one_run(repeats: int) -> list[list[str]]:
     """CPU ms of the parts of one run alone in a warm process, of the round that was the fastest by the loop."""
     found = []
-    for name, method in ALONE.items():
-        with tempfile.TemporaryDirectory() as folder:
-            sweep = load_sweep(sweep_file(method, 2, Path(folder)))
-        rounds = [_parts(sweep, sweep.cases[0]) for _ in range(repeats + 1)][1:]
+    for name, (config, method) in ALONE.items():
+        rounds = [_parts(config, method) for _ in range(repeats + 1)][1:]
         parts, least = min(rounds, key=lambda one: sum(one[0]) / one[1])
         cells = [f"{1e3 * part:.2f}" for part in (*parts, sum(parts))]
         found.append([name, *cells, f"{sum(parts) / least:.2f}"])
     return found
 
 
-def _parts(sweep: Sweep, case: Case) -> tuple[list[float], float]:
-    """CPU seconds of scenario, scene, start, march, observation and results of a run, and of the loop before it."""
+def _parts(config: str, method: Any) -> tuple[list[float], float]:
+    """CPU seconds of config, scene, start, march, observation and results of a run, and of the loop before it."""
     begin_loop, at = loop(), [time.process_time()]
 
     def passed(value: Any) -> Any:
         at.append(time.process_time())
         return value
 
-    scenario = passed(sweep.scenario(case))
-    begun = begin(passed(built(scenario)), None, None)
-    passed(begun).solving.advance()
-    seen = begun.observe(passed(begun.solving).trajectory())
-    passed(results(passed(seen), scenario_to_dict(scenario)))
+    scenario = passed(load(config, method=method).scenario)
+    begun = passed(begin(passed(built(scenario)), None, None))
+    begun.solving.advance()
+    seen = passed(begun.observe(passed(begun.solving.trajectory())))
+    passed(results(seen, scenario_to_dict(scenario)))
     return [later - earlier for earlier, later in pairwise(at)], begin_loop
 
 
-HEAD_ALONE = ("run", "scenario", "scene", "start", "march", "observation", "results", "CPU ms in all", "loops")
+HEAD_ALONE = ("run", "config", "scene", "start", "march", "observation", "results", "CPU ms in all", "loops")
 
 
 def loop() -> float:
