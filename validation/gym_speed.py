@@ -117,7 +117,7 @@ def study(quick: bool = False) -> Outcome:
     found: Found = {(name, processes): [] for name in WORKS for processes in pools}
     for name in WORKS:
         for processes, pool in pools.items():
-            pool.map(done, [name] * (4 * processes), chunksize=1)  # builds, and loads what is compiled
+            pool.map(done, [name] * (2 * processes), chunksize=1)  # builds, and loads what is compiled
     used = dict(zip(WORKS, pools[1].map(memory, WORKS, chunksize=1), strict=True))
     for _ in range(rounds):
         for name in WORKS:
