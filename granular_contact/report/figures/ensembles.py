@@ -46,7 +46,8 @@ def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -
             axes.fill_between(runs, low, high, color=BLUE, alpha=0.25, linewidth=0, label="95 % interval")
             axes.plot(runs, middle, color=BLUE, label="mean")
             axes.set_ylabel(words)
-            width = max(high[len(high) // 4] - low[len(low) // 4], 1e-300)
+            # Of few runs the first ones may agree by chance.
+            width = max(*(high - low)[[len(high) // 4, -1]], 1e-300)
             axes.set_ylim(middle[-1] - 1.5 * width, middle[-1] + 1.5 * width)
         figure.align_ylabels(list(panels))
         panels[-1].set_xlabel("runs")
