@@ -47,7 +47,7 @@ def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -
             axes.plot(runs, middle, color=BLUE, label="mean")
             axes.set_ylabel(words)
             # Of few runs the first ones may agree by chance.
-            width = max(*(high - low)[[len(high) // 4, -1]], 1e-300)
+            width = float(np.max((high - low)[[len(high) // 4, -1]], initial=1e-300))
             axes.set_ylim(middle[-1] - 1.5 * width, middle[-1] + 1.5 * width)
         figure.align_ylabels(list(panels))
         panels[-1].set_xlabel("runs")
