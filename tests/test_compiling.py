@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import shutil
@@ -135,3 +136,30 @@ def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_pat
     )
     assert (first.stderr, second.stderr) == (words, "")
     assert [" s of compiling, once" in done.stdout for done in (first, second)] == [True, False]
+
+
+def test_numba_and_the_collector_are_left_as_they_were() -> None:
+    from numba.core.types.functions import BaseFunction
+
+    from granular_contact.kernels.hurry import hurried
+
+    own = BaseFunction.get_call_type
+
+    def broken() -> None:
+        with hurried():
+            with hurried():
+                assert BaseFunction.get_call_type is not own
+            assert not gc.isenabled()
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        broken()
+    assert gc.isenabled()
+    assert BaseFunction.get_call_type is own
+    gc.disable()
+    try:
+        with hurried():
+            pass
+        assert not gc.isenabled()
+    finally:
+        gc.enable()

@@ -13,7 +13,18 @@ from typing import Any
 from numba import njit
 from numba.core.registry import CPUDispatcher
 
-PLAIN = {"error_model": "numpy", "no_cfunc_wrapper": True}
+from granular_contact.kernels.hurry import hurried
+
+PLAIN = {"nopython": True, "boundscheck": None, "error_model": "numpy", "no_cfunc_wrapper": True}
+
+
+class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
+    """A compiled function."""
+
+    def compile(self, signature: Any) -> Any:
+        """Compile it for arguments of these types, or find it on the disk."""
+        with hurried():
+            return super().compile(signature)
 
 
 def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -> Any:
@@ -23,10 +34,12 @@ def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -
     """
     if function is None:
         return lambda function: kernel(function, nogil=nogil)
-    return njit(cache=True, nogil=nogil, **PLAIN)(function)
+    compiled = _Kernel(function, locals={}, targetoptions={"nogil": nogil, **PLAIN})
+    compiled.enable_caching()
+    return compiled
 
 
-class _Part(CPUDispatcher):  # type: ignore[misc]  # numba has no types
+class _Part(_Kernel):
     """A compiled function without what callers in Python need, which it gets when one comes, at the cost of compiling.
 
     Without it such a call would end the process.
@@ -48,7 +61,7 @@ def part(function: Callable[..., Any] | None = None, *, cache: bool = True, inli
     """
     if function is None:
         return lambda function: part(function, cache=cache, inline=inline)
-    options = {"nopython": True, "no_cpython_wrapper": True, "boundscheck": None, **PLAIN}
+    options = {"no_cpython_wrapper": True, **PLAIN}
     if inline:
         options["forceinline"] = True
     compiled = _Part(function, locals={}, targetoptions=options)
