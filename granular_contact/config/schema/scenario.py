@@ -63,7 +63,8 @@ class Solver(Strict):
     prescribed motions, and 0 where a link is so stiff that its elastic forces are below round-off."""
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
     """Largest residual of a step, relative to the forces of the scene; of a link that bends on one hinge, with fixed
-    steps of 0.2 ms or more, a hundred times as much."""
+    steps of 0.2 ms or more, a hundred times as much; of rigid bodies, with longer fixed steps, as much more as these
+    are longer than 0.2 ms."""
 
     def _faults(self) -> Faults:
         if self.step_s is not None and self.step_s > self.end_time_s:
