@@ -80,6 +80,7 @@ class Solve:
         self._restarts = False  # with other accelerations
         self._end = scene.solver.end_time_s
         self._reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        self._views: Views | None = None
         self._senses: Senses | None = None
         self._keeper: Keeper | None = None
         self._guarded = _Guarded(self.recorder.interrupt)
@@ -144,13 +145,17 @@ class Solve:
             return False
         it.currentStepSize = it.maxStepSize  # as the engine begins
         self.solver.conv.jacobianUpdateRequested = True
+        self._views = None
         self._look()
         self.recorder(mbs, mbs.systemData.GetTime())
         return True
 
     def _look(self) -> None:
-        """Tell all that is called in steps where the engine keeps its vectors."""
-        self.recorder.views = views = Views(self.system.mbs)
+        """Tell all that is called in steps where the engine keeps its vectors, if that is not where they were."""
+        views = Views(self.system.mbs)
+        if self._views is not None and views.where == self._views.where:
+            return
+        self._views = self.recorder.views = views
         if self._predictor is not None:
             self._predictor.views = views
         if self.recorder.control is not None:

@@ -6,6 +6,7 @@ as a solve goes on, so that each is asked for once.
 
 from __future__ import annotations
 
+from ctypes import addressof, c_char
 from functools import cached_property
 from typing import Any
 
@@ -19,11 +20,14 @@ START = exu.ConfigurationType.StartOfStep
 class Views:
     """Vectors of the present state and, `_before`, of the start of the step; to be made anew for each part of a solve.
 
-    q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints.
+    q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints. where:
+    addresses of the two states and their size; while these stay, all vectors do.
     """
 
     def __init__(self, mbs: Any) -> None:
         self._data = mbs.systemData
+        now, before = self._data.GetODE2Coordinates(copy=False), self._data.GetODE2Coordinates(START, copy=False)
+        self.where = addressof(c_char.from_buffer(now)), addressof(c_char.from_buffer(before)), len(now)
 
     @cached_property
     def q(self) -> Vector:  # noqa: D102
