@@ -20,8 +20,8 @@ START = exu.ConfigurationType.StartOfStep
 class Views:
     """Vectors of the present state and, `_before`, of the start of the step; to be made anew for each part of a solve.
 
-    q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints. where:
-    addresses of the two states and their size; while these stay, all vectors do.
+    q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints.
+    where: addresses of the two states and their size; while these stay, all vectors do.
     """
 
     def __init__(self, mbs: Any) -> None:
