@@ -63,7 +63,7 @@ def key_numbers(
     gravity = gravity - np.repeat(gravity[begin], counts)
     there = [kinetic, gravity, *([] if elastic is None else [elastic])]
     total = sum(there[1:], kinetic)
-    change = total - np.repeat(total[begin], counts) - (works[:, 0] + works[:, 1])
+    change = total - (works[:, 0] + works[:, 1]) - np.repeat(total[begin], counts)  # in this order, as of a run alone
     scale = np.maximum.reduceat(np.abs([*there, works[:, 0], works[:, 1]]).max(axis=0), begin)
     scale = np.maximum(scale, least)
     greatest = np.maximum.reduceat(np.abs(change), begin)
