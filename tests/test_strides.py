@@ -63,6 +63,11 @@ def test_the_mean_square_of_few_steps_is_that_of_many() -> None:
     assert squared(time, swing) == pytest.approx(0.5 * time[-1], rel=5e-3)
 
 
+def test_a_change_within_a_short_step_does_not_swing_over_the_long_one_beside_it() -> None:
+    time, values = np.array([0.0, 1.0, 1.001, 2.0, 3.0]), np.array([0.0, 0.0, 1.0, 1.0, 1.0])
+    assert squared(time, values) == pytest.approx(2.0, rel=1e-3)
+
+
 def test_a_jump_between_steps_is_no_slope_in_the_mean_square() -> None:
     """Of a torque that jumps in the middle of one of five steps, from 1 to 3 N m."""
     time, torque = np.arange(6.0), np.array([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])

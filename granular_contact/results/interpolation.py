@@ -63,7 +63,14 @@ def squared(time: Vector, values: Vector) -> float:
 
 
 def _squared(time: Vector, values: Vector) -> float:
-    step, slopes = np.diff(time), rates(time, values)
+    step = np.diff(time)
+    if not len(step):
+        return 0.0
+    # No steeper than three times the gentler of both neighbours (Fritsch and Carlson 1980): a change within a short step
+    # would else swing over the long one beside it.
+    secants = np.abs(np.diff(values) / step)
+    most = 3.0 * np.minimum(np.append(secants, secants[-1]), np.append(secants[0], secants))
+    slopes = np.clip(rates(time, values), -most, most)
     ends = np.stack([values[:-1], step * slopes[:-1], values[1:], step * slopes[1:]])
     return float(np.sum(step * np.sum(ends * (_PRODUCTS @ ends), axis=0)))
 
