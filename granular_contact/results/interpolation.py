@@ -66,8 +66,8 @@ def _squared(time: Vector, values: Vector) -> float:
     step = np.diff(time)
     if not len(step):
         return 0.0
-    # No steeper than three times the gentler of both neighbours (Fritsch and Carlson 1980): a change within a short step
-    # would else swing over the long one beside it.
+    # No steeper than three times the gentler of both neighbours (Fritsch and Carlson 1980): a change within a short
+    # step would else swing over the long one beside it.
     secants = np.abs(np.diff(values) / step)
     most = 3.0 * np.minimum(np.append(secants, secants[-1]), np.append(secants[0], secants))
     slopes = np.clip(rates(time, values), -most, most)
