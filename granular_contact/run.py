@@ -90,10 +90,10 @@ def summaries_of(scenes: Sequence[Scene]) -> list[dict[str, Any] | Exception]:
     of, places = Models(), [i for i, scene in enumerate(scenes) if isinstance(scene.method, Reduced)]
     found: dict[int, Any] = {i: tried(of, scenes[i]) for i in places}
     fine = [i for i in places if not isinstance(found[i], Exception)]
-    told: Any = tried(summaries, [found[i] for i in fine])
-    if isinstance(told, Exception):  # of one of them, or of memory for all
-        told = [tried(lambda one: summaries([one])[0], found[i]) for i in fine]
-    found.update(zip(fine, told, strict=True))
+    together: Any = tried(summaries, [found[i] for i in fine])
+    if isinstance(together, Exception):  # of one of them, or of memory for all
+        together = [tried(lambda one: summaries([one])[0], found[i]) for i in fine]
+    found.update(zip(fine, together, strict=True))
     return [found[i] if i in found else tried(summary_of, scene) for i, scene in enumerate(scenes)]
 
 

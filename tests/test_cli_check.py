@@ -128,7 +128,7 @@ def finished(code: str) -> Results:
     columns = (Column("time_s", "since the start"),)
     summary = {"stopping_time_s": 0.0254, "stopping_time_measure": "mean rate", "energy": {"imbalance_relative": 1e-6}}
     status, warnings = Status(code, f"it was {code}"), ("too fast",)
-    return Results("strike", status, columns, table, summary, {"medium": None}, (), None, warnings)
+    return Results("strike", status, columns, table, summary, {}, (), None, warnings)
 
 
 @pytest.fixture

@@ -89,7 +89,7 @@ def act(chosen: argparse.Namespace) -> int:
     kept: list[tuple[System, Trajectory]] = []
     results, took = _simulate(chosen, scenario, scene, kept)
     # Before what is drawn below is imported.
-    explained = [f"steps {scene.solver.why}", "left out:", *(f"  {line}" for line in _left_out(chosen, kept))]
+    explained = [*_explanation(scene, kept)] if chosen.explain else []
     try:
         figures = scenario.output.figures and not chosen.no_plots
         report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
@@ -97,10 +97,10 @@ def act(chosen: argparse.Namespace) -> int:
         complain(f"the results can't be saved in {folder}: {error}")
         return FAULTY_INPUT
     if not chosen.quiet:
-        say("\n".join(_summary(results, took, folder)))
+        say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
-    if chosen.explain:
+    if explained:
         say("\n".join(explained))
     for solved in kept if chosen.view else ():
         from granular_contact.multibody import view
@@ -133,10 +133,15 @@ def _simulate(
     return results, f"{time.perf_counter() - begin - compiled:.2f} s{also}"
 
 
-def _left_out(chosen: argparse.Namespace, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """What the run did without, if it is asked for; methods other than the engine have no system."""
-    if not chosen.explain:
-        return
+def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
+    """Lines on the steps of a run, and on what it did without."""
+    yield f"steps {scene.solver.why}"
+    yield "left out:"
+    yield from (f"  {line}" for line in _left_out(solved))
+
+
+def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
+    """What the run did without; methods other than the engine have no system."""
     if not solved:
         yield "the engine: the method does without its solver" + (
             "" if "exudyn" in sys.modules else ", and it is not imported"
@@ -147,15 +152,11 @@ def _left_out(chosen: argparse.Namespace, solved: list[tuple[System, Trajectory]
         yield from left_out(system, trajectory)
 
 
-def _surface_left_out(scenario: dict[str, Any]) -> bool:
+def _surface_follows(scenario: Scenario) -> bool:
     """Whether the height of a body was given, and none of the surface, which then goes with it."""
-    if scenario["medium"] is None:
+    if not scenario.media or scenario.surface_height is not None or getattr(scenario.bed, "profile_m", None):
         return False
-    bed = scenario["bed"] or {}
-    if (scenario["surface_height_m"], bed.get("height_m"), bed.get("profile_m")) != (None, None, None):
-        return False
-    starts = (scenario["initial"]["joints"] or {}).values()
-    return any(start.get("y_m") is not None or start.get("z_m") is not None for start in starts)
+    return any(start.height is not None for start in (scenario.initial.joints or {}).values())
 
 
 def _film_problem(film: str | None) -> str | None:
@@ -213,11 +214,11 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
         yield update, announce
 
 
-def _summary(results: Results, elapsed: str, folder: Path) -> Iterator[str]:
+def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path) -> Iterator[str]:
     """Lines that summarise a run; quantities that it does not have are left out."""
     found: dict[str, Any] = results.summary
     yield f"{results.name}: {results.status.message}"
-    if _surface_left_out(results.scenario):
+    if surface_follows:
         yield "  surface         where it touches the mechanism at the start, as surface_height_m is not given"
     if (stop := found.get("stopping_time_s")) is not None:
         yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"

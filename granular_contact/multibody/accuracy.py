@@ -20,6 +20,7 @@ from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LAID
+from granular_contact.results.summary import least_energy
 from granular_contact.scene.signals import bends
 from granular_contact.scene.types import Vector
 
@@ -107,7 +108,7 @@ def _unknown_energy(motion: Kinematics) -> float:
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
     work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
-    scale = max(float(kinetic.max()), work, motion.scene.force_scale * motion.scene.least_path)
+    scale = max(float(kinetic.max()), work, least_energy(motion.scene))
     return uncertain_work(motion) / scale if scale > 0.0 else 0.0
 
 

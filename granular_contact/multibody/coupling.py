@@ -161,7 +161,11 @@ class Coupling:
         if self.load.leaning(self._q) > MOST_TILT:
             raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
         self.load.update_active(t - start_time)
-        self._under_way = self.load.table.length > 1 or t != self.load.time
+        self._under_way = self._is_under_way(t)
+
+    def _is_under_way(self, t: float | None) -> bool:
+        """Whether forces at this time (s) are those within a step, and not at the start of a solve."""
+        return self.load.table.length > 1 or t != self.load.time
 
     # ---- accepted states ----
 
@@ -215,7 +219,7 @@ class Coupling:
         """Go back to what was kept; the next forces are sent, whatever was sent last."""
         state.restore(self.load, kept.load)
         self._time, self._last, self.load_calls = kept.time, kept.last, kept.load_calls
-        self._under_way = self.load.table.length > 1 or kept.time != self.load.time
+        self._under_way = self._is_under_way(kept.time)
         self._acts = True
 
     def present(self) -> AbstractContextManager[None]:

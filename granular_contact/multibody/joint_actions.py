@@ -38,7 +38,7 @@ class JointActions:
         self.mbs, self.loads, self.acts = mbs, loads, loads is not None
         self.time = math.nan
         # Adds the generalised forces at q and v (of the whole system) to out, the coordinates of the overlay.
-        self.add_forces: Callable[[Vector, Vector, Vector], None] = _nothing
+        self.add_forces: Callable[[Vector, Vector, Vector], None]  # from `start` on, where forces act
         self._turning: dict[Signal, list[Turning]] = {}  # a signal that several follow is asked once
         for one in turning:
             self._turning.setdefault(one.signal, []).append(one)
@@ -90,7 +90,3 @@ class JointActions:
         q, v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
         # The engine keeps these on the left-hand side, opposite in sign to the force.
         return self._overlay.matrix(self.tangent(q, v, -factor_q, -factor_v))
-
-
-def _nothing(q: Vector, v: Vector, out: Vector) -> None:
-    """What joints without forces add."""

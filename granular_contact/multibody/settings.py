@@ -94,7 +94,7 @@ def settings(scene: Scene) -> Any:
         newton.absoluteTolerance = max(CLOSER * _coarser(scene) * newton.absoluteTolerance, _noise(scene))
     elif moving > 1 and any(drive.kind == "control" for drive in scene.drives):
         newton.absoluteTolerance = max(CONTROLLED * newton.absoluteTolerance, _noise(scene))
-    elif not scene.links and scene.solver.accuracy is None:
+    elif not scene.links and solver.accuracy is None:
         newton.absoluteTolerance *= max(1.0, solver.step_s / SHORT)
     elif _swings(scene) and not unresolved(scene):
         newton.absoluteTolerance *= max(1.0, EASED * min(1.0, solver.step_s / SHORT) ** 2)

@@ -26,8 +26,10 @@ class Views:
 
     def __init__(self, mbs: Any) -> None:
         self._data = mbs.systemData
-        now, before = self._data.GetODE2Coordinates(copy=False), self._data.GetODE2Coordinates(START, copy=False)
-        self.where = addressof(c_char.from_buffer(now)), addressof(c_char.from_buffer(before)), len(now)
+
+    @cached_property
+    def where(self) -> tuple[int, int, int]:  # noqa: D102
+        return addressof(c_char.from_buffer(self.q.data)), addressof(c_char.from_buffer(self.q_before.data)), len(self.q)
 
     @cached_property
     def q(self) -> Vector:  # noqa: D102

@@ -54,8 +54,8 @@ def summaries(models: Sequence[Model]) -> list[dict[str, Any]]:
     found: dict[int, dict[str, Any]] = {}
     for places in _alike(models):
         group = [models[i] for i in places]
-        told = [key_numbers(observe(group[0], solve(group[0])))[0]] if len(group) == 1 else _summaries(group)
-        found.update(zip(places, told, strict=True))
+        numbers = [key_numbers(observe(group[0], solve(group[0])))[0]] if len(group) == 1 else _summaries(group)
+        found.update(zip(places, numbers, strict=True))
     return [found[i] for i in range(len(models))]
 
 
@@ -85,8 +85,8 @@ def _summaries(group: Sequence[Model]) -> list[dict[str, Any]]:
     mass = energies.mass(runs.arrays.pendulum, m - 1, np.diff(runs.first))
     stored = energies.stored(runs.table[:, 1 : 1 + m], runs.table[:, 1 + m : 1 + 2 * m], mass)
     least = np.array([least_energy(model.scene) for model in group])
-    told = energies.key_numbers(runs.first, stored, runs.table[:, 1 + 2 * m : 3 + 2 * m], least)
-    return [_summary(runs, i, *of_run) for i, of_run in enumerate(zip(group, looked, told, strict=True))]
+    numbers = energies.key_numbers(runs.first, stored, runs.table[:, 1 + 2 * m : 3 + 2 * m], least)
+    return [_summary(runs, i, *of_run) for i, of_run in enumerate(zip(group, looked, numbers, strict=True))]
 
 
 def march(group: Sequence[Model]) -> Marched:

@@ -48,8 +48,8 @@ class Observation:
     moments_about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; body_forces (n, 3): see
     `frames.frames`. energies: as of `energy.columns`. reach: None where nothing could meet the medium. stop: when it
     stopped after the touch. outlines: as drawn at an instant; pictures: what gives them at given times (k,) s. more:
-    what the summary has besides. accuracy: what the steps say of their own error. known: None where depths and
-    deflection are to be looked through.
+    what the summary has besides. accuracy: what the steps say of their own error. steered: warnings of what a
+    program set. known: None where depths and deflection are to be looked through.
     """
 
     scene: Scene

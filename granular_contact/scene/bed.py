@@ -183,7 +183,7 @@ def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]
     if spec.profile_m is not None:
         return np.array(spec.profile_m)
     slope = math.tan(math.radians(spec.slope_deg))
-    height = scenario.surface_height_m if spec.height_m is None else spec.height_m
+    height = scenario.surface_height
     if height is None:
         height = min((float(y - slope * x) for x, y in ends), default=0.0)
     return np.array([[0.0, height]])

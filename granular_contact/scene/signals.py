@@ -151,8 +151,8 @@ class Buehler:
     def acceleration(self, t: float) -> float:
         """Second derivative by time."""
         share = self._place(t)[1]
-        b = (abs(share) - 0.5 * self.duty) / self.blend + 0.5
-        if not 0.0 < b < 1.0:  # as it mostly is
+        b = self._blending(abs(share))
+        if b in (0.0, 1.0):  # as it mostly is
             return 0.0
         slow, fast = self._slopes()
         return self.frequency**2 * (fast - slow) * math.copysign(6.0 * b * (1.0 - b) / self.blend, share)

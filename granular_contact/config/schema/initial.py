@@ -25,6 +25,11 @@ class JointStart(Strict):
     """Of a free body: velocity of its joint's point."""
     vy_m_s: float | None = None
 
+    @property
+    def height(self) -> float | None:
+        """Of a free body (m), if it is given."""
+        return self.y_m
+
 
 KEYS = {
     "hinge": ("angle_deg", "rate_rad_s"),

@@ -159,6 +159,12 @@ class Scenario(Strict):
             return ()
         return self.medium if isinstance(self.medium, tuple) else (self.medium,)
 
+    @property
+    def surface_height(self) -> float | None:
+        """Height of the surface (m) by either key; None of one that goes with the mechanism, or is a profile."""
+        of_bed = None if self.bed is None else self.bed.height_m
+        return self.surface_height_m if of_bed is None else of_bed
+
     def _faults(self) -> Faults:
         yield from self._surface_faults()
         yield from self._mechanism_faults()

@@ -91,7 +91,7 @@ def bed(
     heights = None if spec.height_map is None else heights_of(spec.height_map, faults)
     layers, container = tuple(layers_of(scenario, faults, in_space=True)), (spec.container_x_m, spec.container_y_m)
     placed = SpatialBed(0.0, rise, layers, heights, container=container)
-    height = scenario.surface_height_m if spec.height_m is None else spec.height_m
+    height = scenario.surface_height
     parts = [(body, part) for body in rigid for part in body.parts if part.in_sand]
     if height is None:
         height = min((_above(placed, *one) for one in parts), default=0.0)

@@ -32,6 +32,11 @@ class SpatialJointStart(Oriented):
     spin_rad_s: Point3 | None = None
     """Angular velocity of a free body along the axes of the world, of a ball joint along those of the parent."""
 
+    @property
+    def height(self) -> float | None:
+        """Of a free body (m), if it is given."""
+        return self.z_m
+
 
 TURN = ("rpy_deg", "quaternion")
 KEYS = {
