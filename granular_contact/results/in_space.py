@@ -7,10 +7,9 @@ along the world's axes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +18,7 @@ from granular_contact.results import CENTRAL_MOMENT, Column, Force, Outline, Sna
 from granular_contact.results.frames import Later, instants
 from granular_contact.results.motion import Bedding, Motion, over_ground
 from granular_contact.results.observation import Observation, bed_of
-from granular_contact.results.observed import (
-    DEPTHS,
-    FORCES,
-    POSES,
-    VELOCITIES,
-    Place,
-    Seen,
-    angle,
-)
+from granular_contact.results.observed import POSES, VELOCITIES, Place, Seen, angle, in_a_row
 
 Vector = NDArray[np.float64]
 AXES = (("x", "ahead"), ("y", "to the left"), ("z", "upward"))
@@ -103,23 +94,15 @@ def body_force(name: str, wrench: Vector, center: Vector) -> series.Series:
 class SpatialSeen(Seen):
     """As `Seen`, with the names of columns in space. Roll, pitch and yaw are those within a turn."""
 
-    @cached_property
-    def places(self) -> dict[str, Place]:
-        """Array, row, column and factor of the unit of each name."""
-        found: dict[str, Place] = {}
-        for i, (name, turns) in enumerate(zip(self.joints, self.hinges, strict=True)):
-            found |= self._of_joint(name, turns, i)
-        for i, name in enumerate(self.bodies):
-            found |= {f"{name}_{axis}_m": (POSES, i, k, 1.0) for k, axis in enumerate("xyz")}
-            for k, turned in enumerate(("roll", "pitch", "yaw"), 3):
-                found |= angle(f"{name}_{turned}", POSES, i, k)
-            ends = [f"v{axis}_m_s" for axis in "xyz"] + [f"spin_{axis}_rad_s" for axis in "xyz"]
-            found |= {f"{name}_{end}": (VELOCITIES, i, k, 1.0) for k, end in enumerate(ends)}
-        for i, name in enumerate(self.met):
-            ends = [f"{axis}_N" for axis in "xyz"] + [f"moment_{axis}_Nm" for axis in "xyz"]
-            found |= {f"{name}_granular_{end}": (FORCES, i, k, 1.0) for k, end in enumerate(ends)}
-            found[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
-        return found
+    _WRENCH: ClassVar[Sequence[str]] = ("x_N", "y_N", "z_N", "moment_x_Nm", "moment_y_Nm", "moment_z_Nm")
+
+    @staticmethod
+    def _of_body(name: str, i: int) -> dict[str, Place]:
+        found = in_a_row(name, ("x_m", "y_m", "z_m"), POSES, i)
+        for k, turned in enumerate(("roll", "pitch", "yaw"), 3):
+            found |= angle(f"{name}_{turned}", POSES, i, k)
+        ends = [f"v{axis}_m_s" for axis in "xyz"] + [f"spin_{axis}_rad_s" for axis in "xyz"]
+        return found | in_a_row(name, ends, VELOCITIES, i)
 
 
 # ---- pictures of the plane ----

@@ -113,9 +113,9 @@ def opened(directory: Path) -> Results:
         raise ResultsError(f"{directory} holds results of a {kind}, and not of one run")
     summary = folder.read(SUMMARY)
     columns = tuple(_columns(summary.pop("columns", None), directory / SUMMARY))
-    table = _table(directory / SERIES, columns)
+    table = _table(folder, SERIES, columns)
     status = _status(summary, directory / SUMMARY)
-    scenario, bed = _scenario(folder, directory / SCENARIO)
+    scenario, bed = _scenario(folder, SCENARIO)
     terms = tuple(found[1] for column in columns if (found := _TERM.fullmatch(column.name)))
     warnings = tuple(map(str, summary.get("warnings") or ()))
     return Results(
@@ -143,7 +143,7 @@ def _pictures(folder: Folder) -> dict[str, Any]:
 
 def _columns(saved: object, file: Path) -> Iterator[Column]:
     if not isinstance(saved, dict) or not saved:
-        raise ResultsError(f"{file}: tells no columns, as this program writes them")
+        raise ResultsError(f"{file}: has no columns, as this program writes them")
     yield from (Column(str(name), str(words)) for name, words in saved.items())
 
 
@@ -155,32 +155,28 @@ def _status(summary: dict[str, Any], file: Path) -> Status:
     return Status(code, message)
 
 
-def _table(file: Path, columns: Sequence[Column]) -> NDArray[np.float64]:
-    try:
-        with file.open(encoding="utf-8") as lines:
-            head = lines.readline().rstrip("\n").split(",")
-            table = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
-    except FileNotFoundError:
-        raise ResultsError(f"{file.parent} holds no {file.name}: it is not a complete run") from None
-    except (OSError, ValueError) as error:  # of text that is no number, of rows that are cut short
-        words = str(getattr(error, "strerror", None) or error).partition("\n")[0]
-        raise ResultsError(f"{file}: can't be read as a table: {words}") from None
-    names = [column.name for column in columns]
-    if head != names or (table.size and table.shape[1] != len(names)):
-        raise ResultsError(f"{file}: has other columns than summary.json tells")
-    return table.reshape(-1, len(names))
+def _table(folder: Folder, name: str, columns: Sequence[Column]) -> NDArray[np.float64]:
+    _need(folder, name)
+    head, table = folder.numbers(name)
+    if head != [column.name for column in columns]:
+        raise ResultsError(f"{folder.path / name}: has other columns than summary.json says")
+    return table
 
 
-def _scenario(folder: Folder, file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+def _need(folder: Folder, name: str) -> None:
+    if not folder.has(name):
+        raise ResultsError(f"{folder.path} holds no {name}: it is not a complete run")
+
+
+def _scenario(folder: Folder, name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The scenario as plain data, and what its bed looks like."""
     from granular_contact.config import load, scenario_to_dict
     from granular_contact.results.observation import bed_of
     from granular_contact.scene.build import build
 
-    if not folder.has(file.name):
-        raise ResultsError(f"{folder.path} holds no {file.name}: it is not a complete run")
+    _need(folder, name)
     try:
-        loaded = load(file)
+        loaded = load(folder.path / name)
         return scenario_to_dict(loaded.scenario), bed_of(build(loaded))
     except (ConfigError, SceneError) as error:
         more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Pair = tuple[Vector, Vector]
 DEGREES = math.degrees(1.0)
-COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as an instant tells them
+COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as in an `Instant`
 Place = tuple[int, int, int, float]  # array, row, column and factor of the unit of a name
 
 
@@ -26,6 +26,8 @@ class Seen:
     that can meet the medium.
     """
 
+    _WRENCH: ClassVar[Sequence[str]] = ("x_N", "y_N", "moment_Nm")
+
     joints: tuple[str, ...]
     hinges: tuple[bool, ...]
     bodies: tuple[str, ...]
@@ -35,24 +37,30 @@ class Seen:
     def places(self) -> dict[str, Place]:
         """Array, row, column and factor of the unit of each name."""
         found: dict[str, Place] = {}
-        for i, (name, turns) in enumerate(zip(self.joints, self.hinges, strict=True)):
-            found |= self._of_joint(name, turns, i)
+        for i, (name, is_hinge) in enumerate(zip(self.joints, self.hinges, strict=True)):
+            found |= _of_joint(name, is_hinge, i)
         for i, name in enumerate(self.bodies):
-            found |= {f"{name}_x_m": (POSES, i, 0, 1.0), f"{name}_y_m": (POSES, i, 1, 1.0)}
-            found |= angle(f"{name}_orientation", POSES, i, 2)
-            ends = ("vx_m_s", "vy_m_s", "spin_rad_s")
-            found |= {f"{name}_{end}": (VELOCITIES, i, k, 1.0) for k, end in enumerate(ends)}
+            found |= self._of_body(name, i)
         for i, name in enumerate(self.met):
-            ends = ("granular_x_N", "granular_y_N", "granular_moment_Nm")
-            found |= {f"{name}_{end}": (FORCES, i, k, 1.0) for k, end in enumerate(ends)}
+            found |= in_a_row(f"{name}_granular", self._WRENCH, FORCES, i)
             found[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
         return found
 
     @staticmethod
-    def _of_joint(name: str, turns: bool, i: int) -> dict[str, Place]:
-        if turns:
-            return angle(f"{name}_angle", COORDINATES, i, 0) | {f"{name}_rate_rad_s": (RATES, i, 0, 1.0)}
-        return {f"{name}_position_m": (COORDINATES, i, 0, 1.0), f"{name}_speed_m_s": (RATES, i, 0, 1.0)}
+    def _of_body(name: str, i: int) -> dict[str, Place]:
+        found = in_a_row(name, ("x_m", "y_m"), POSES, i) | angle(f"{name}_orientation", POSES, i, 2)
+        return found | in_a_row(name, ("vx_m_s", "vy_m_s", "spin_rad_s"), VELOCITIES, i)
+
+
+def _of_joint(name: str, is_hinge: bool, i: int) -> dict[str, Place]:
+    if is_hinge:
+        return angle(f"{name}_angle", COORDINATES, i, 0) | {f"{name}_rate_rad_s": (RATES, i, 0, 1.0)}
+    return {f"{name}_position_m": (COORDINATES, i, 0, 1.0), f"{name}_speed_m_s": (RATES, i, 0, 1.0)}
+
+
+def in_a_row(name: str, ends: Sequence[str], array: int, row: int) -> dict[str, Place]:
+    """Names with these ends, for the columns of a row from its first on."""
+    return {f"{name}_{end}": (array, row, column, 1.0) for column, end in enumerate(ends)}
 
 
 def angle(name: str, array: int, row: int, column: int) -> dict[str, Place]:

@@ -22,7 +22,7 @@ def check_minimal(scene: Scene) -> None:
     SceneError
         With the key `method`, all obstacles, and what is supported.
     """
-    obstacles = [*_mechanism(scene), *_extras(scene), *_bed(scene)]
+    obstacles = [*_mechanism(scene), *acting_on_joints(scene), *_bed(scene)]
     if obstacles:
         raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
@@ -39,7 +39,8 @@ def _mechanism(scene: Scene) -> Iterator[str]:
         yield f"{_named(names)} {one if len(names) == 1 else many}"
 
 
-def _extras(scene: Scene) -> Iterator[str]:
+def acting_on_joints(scene: Scene) -> Iterator[str]:
+    """Drives, settling, springs, dampers, stops and friction of joints, which no method but the engine has."""
     if scene.drives:
         yield f"{scene.drives[0].joint} is driven"
     if scene.settle:

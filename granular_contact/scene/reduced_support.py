@@ -8,6 +8,7 @@ import numpy as np
 
 from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.errors import scene_error
+from granular_contact.scene.minimal_support import acting_on_joints
 from granular_contact.scene.types import FlexibleLink, Joint, Reduced, RigidBody, Scene
 
 SUPPORTED = (
@@ -24,7 +25,7 @@ def check_reduced(scene: Scene, modes: int) -> None:
     SceneError
         With the key `method`, all obstacles, and what is supported.
     """
-    obstacles = [*_bodies(scene), *_joints(scene), *_extras(scene), *medium_obstacles(scene)]
+    obstacles = [*_bodies(scene), *_joints(scene), *acting_on_joints(scene), *medium_obstacles(scene)]
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
@@ -61,17 +62,6 @@ def _joints(scene: Scene) -> Iterator[str]:
         if not fits:
             where = "the ground" if joint.parent is None else joint.parent
             yield f"{joint.name} is {SINGULAR[joint.kind]} between {where} and {child}"
-
-
-def _extras(scene: Scene) -> Iterator[str]:
-    """What a reduced model does not have: drives, settling, springs, dampers, stops and friction of joints."""
-    if scene.drives:
-        yield f"{scene.drives[0].joint} is driven"
-    if scene.settle:
-        yield "initial.settle is true"
-    for joint in scene.joints:
-        if not joint.law.is_idle:
-            yield f"{joint.name} has a spring, damper, stops or friction"
 
 
 def _reduces(scene: Scene, joint: Joint) -> tuple[str, bool]:

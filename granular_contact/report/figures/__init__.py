@@ -1,6 +1,6 @@
 """Results -> figures at the size journals print them: time series one column wide, the mechanism two columns wide.
 
-looks    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
+style    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
 series   panels, events, hinges     panels over time, what is marked in them, what the hinges are called
          motion, series             their figures
          robots, space_views            figures of what travels: first body, joints, contacts; views in space

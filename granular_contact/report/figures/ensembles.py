@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import BLUE, DPI, INK, SINGLE, style
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import BLUE, INK
 from granular_contact.report.units import Array, column, unit_for
 
 ROW = 38.0  # mm
@@ -17,8 +17,7 @@ ROW = 38.0  # mm
 def draw_bands(time: Array, bands: Mapping[str, Array], file: Path) -> None:
     """Draw quantiles (5, n) of columns, at 5, 25, 50, 75 and 95 %, over time (n,) s into a PNG."""
     unit = unit_for(time, "s")
-    with style():
-        figure = blank(SINGLE, 8.0 + ROW * len(bands), layout="constrained")
+    with saved_figure(file, 8.0 + ROW * len(bands)) as figure:
         panels = figure.subplots(len(bands), sharex=True, squeeze=False)[:, 0]
         for axes, (name, values) in zip(panels, bands.items(), strict=True):
             words, flat = column(name, values.ravel().tolist())
@@ -32,13 +31,11 @@ def draw_bands(time: Array, bands: Mapping[str, Array], file: Path) -> None:
         panels[-1].set_xlabel(f"time ({unit.name})")
         panels[-1].set_xlim(0.0, float(unit.factor * time[-1]))
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
-        figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
 def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -> None:
     """Draw means with half the widths of their 95 % intervals over the number of runs, by key, into a PNG."""
-    with style():
-        figure = blank(SINGLE, 8.0 + ROW * len(means), layout="constrained")
+    with saved_figure(file, 8.0 + ROW * len(means)) as figure:
         panels = figure.subplots(len(means), sharex=True, squeeze=False)[:, 0]
         for axes, (key, (runs, mean, half)) in zip(panels, means.items(), strict=True):
             words, flat = column(key, [*mean.tolist(), *(mean - half).tolist(), *(mean + half).tolist()])
@@ -57,7 +54,6 @@ def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -
         panels[-1].set_xticks(ticks, [f"{tick:.0f}" for tick in ticks])
         panels[-1].set_xticks([], minor=True)
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
-        figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
 def _shaped(flat: list[float], like: Array, rows: int = 0) -> Array:

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, INK, SINGLE, SKY, VERMILION, style
+from granular_contact.report.figures.panels import blank, save
+from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, INK, SINGLE, SKY, VERMILION, style
 from granular_contact.report.units import Array, Unit, unit_for
 
 MOST_RUNS = 24  # that are drawn one by one
@@ -73,10 +73,10 @@ def draw(picture: FitPicture, directory: Path) -> None:
     """Write a figure for each of the first runs, one of all residuals, and one of the correlations."""
     with style():
         for i, run in enumerate(picture.runs[:MOST_RUNS], 1):
-            overlay(run).savefig(directory / f"run_{i:02d}.png", dpi=DPI, metadata={"Software": None})
-        residuals(picture).savefig(directory / "residuals.png", dpi=DPI, metadata={"Software": None})
+            save(overlay(run), directory / f"run_{i:02d}.png")
+        save(residuals(picture), directory / "residuals.png")
         if len(picture.labels) > 1:
-            correlations(picture).savefig(directory / "correlation.png", dpi=DPI, metadata={"Software": None})
+            save(correlations(picture), directory / "correlation.png")
 
 
 def overlay(run: RunPicture) -> Figure:

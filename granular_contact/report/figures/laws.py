@@ -6,17 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from matplotlib.figure import Figure
-
-from granular_contact.report.figures.style import DOUBLE, DPI, PALETTE, style
-
-LINES = ("-", "--", ":")
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import DOUBLE, LINES, PALETTE
 
 
 def draw_law(title: str, panels: Sequence[Any], file: Path) -> None:
     """Draw panels (of `granular_contact.laws.probe`) side by side into a PNG."""
-    with style():
-        figure = Figure(figsize=(DOUBLE / 25.4, 62.0 / 25.4), layout="constrained")
+    with saved_figure(file, 62.0, DOUBLE) as figure:
         figure.suptitle(title, fontsize=8)
         for axes, panel in zip(figure.subplots(1, len(panels)), panels, strict=True):
             for i, curve in enumerate(panel.curves):
@@ -28,4 +24,3 @@ def draw_law(title: str, panels: Sequence[Any], file: Path) -> None:
             if panel.x_label.endswith("(deg)"):
                 axes.set_xticks(range(-90, 91, 45))
             axes.legend()
-        figure.savefig(file, dpi=DPI)

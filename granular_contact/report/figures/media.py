@@ -5,49 +5,41 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from granular_contact.report.figures.style import DOUBLE, DPI, PALETTE, style
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import DOUBLE, LINES, PALETTE
 from granular_contact.report.units import Array, unit_for
 from granular_contact.results import Results
 from granular_contact.results.series import resultant
 
-LINES = ("-", "--", "-.", ":")
 Runs = list[tuple[str, Results]]
 
 
 def draw_media(runs: Runs, file: Path) -> None:
-    """Draw runs (medium and results) into a PNG: depth, force and energy taken, each over time."""
-    with style():
-        figure(runs).savefig(file, dpi=DPI)
-
-
-def figure(runs: Runs) -> Figure:
-    """Depth or distance, the medium's resultant, and the energy that it took, until a little after the last stop."""
-    drawn = Figure(figsize=(DOUBLE / 25.4, 150.0 / 25.4), layout="constrained")
-    panels = drawn.subplots(3, 1, sharex=True)
-    time = unit_for(np.array([_end(runs)]), "s")
-    paths = [_path(one) for _, one in runs]
-    length = unit_for(np.concatenate(paths), "m")
-    walks = bool(_body(runs[0][1]))
-    for i, (name, one) in enumerate(runs):
-        look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
-        t = one["time_s"] * time.factor
-        panels[0].plot(t, paths[i] * length.factor, **look)
-        panels[1].plot(t, np.linalg.norm(resultant(one, one.terms), axis=0), **look)
-        panels[2].plot(t, -one["granular_work_J"], **look)
-    for axes, label in zip(
-        panels,
-        (f"{'distance' if walks else 'depth'} ({length.name})", "force of the medium (N)", "energy taken (J)"),
-        strict=True,
-    ):
-        axes.set_ylabel(label)
-    if not walks:
-        panels[0].invert_yaxis()
-    panels[0].legend()
-    panels[2].set_xlabel(f"time ({time.name})")
-    panels[2].set_xlim(0.0, _end(runs) * time.factor)
-    return drawn
+    """Draw runs (medium and results) into a PNG: depth or distance, force of the medium, energy that it took."""
+    with saved_figure(file, 150.0, DOUBLE) as figure:
+        panels = figure.subplots(3, 1, sharex=True)
+        time = unit_for(np.array([_end(runs)]), "s")
+        paths = [_path(one) for _, one in runs]
+        length = unit_for(np.concatenate(paths), "m")
+        walks = bool(_body(runs[0][1]))
+        for i, (name, one) in enumerate(runs):
+            look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
+            t = one["time_s"] * time.factor
+            panels[0].plot(t, paths[i] * length.factor, **look)
+            panels[1].plot(t, np.linalg.norm(resultant(one, one.terms), axis=0), **look)
+            panels[2].plot(t, -one["granular_work_J"], **look)
+        for axes, label in zip(
+            panels,
+            (f"{'distance' if walks else 'depth'} ({length.name})", "force of the medium (N)", "energy taken (J)"),
+            strict=True,
+        ):
+            axes.set_ylabel(label)
+        if not walks:
+            panels[0].invert_yaxis()
+        panels[0].legend()
+        panels[2].set_xlabel(f"time ({time.name})")
+        panels[2].set_xlim(0.0, _end(runs) * time.factor)
 
 
 def _body(one: Results) -> str:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import BLUE, DPI, SINGLE, style
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import BLUE, SINGLE
 from granular_contact.report.units import Array
 
 MOST = 3  # panels, and figures of a sweep
@@ -18,8 +18,7 @@ def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path) -> N
     """Draw what was found, a name and its values (n,), over each of the varied quantities (n,), into a PNG."""
     words, values = found
     shown = list(varied.items())[:MOST]
-    with style():
-        figure = blank(SINGLE * (1 if len(shown) < 3 else 1.5), 58.0, layout="constrained")
+    with saved_figure(file, 58.0, SINGLE * (1 if len(shown) < 3 else 1.5)) as figure:
         panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
         size = float(np.clip(60.0 / np.sqrt(len(values)), 0.5, 14.0))
         for axes, (name, along) in zip(panels, shown, strict=True):
@@ -27,4 +26,3 @@ def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path) -> N
             axes.set_xlabel(name)
             axes.locator_params(axis="x", nbins=5)
         panels[0].set_ylabel(words)
-        figure.savefig(file, dpi=DPI, metadata={"Software": None})

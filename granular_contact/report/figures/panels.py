@@ -6,7 +6,10 @@ Drawn on an Agg canvas directly, without the cost of importing pyplot.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granular_contact.report.figures.style import DPI, LEGEND_ROW, SINGLE
+from granular_contact.report.figures.style import DPI, LEGEND_ROW, SINGLE, style
 from granular_contact.report.units import Array, greatest, time_unit
 from granular_contact.results import Results
 
@@ -38,6 +41,20 @@ def blank(width: float, height: float, **options: Any) -> Figure:
     figure = _Shown(figsize=(width / 25.4, height / 25.4), **options)
     FigureCanvasAgg(figure)
     return figure
+
+
+@contextmanager
+def saved_figure(file: Path, height: float, width: float = SINGLE) -> Iterator[Figure]:
+    """An empty figure (mm) to be drawn, in the style of all, and saved as a PNG in the end."""
+    with style():
+        figure = blank(width, height, layout="constrained")
+        yield figure
+        save(figure, file)
+
+
+def save(figure: Figure, file: Path) -> None:
+    """Write a PNG, without what would change with the version of matplotlib."""
+    figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
 def cleared(values: Array, scale: float) -> Array:

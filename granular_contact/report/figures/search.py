@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import BLUE, DPI, FAINT, INK, SINGLE, VERMILION, style
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import BLUE, FAINT, INK, VERMILION
 from granular_contact.report.units import Array, column
 
 Number = float | None
@@ -24,37 +23,31 @@ def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool,
     runs: generation and value of each run, None of one that failed or broke a constraint; greatest: whether greater
     is better.
     """
-    with style():
-        _history(runs, words, greatest).savefig(file, dpi=DPI, metadata={"Software": None})
-
-
-def _history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool) -> Figure:
-    figure = blank(SINGLE, 66.0, layout="constrained")
-    axes = figure.subplots()
-    values = np.array([np.nan if value is None else value for _, value in runs])
-    label, shown = column(words, values.tolist()) if " " not in words else (words, values.tolist())
-    values, index = np.array(shown, dtype=float), np.arange(len(values))
-    _spread(axes, np.array([generation for generation, _ in runs]), values)
-    axes.plot(index, values, ".", color=BLUE, markersize=3, alpha=0.7, label="run", linestyle="none")
-    lost = np.isnan(values)
-    best = (np.fmax if greatest else np.fmin).accumulate(values)
-    axes.step(index, best, where="post", color=VERMILION, label="best so far")
-    if lost.any():
-        axes.plot(
-            index[lost],
-            np.full(lost.sum(), 0.02),
-            "x",
-            color=INK,
-            markersize=3,
-            transform=axes.get_xaxis_transform(),
-            label="failed or outside",
-            linestyle="none",
-        )
-    axes.set_xlabel("run")
-    axes.set_ylabel(label if len(label) <= MOST_WORDS else "objective")
-    axes.set_xlim(0, max(len(runs) - 1, 1))
-    figure.legend(loc="outside upper left", ncols=2)
-    return figure
+    with saved_figure(file, 66.0) as figure:
+        axes = figure.subplots()
+        values = np.array([np.nan if value is None else value for _, value in runs])
+        label, shown = column(words, values.tolist()) if " " not in words else (words, values.tolist())
+        values, index = np.array(shown, dtype=float), np.arange(len(values))
+        _spread(axes, np.array([generation for generation, _ in runs]), values)
+        axes.plot(index, values, ".", color=BLUE, markersize=3, alpha=0.7, label="run", linestyle="none")
+        lost = np.isnan(values)
+        best = (np.fmax if greatest else np.fmin).accumulate(values)
+        axes.step(index, best, where="post", color=VERMILION, label="best so far")
+        if lost.any():
+            axes.plot(
+                index[lost],
+                np.full(lost.sum(), 0.02),
+                "x",
+                color=INK,
+                markersize=3,
+                transform=axes.get_xaxis_transform(),
+                label="failed or outside",
+                linestyle="none",
+            )
+        axes.set_xlabel("run")
+        axes.set_ylabel(label if len(label) <= MOST_WORDS else "objective")
+        axes.set_xlim(0, max(len(runs) - 1, 1))
+        figure.legend(loc="outside upper left", ncols=2)
 
 
 def _spread(axes: Axes, generations: Array, values: Array) -> None:
@@ -81,34 +74,23 @@ def draw_parameters(
 
     ranges: ends and scale of each; allowed: whether a run came to an end within all constraints.
     """
-    with style():
-        _parameters(tried, ranges, allowed, best).savefig(file, dpi=DPI, metadata={"Software": None})
-
-
-def _parameters(
-    tried: Mapping[str, Sequence[Number]],
-    ranges: Mapping[str, tuple[float, float, str]],
-    allowed: Sequence[bool],
-    best: int | None,
-) -> Figure:
-    figure = blank(SINGLE, 14.0 + PANEL * len(tried), layout="constrained")
-    panels = figure.subplots(len(tried), sharex=True, squeeze=False)[:, 0]
-    fine = np.array(allowed)
-    for axes, (name, numbers) in zip(panels, tried.items(), strict=True):
-        start, stop, scale = ranges[name]
-        values = np.array([np.nan if number is None else number for number in numbers])
-        label, shown = column(name, [*values.tolist(), start, stop])
-        *drawn, low, high = shown
-        values, index = np.array(drawn, dtype=float), np.arange(len(drawn))
-        axes.plot(index[fine], values[fine], ".", color=BLUE, markersize=3, linestyle="none")
-        axes.plot(index[~fine], values[~fine], "x", color=FAINT, markersize=3, linestyle="none")
-        if best is not None:
-            axes.axhline(values[best], color=VERMILION, linewidth=0.8)
-        axes.set_yscale(scale)
-        edge = 0.03 * abs(high - low) if scale == "linear" else 0.0
-        axes.set_ylim(min(low, high) - edge, max(low, high) + edge)
-        axes.set_ylabel(label)
-    panels[-1].set_xlabel("run")
-    panels[-1].set_xlim(0, max(len(fine) - 1, 1))
-    figure.align_ylabels(panels)
-    return figure
+    with saved_figure(file, 14.0 + PANEL * len(tried)) as figure:
+        panels = figure.subplots(len(tried), sharex=True, squeeze=False)[:, 0]
+        fine = np.array(allowed)
+        for axes, (name, numbers) in zip(panels, tried.items(), strict=True):
+            start, stop, scale = ranges[name]
+            values = np.array([np.nan if number is None else number for number in numbers])
+            label, shown = column(name, [*values.tolist(), start, stop])
+            *drawn, low, high = shown
+            values, index = np.array(drawn, dtype=float), np.arange(len(drawn))
+            axes.plot(index[fine], values[fine], ".", color=BLUE, markersize=3, linestyle="none")
+            axes.plot(index[~fine], values[~fine], "x", color=FAINT, markersize=3, linestyle="none")
+            if best is not None:
+                axes.axhline(values[best], color=VERMILION, linewidth=0.8)
+            axes.set_yscale(scale)
+            edge = 0.03 * abs(high - low) if scale == "linear" else 0.0
+            axes.set_ylim(min(low, high) - edge, max(low, high) + edge)
+            axes.set_ylabel(label)
+        panels[-1].set_xlabel("run")
+        panels[-1].set_xlim(0, max(len(fine) - 1, 1))
+        figure.align_ylabels(panels)

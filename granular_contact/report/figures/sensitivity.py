@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import BLUE, DPI, INK, ORANGE, SINGLE, style
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import BLUE, INK, ORANGE
 
 ROW = 8.0  # mm
 
@@ -27,23 +26,17 @@ class Bars:
 
 def draw_sensitivity(output: str, inputs: Sequence[str], first: Bars, total: Bars, file: Path) -> None:
     """Draw both kinds of indices into a PNG, the inputs in the order of their total."""
-    with style():
-        _figure(output, inputs, first, total).savefig(file, dpi=DPI)
-
-
-def _figure(output: str, inputs: Sequence[str], first: Bars, total: Bars) -> Figure:
     order = np.argsort(total.values)  # the greatest on top
-    figure = blank(SINGLE, 24.0 + ROW * len(inputs), layout="constrained")
-    axes = figure.subplots()
-    places = np.arange(len(inputs))
-    for bars, offset, colour in ((first, 0.19, BLUE), (total, -0.19, ORANGE)):
-        axes.barh(places + offset, bars.values[order], 0.36, color=colour, label=bars.label)
-        low, high = bars.ends[:, order]
-        axes.hlines(places + offset, low, high, color=INK, linewidth=0.8)
-    axes.set_yticks(places, [inputs[i] for i in order])
-    axes.set_xlabel(f"part of the variance of {output}")
-    axes.set_xlim(min(0.0, float(first.ends.min())), None)
-    axes.grid(visible=False, axis="y")
-    axes.tick_params(axis="y", length=0)
-    figure.legend(loc="outside upper left", ncols=2)
-    return figure
+    with saved_figure(file, 24.0 + ROW * len(inputs)) as figure:
+        axes = figure.subplots()
+        places = np.arange(len(inputs))
+        for bars, offset, colour in ((first, 0.19, BLUE), (total, -0.19, ORANGE)):
+            axes.barh(places + offset, bars.values[order], 0.36, color=colour, label=bars.label)
+            low, high = bars.ends[:, order]
+            axes.hlines(places + offset, low, high, color=INK, linewidth=0.8)
+        axes.set_yticks(places, [inputs[i] for i in order])
+        axes.set_xlabel(f"part of the variance of {output}")
+        axes.set_xlim(min(0.0, float(first.ends.min())), None)
+        axes.grid(visible=False, axis="y")
+        axes.tick_params(axis="y", length=0)
+        figure.legend(loc="outside upper left", ncols=2)

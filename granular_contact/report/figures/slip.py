@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import DOUBLE, DPI, INK, PALETTE, style
+from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.style import DOUBLE, INK, PALETTE
 from granular_contact.report.units import Array
 
 
@@ -23,8 +23,7 @@ class SlipCurve:
 
 def draw_slip(curves: Mapping[str, SlipCurve], file: Path) -> None:
     """Draw the curves, by their labels (one label may be empty), into a PNG; sinkage grows downward."""
-    with style():
-        figure = blank(DOUBLE, 62.0, layout="constrained")
+    with saved_figure(file, 62.0, DOUBLE) as figure:
         panels = figure.subplots(1, 3)
         for i, (label, one) in enumerate(curves.items()):
             colour = PALETTE[i % len(PALETTE)]
@@ -39,4 +38,3 @@ def draw_slip(curves: Mapping[str, SlipCurve], file: Path) -> None:
         panels[2].invert_yaxis()
         if len(curves) > 1:
             figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=min(4, len(curves)))
-        figure.savefig(file, dpi=DPI, metadata={"Software": None})

@@ -16,6 +16,7 @@ SINGLE, DOUBLE, DPI = 88.0, 180.0, 200  # column widths, mm, and dots per inch
 INK, FAINT, GRID = "#262626", "#8C8C8C", "#E9E9E9"
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+LINES = ("-", "--", "-.", ":")  # styles, of curves in one panel
 SAND, SAND_EDGE, FLOOR, GRAINS = "#F1E3C4", "#A98F57", "#8A8378", ("#D9C394", "#C4AB76")
 LEGEND_ROW = 3.7  # mm of panel height that one row of a legend takes
 

@@ -17,10 +17,9 @@ from granular_contact.studies.fit import force_columns as columns
 from granular_contact.studies.fit.columns import TIME
 from granular_contact.studies.fit.columns import recognise as recognise_motion
 from granular_contact.studies.fit.force_columns import DEPTH, PRESSURE
-from granular_contact.studies.fit.measurements import Measured, column_numbers, mapped_columns
+from granular_contact.studies.fit.measurements import Chosen, Measured, mapped_columns, numbers_of, twice
 
 Vector = NDArray[np.float64]
-Chosen = dict[str, tuple[str, float]]  # header -> column of a force test, factor to its unit
 
 FEWEST_ROWS = 4
 SAME = 1e-9  # relative difference of numbers that choose rows
@@ -76,13 +75,9 @@ def select(
         _complete(table, chosen, test, faults)
     if len(faults) > before:
         return None
-    numbers = {header: column_numbers(table, header, faults) for header in chosen}
-    if len(table.rows) < FEWEST_ROWS:
-        words = f"got {len(table.rows)} rows; allowed are {FEWEST_ROWS} or more"
-        faults.append(Fault(table.file, table.header_line, "", words))
-    if len(faults) > before:
+    values = numbers_of(table, chosen, FEWEST_ROWS, faults)
+    if values is None:
         return None
-    values = {column: numbers[header] * factor for header, (column, factor) in chosen.items()}
     back = _unloading(values[DEPTH], test) if DEPTH in values else np.zeros(len(table.rows), bool)
     if test.unloading == "refuse" and np.any(back):
         faults += few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)])
@@ -154,9 +149,7 @@ def _complete(table: Table, chosen: Chosen, test: ForceTest, faults: list[Fault]
     if PRESSURE in names and test.area_m2 is None:
         words = "is a pressure, of an area that is not said: force_test: {area_m2: ...}"
         faults.append(Fault(table.file, line, PRESSURE, words))
-    for column in sorted({column for column in names if names.count(column) > 1}):
-        words = "is measured by two columns; choose one of them by name"
-        faults.append(Fault(table.file, line, column, words))
+    faults += twice(names, table.file, line)
 
 
 # ---- rows in which the body goes back ----

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
@@ -62,13 +62,9 @@ def select(
     if chosen is None:
         return None
     before = len(faults)
-    numbers = {header: column_numbers(table, header, faults) for header in chosen}
-    if len(table.rows) < FEWEST_ROWS:
-        words = f"got {len(table.rows)} rows; allowed are {FEWEST_ROWS} or more"
-        faults.append(Fault(table.file, table.header_line, "", words))
-    if len(faults) > before:
+    values = numbers_of(table, chosen, FEWEST_ROWS, faults)
+    if values is None:
         return None
-    values = {column: numbers[header] * factor for header, (column, factor) in chosen.items()}
     time_header = next(header for header, (column, _) in chosen.items() if column == TIME)
     faults += few(table.file, _clock(table, time_header, values[TIME]))
     for header, (column, _) in chosen.items():
@@ -184,12 +180,29 @@ def _complete(file: str, line: int | None, found: Chosen, known: Sequence[str], 
                 f"has nothing to compare a run with: only angles and lengths can be; allowed are {in_words(known)}",
             )
         )
-    twice = sorted({column for column in columns if columns.count(column) > 1})
-    faults += [Fault(file, line, column, "is measured by two columns; choose one of them by name") for column in twice]
+    faults += twice(columns, file, line)
     return found if len(faults) == before else None
 
 
-def column_numbers(table: Table, header: str, faults: list[Fault]) -> Vector:
+def twice(columns: Sequence[str], file: str, line: int | None) -> Iterator[Fault]:
+    """Faults of what several columns measure."""
+    for column in sorted({column for column in columns if columns.count(column) > 1}):
+        yield Fault(file, line, column, "is measured by two columns; choose one of them by name")
+
+
+def numbers_of(table: Table, chosen: Chosen, fewest: int, faults: list[Fault]) -> dict[str, Vector] | None:
+    """Chosen columns (n,) by name, in its unit; None, with faults, of cells that are no numbers or of too few rows."""
+    before = len(faults)
+    numbers = {header: _column_numbers(table, header, faults) for header in chosen}
+    if len(table.rows) < fewest:
+        words = f"got {len(table.rows)} rows; allowed are {fewest} or more"
+        faults.append(Fault(table.file, table.header_line, "", words))
+    if len(faults) > before:
+        return None
+    return {column: numbers[header] * factor for header, (column, factor) in chosen.items()}
+
+
+def _column_numbers(table: Table, header: str, faults: list[Fault]) -> Vector:
     """Numbers (n,) of a column; faults of the cells that are none."""
     index = table.header.index(header)
     cells = [row[index] for row in table.rows]
