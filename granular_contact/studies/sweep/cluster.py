@@ -95,26 +95,32 @@ class _ClusterPool(WorkerPool):
 
 
 class _ClusterExecutor(Executor):
-    """distributed's executor, with the exceptions of executors of this machine."""
+    """distributed's futures as those of an executor of this machine.
+
+    Its own executor leaves a future without an answer for ever where a worker dies after a task has ended and before
+    its result was fetched.
+    """
 
     def __init__(self, client: Any, address: str) -> None:
-        self._inner, self._address = client.get_executor(pure=False), address
+        self._client, self._address = client, address
+        self._pending: set[Any] = set()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
         """As of any executor."""
         outcome: Future[Any] = Future()
         try:
-            inner = self._inner.submit(function, *arguments, **keywords)
+            inner = self._client.submit(function, *arguments, pure=False, **keywords)
         except (RuntimeError, OSError) as error:
             raise self._gone() from error
+        self._pending.add(inner)
         inner.add_done_callback(partial(self._settle, outcome))
         return outcome
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As of any executor."""
-        self._inner.shutdown(wait=wait and not cancel_futures)
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        """Cancel what has not ended; the workers stay."""
+        self._client.cancel(list(self._pending))
 
-    def _settle(self, outcome: Future[Any], inner: Future[Any]) -> None:
+    def _settle(self, outcome: Future[Any], inner: Any) -> None:
         killed: Any = importlib.import_module("distributed").KilledWorker
         try:
             outcome.set_result(inner.result())
@@ -124,6 +130,7 @@ class _ClusterExecutor(Executor):
             outcome.set_exception(self._gone())
         except BaseException as error:
             outcome.set_exception(error)
+        self._pending.discard(inner)
 
     def _gone(self) -> WorkerPoolError:
         return WorkerPoolError(f"--scheduler {self._address}: the connection is lost")
