@@ -15,8 +15,8 @@ from support_runs import ROOT
 
 from granular_contact import starter
 from granular_contact.cli import main
+from granular_contact.cli.schema import SCHEMAS
 from granular_contact.config import load, medium_names
-from granular_contact.config.export import SCHEMAS
 
 
 def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:

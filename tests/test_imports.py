@@ -298,6 +298,10 @@ assert load.force(pose, velocity, np.zeros(3))[1] > 0.0
     "a run in minimal coordinates": RUN.format(config="pendulum_rigid", overrides=["method=minimal", SHORT]),
 }
 WITHOUT_RUNS = {
+    "the command prints its help": """
+from granular_contact.cli import main
+assert main([]) == 0
+""",
     "configs and their schema": """
 from granular_contact import config
 config.load("configs/pendulum.yaml")
@@ -305,7 +309,6 @@ config.json_schema()
 config.load_sweep("configs/paper_cases.yaml")
 """,
     "the command prints the schema": """
-from granular_contact.cli import main
 assert main(["schema"]) == 0
 """,
     "the command checks a config": """
@@ -375,6 +378,7 @@ def test_given_poses_reduced_and_minimal_coordinates_load_no_engine() -> None:
 
 def test_commands_without_runs_load_nothing_heavy() -> None:
     after, heavy = loaded(WITHOUT_RUNS), {"exudyn", "numba", "matplotlib"}
+    assert not after["the command prints its help"] & {"pydantic", "yaml", "numpy", *heavy}
     assert "pydantic" in after["configs and their schema"]  # the test would see it
     assert not after["configs and their schema"] & {*heavy, "numpy", "rich", "multiprocessing"}
     assert not after["the command prints the schema"] & {*heavy, "numpy"}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from granular_contact import config
 from granular_contact.cli import robot_check
 from granular_contact.cli.common import FAULTY_INPUT, FINE, Refusal, complain, read
 from granular_contact.errors import ConfigError, SceneError
@@ -57,7 +56,7 @@ def _packages(given: list[str]) -> dict[str, Path]:
 
 
 def _read(path: str) -> None:
-    from granular_contact import scene
+    from granular_contact import config, scene
 
     if config.is_sweep(path):
         config.load_sweep(path, probe=scene.build)

@@ -12,9 +12,8 @@ from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, TextIO
 
-from granular_contact import config
-
 if TYPE_CHECKING:
+    from granular_contact.config import Scenario
     from granular_contact.scene import Scene
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
@@ -46,9 +45,9 @@ def say(text: str, stream: TextIO | None = None) -> None:
         print(line, file=stream)
 
 
-def read(path: str, overrides: Sequence[str] = ()) -> tuple[config.Scenario, Scene]:
+def read(path: str, overrides: Sequence[str] = ()) -> tuple[Scenario, Scene]:
     """Scenario and scene of a config; a fault of the geometry gets the line that its key was written in."""
-    from granular_contact import scene
+    from granular_contact import config, scene
 
     loaded = config.load(path, overrides)
     for notice in loaded.sources.notices:

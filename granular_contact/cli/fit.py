@@ -22,7 +22,6 @@ from granular_contact.cli.common import (
     telling,
     worker_count,
 )
-from granular_contact.cli.fit_options import requested_fit
 
 if TYPE_CHECKING:
     from granular_contact.studies.fit import Fit
@@ -66,6 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def act(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
+    from granular_contact.cli.fit_options import requested_fit
+
     request = requested_fit(chosen)
     folder = output_folder(chosen.out, f"{Path(chosen.files[0]).stem}_fit", "fit")
 

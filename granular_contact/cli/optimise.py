@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 from granular_contact.cli import many
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, complain, output_folder, print_table
 from granular_contact.cli.sweep_progress import progress
-from granular_contact.config import Study, load_optimise
 from granular_contact.errors import MissingPackageError
 
 if TYPE_CHECKING:
+    from granular_contact.config import Study
     from granular_contact.studies.sweep import WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint
 
@@ -42,6 +42,7 @@ def act(chosen: argparse.Namespace) -> int:
 
 def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact import scene
+    from granular_contact.config import load_optimise
     from granular_contact.studies.optimise.writing import work_of
     from granular_contact.studies.sweep.checkpoint import is_finished
 

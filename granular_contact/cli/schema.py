@@ -6,11 +6,10 @@ import argparse
 import json
 from pathlib import Path
 
-from granular_contact import config
 from granular_contact.cli.common import FINE, Refusal, reason
-from granular_contact.config.export import SCHEMAS
 
 HELP = "print the JSON Schema of a config, a model, a medium, or the file of a sweep, a fit or a search, for editors"
+SCHEMAS = ("run", "model", "medium", "sweep", "fit", "optimise")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,16 +26,20 @@ def act(chosen: argparse.Namespace) -> int:
         raise Refusal(f"schema: got {chosen.kind} and --of {chosen.of}; allowed is one of them")
     if chosen.write:
         return _written(Path(chosen.write))
-    print(json.dumps(config.json_schema(chosen.of or chosen.kind or "run"), indent=2))
+    from granular_contact.config import json_schema
+
+    print(json.dumps(json_schema(chosen.of or chosen.kind or "run"), indent=2))
     return FINE
 
 
 def _written(folder: Path) -> int:
     """Write the schemas of all kinds of files; returns the exit code."""
+    from granular_contact.config import json_schema
+
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for kind in SCHEMAS:
-            text = json.dumps(config.json_schema(kind), ensure_ascii=False, separators=(",", ":"))
+            text = json.dumps(json_schema(kind), ensure_ascii=False, separators=(",", ":"))
             (folder / f"{kind}.json").write_text(f"{text}\n", encoding="utf-8")
     except OSError as error:
         raise Refusal(f"schema: {folder} can't be written: {reason(error)}") from None

@@ -25,11 +25,10 @@ from granular_contact.cli.common import (
     there,
 )
 from granular_contact.cli.sweep_progress import progress
-from granular_contact.config import Sweep, load_sweep
-from granular_contact.config.messages import unknown
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
+    from granular_contact.config import Sweep
     from granular_contact.config.schema.sweep import Sample
     from granular_contact.studies.sweep import Row, WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint
@@ -70,6 +69,7 @@ def act(chosen: argparse.Namespace) -> int:
 
 
 def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
+    from granular_contact.config import load_sweep
     from granular_contact.scene.again import Builder
     from granular_contact.studies.sweep import table
     from granular_contact.studies.sweep.checkpoint import is_finished
@@ -144,6 +144,8 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
 
 def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
     """Raise after the first case if the summary lacks a number that the sample asks for."""
+    from granular_contact.config.messages import unknown
+
     numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
     for output in sample.outputs:
         if output not in numbers:

@@ -26,7 +26,6 @@ from granular_contact.values.strict import Strict
 
 KINDS: dict[str, type[BaseModel]] = {"run": Scenario, "sweep": SweepFile, "fit": FitFile, "optimise": OptimiseFile}
 _PARAMETERS = "\n\nParameters\n----------\n"
-SCHEMAS = ("run", "model", "medium", "sweep", "fit", "optimise")
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
@@ -116,7 +115,7 @@ def _classes(module: str) -> dict[str, ast.ClassDef]:
 
 
 def json_schema(kind: str = "run") -> dict[str, Any]:
-    """JSON Schema of a file of a kind, one of `SCHEMAS`; names of what is shipped are among the values."""
+    """JSON Schema of a file: one of `KINDS`, a `model` or a `medium`; names of what is shipped are among the values."""
     if kind == "run":
         return _run_schema()
     if kind in ("model", "medium"):
