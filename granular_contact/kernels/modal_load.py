@@ -6,6 +6,7 @@ no damping, whose anchor is put where its stretch is the direction wanted (`aim`
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.law import forces
 from granular_contact.kernels.lines import drag_anchors
 from granular_contact.kernels.memory import clear, piece, rows
-from granular_contact.kernels.modal import modal_scatter, modal_stations
+from granular_contact.kernels.modal import modal_scatter, modal_stations, place_stations, within_reach
 
 
 class PendulumArrays(NamedTuple):
@@ -83,15 +84,19 @@ def load(q, v, sigma, w, totals, Q):
     for i in range(Q.shape[0]):
         Q[i] = 0.0
     clear(totals)
+    c, s = math.cos(q[0]), math.sin(q[0])
     for r in range(w.lines.shape[0]):
-        geometry, anchors = stations_of(w, r), anchors_of(w, r)
-        n = geometry.shape[0]
+        geometry = stations_of(w, r)
+        first, n = within_reach(c, s, q, geometry, w.profile[0, 1])
+        if n == 0:
+            continue
+        geometry, anchors = rows(geometry, first, n), rows(anchors_of(w, r), first, n)
         P, V, F = piece(w.room, 0, n), piece(w.room, 1, n), piece(w.room, 2, n)
-        modal_stations(q, v, geometry, P, V)
+        place_stations(c, s, q, v, geometry, P, V)
         if pendulum.true_sign:
             aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
         forces(P, V, anchors, w.lines[r], w.profile, w.medium[0], F, totals)
-        modal_scatter(q, geometry, P, F, Q)
+        modal_scatter(c, s, q, geometry, P, F, Q)
 
 
 @part

@@ -13,6 +13,8 @@ so the multiplier is sought on either side of zero.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from granular_contact.kernels.compiled import part
@@ -74,12 +76,12 @@ def slip_rows(q, w, J):
     n = geometry.shape[0]
     P, V, F = piece(w.room, 3, n), piece(w.room, 4, n), piece(w.room, 5, n)
     modal_stations(q, q, geometry, P, V)
-    i = min(int(place), n - 2)
+    i, cos, sin = min(int(place), n - 2), math.cos(q[0]), math.sin(q[0])
     clear(F)
     clear(J)
     for c in range(2):
         F[i, c], F[i + 1, c] = 1.0 - (place - i), place - i
-        modal_scatter(q, geometry, P, F, piece(J, c, q.shape[0]))
+        modal_scatter(cos, sin, q, geometry, P, F, piece(J, c, q.shape[0]))
         F[i, c], F[i + 1, c] = 0.0, 0.0
 
 

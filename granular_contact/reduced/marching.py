@@ -20,8 +20,8 @@ from granular_contact.scene.types import Vector
 
 SHARE = 4096  # steps between two looks at the progress bar and at the clock
 SLOW_SHARE = 128  # of scipy's, each a hundred times slower
-# A bristle yields at the end of a step, so its steps must be short; the true sign has no such memory.
-LONGEST = 50.0
+# Longest step, of the scene's: a bristle yields at the end of a step, and the true sign has no such memory.
+LONGEST, LONGEST_OF_BRISTLES = 50.0, 5.0
 MOST_STILL = 1e-5  # of the speed of the scene
 SHORT = 0.1  # of the scene's step: the first one, and the time in which regimes crowd
 
@@ -58,7 +58,7 @@ def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDA
     solvers = [model.scene.solver for model in several]
     made["end"], made["interval"] = [one.end_time_s for one in solvers], [one.step_s for one in solvers]
     bristles = w.lines.shape[-1] > 0 and not w.pendulum["true_sign"][0]
-    made["longest"] = made["interval"] * (1.0 if bristles else LONGEST)
+    made["longest"] = made["interval"] * (LONGEST_OF_BRISTLES if bristles else LONGEST)
     made["reach"], made["rest_speed"] = [m.reach for m in several], [one.rest_speed_m_s for one in solvers]
     made["rest_time"] = [np.inf if one.rest_time_s is None else one.rest_time_s for one in solvers]
     made["crowd"], made["blurred"] = SHORT * made["interval"], [MOST_STILL * model.speed for model in several]

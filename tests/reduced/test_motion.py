@@ -76,7 +76,7 @@ def test_forces_do_the_work_of_their_stations():
     jacobian = np.array(columns)
     np.testing.assert_allclose(speed, np.einsum("kpc,k->pc", jacobian, v), atol=1e-9)
     out = np.zeros(5)
-    scatter(q, geometry, place, forces, out)
+    scatter(np.cos(q[0]), np.sin(q[0]), q, geometry, place, forces, out)
     np.testing.assert_allclose(out, np.einsum("kpc,pc->k", jacobian, forces), atol=1e-8)
 
 
