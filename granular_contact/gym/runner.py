@@ -9,6 +9,7 @@ import numpy as np
 from granular_contact.config import Scenario, load
 from granular_contact.gym.environment import GranularEnv
 from granular_contact.results.observed import Observations
+from granular_contact.scene.types import Vector
 
 HIPS = ("hip_front_a", "hip_rear_a", "hip_front_b", "hip_rear_b")
 # Motors of the hips: rad/s, N m s/rad, N m. The greatest rate is about that of the swing in configs/runner.yaml, whose
@@ -36,14 +37,14 @@ def scenario(end_time_s: float = 2.0) -> Scenario:
     )
 
 
-def see(seen: Observations) -> list[float]:
+def see(seen: Observations) -> Vector:
     """Of the trunk height, angle and rates, in units of about one; of each leg angle (sine, cosine), rate, contact."""
     trunk = [10.0 * seen["trunk_y_m"], seen["trunk_orientation_rad"], seen["trunk_vx_m_s"], seen["trunk_vy_m_s"]]
-    angles = seen.array(f"{hip}_angle_rad" for hip in HIPS)
-    rates = seen.array(f"{hip}_rate_rad_s" for hip in HIPS)
-    contacts = seen.array(f"{hip.removeprefix('hip_')}_contact" for hip in HIPS)
+    hips = [seen.seen.joints.index(hip) for hip in HIPS]
+    met = [seen.seen.met.index(hip.removeprefix("hip_")) for hip in HIPS]
+    angles, rates, contacts = seen.coordinates[hips], seen.rates[hips], seen.contacts[met]
     spin = 0.1 * seen["trunk_spin_rad_s"]
-    return [*trunk, spin, *np.sin(angles), *np.cos(angles), *(0.1 * rates), *contacts]
+    return np.concatenate([trunk, [spin], np.sin(angles), np.cos(angles), 0.1 * rates, contacts])
 
 
 def distance(before: Observations, after: Observations) -> float:

@@ -35,13 +35,6 @@ MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then 
 TOUCHES, AHEAD = 1e-9, 1e-9
 
 
-class Acting(NamedTuple):
-    """What of a load its tangent depends on: whether anything may be touched, and the states of its batches."""
-
-    active: bool
-    batches: tuple[state.BatchState, ...]
-
-
 class CouplingState(NamedTuple):
     """State of the load; time (s) of the step for which forces were asked last, coordinates accepted last, calls."""
 
@@ -198,17 +191,16 @@ class Coupling:
 
     # ---- to go back to an earlier state ----
 
-    @property
-    def acting(self) -> Acting:
-        """What the tangent depends on beside the coordinates."""
-        return Acting(self.load.active, state.batch_states(self.load.batches))
+    def act(self, t: float, active: bool) -> None:
+        """Act as it once did, at a state within a step to a time (s), whose start is accepted already.
 
-    def act(self, t: float, acting: Acting) -> None:
-        """Act as it once did, at a state within a step to a time (s), whose start is accepted already."""
+        active: whether anything may be touched; the states of batches were brought back before.
+        """
         data = self.mbs.systemData
         self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
-        self._time, self.load.active, self._under_way = t, acting.active, True
-        state.restore_batches(self.load.batches, acting.batches)
+        self._time, self.load.active, self._under_way = t, active, True
+        for batch in self.load.batches:
+            batch.forget()
 
     @property
     def kept(self) -> CouplingState:

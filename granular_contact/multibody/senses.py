@@ -153,10 +153,11 @@ class Senses:
         now = Instant(
             lambda: self.joints(q, v),
             lambda: self.bodies(q, v),
-            lambda: self.medium(self.bodies(q, v)[0], row, depths),
+            lambda poses: self.medium(poses, row, depths),
         )
         if self._turning:  # which later lie elsewhere
-            return known(self.seen, time, now.joints(), now.bodies(), now.medium())
+            joints, bodies = now.joints(), now.bodies()
+            return known(self.seen, time, joints, bodies, now.medium(bodies[0]))
         return Observations(self.seen, time, now)
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:

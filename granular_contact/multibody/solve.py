@@ -162,6 +162,8 @@ class Solve:
             self.recorder.control.look(views)
         if self.system.bed is not None:
             self.system.bed.views = views
+        if self._keeper is not None:
+            self._keeper.tangent.views = views
 
     def advance(self, until: float = math.inf) -> None:
         """Go on to a time (s), the scene's end at the latest; does nothing when it is over.

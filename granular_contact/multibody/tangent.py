@@ -6,26 +6,28 @@ it. The engine hands no factors out. So the place where it was computed is kept,
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import exudyn as exu
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.multibody.system import System
+from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
-if TYPE_CHECKING:
-    from granular_contact.multibody.coupling import Acting
+Arrays = tuple[NDArray[Any], ...]
 
 
 @dataclass(frozen=True)
 class Place:
     """All that a Jacobian depends on.
 
-    time, step (s); q, v (m,), multipliers: of the engine; joints: anchor and what a drive is set to, by the order of
-    the system's loads; turns: of its ends; bed: of its granular load, None without one.
+    time, step (s); q, v (m,), multipliers: of the engine; held: what Python keeps of joints and of the granular load;
+    active: whether anything may touch the medium.
     """
 
     time: float
@@ -33,47 +35,67 @@ class Place:
     q: Vector
     v: Vector
     multipliers: Vector
-    joints: tuple[tuple[float, float | None], ...]
-    turns: tuple[float, ...]
-    bed: Acting | None
+    held: Arrays
+    active: bool
 
 
 class Tangent:
-    """Watches where a solver computes its Jacobian; `place`: the last one, None before the first."""
+    """Watches where a solver computes its Jacobian, every few iterations; so the arrays of one place are written over.
+
+    views: where the engine keeps its vectors, None where that is not known.
+    """
 
     def __init__(self, system: System, solver: Any, simulation: Any) -> None:
         self.system, self.solver, self.simulation = system, solver, simulation
-        self.place: Place | None = None
+        self.views: Views | None = None
         self.before: Callable[..., None] | None = None  # what the engine calls before residuals of the solve
+        self._it, self._held = solver.it, _held(system)
+        data = system.mbs.systemData
+        size, multipliers = data.ODE2Size(), len(data.GetAECoordinates())
+        self._time, self._step, self._active = math.nan, 0.0, False
+        self._at = np.zeros(size), np.zeros(size), np.zeros(multipliers)
+        self._pairs = [(array.copy(), array) for array in self._held]
         self._nothing = exu.MatrixContainer()
-        size = system.mbs.systemData.ODE2Size()
         self._nothing.SetWithSparseMatrix(np.zeros((0, 3)), size, size)
         # Full Newton computes it anew for each iteration, and keeps none.
         if simulation.timeIntegration.newton.useModifiedNewton:
             system.mbs.SetSystemJacobianUserFunction(self._watch)
 
+    @property
+    def place(self) -> Place | None:
+        """The last one, None before the first."""
+        if math.isnan(self._time):
+            return None
+        (q, v, multipliers), held = self._at, tuple(kept.copy() for kept, _ in self._pairs)
+        return Place(self._time, self._step, q.copy(), v.copy(), multipliers.copy(), held, self._active)
+
+    @place.setter
+    def place(self, place: Place | None) -> None:
+        self._time = math.nan
+        if place is not None:
+            self._time, self._step, self._active = place.time, place.step, place.active
+            for array, kept in zip(self._at, (place.q, place.v, place.multipliers), strict=True):
+                array[:] = kept
+            for (array, _), kept in zip(self._pairs, place.held, strict=True):
+                array[:] = kept
+
     def _watch(self, mbs: Any, t: float, *_: float) -> Any:
         """Called by the engine with each Jacobian; adds nothing to it."""
-        data, bed = mbs.systemData, self.system.bed
-        self.place = Place(
-            time=t,
-            step=self.solver.it.currentStepSize,
-            q=data.GetODE2Coordinates(),
-            v=data.GetODE2Coordinates_t(),
-            multipliers=data.GetAECoordinates(),
-            joints=joint_states(self.system),
-            turns=turns(self.system),
-            bed=None if bed is None else bed.acting,
-        )
+        views, (q, v, multipliers), bed = self.views or Views(mbs), self._at, self.system.bed
+        self._time, self._step = t, self._it.currentStepSize
+        q[:], v[:], multipliers[:] = views.q, views.v, views.multipliers
+        for kept, now in self._pairs:
+            kept[:] = now
+        self._active = bed is not None and bed.load.active
         return self._nothing
 
     def again(self, place: Place) -> None:
         """Compute the Jacobian of another time. Leaves state and bed of the system where it was computed."""
         mbs, solver, bed = self.system.mbs, self.solver, self.system.bed
-        set_joints(self.system, place.joints)
-        set_turns(self.system, place.turns)
-        if bed is not None and place.bed is not None:
-            bed.act(place.time, place.bed)
+        for now, kept in zip(self._held, place.held, strict=True):
+            now[:] = kept
+        if bed is not None:
+            bed.act(place.time, place.active)
         mbs.systemData.SetTime(place.time)
         solver.it.currentTime, solver.it.currentStepSize = place.time, place.step
         iterations, solver.newton.maxIterations = solver.newton.maxIterations, 1
@@ -82,6 +104,15 @@ class Tangent:
         solver.Newton(mbs, self.simulation)
         mbs.SetPreNewtonResidualUserFunction(self.before or 0)
         solver.newton.maxIterations = iterations
+
+
+def _held(system: System) -> Arrays:
+    """Arrays of what Python keeps of joints and of the granular load, each once; they stay where they are."""
+    loads = None if system.joints is None else system.joints.loads
+    states = () if loads is None else (loads.state,)
+    turns = tuple(one.turns for one in system.turning_ends if loads is None or one.turns.base is not loads.state)
+    batches = () if system.bed is None else system.bed.load.batches
+    return states + turns + tuple(array for batch in batches for array in batch.state())
 
 
 def _leading_to(place: Place) -> Callable[..., None]:

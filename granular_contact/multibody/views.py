@@ -29,7 +29,11 @@ class Views:
 
     @cached_property
     def where(self) -> tuple[int, int, int]:  # noqa: D102
-        return addressof(c_char.from_buffer(self.q.data)), addressof(c_char.from_buffer(self.q_before.data)), len(self.q)
+        return (
+            addressof(c_char.from_buffer(self.q.data)),
+            addressof(c_char.from_buffer(self.q_before.data)),
+            len(self.q),
+        )
 
     @cached_property
     def q(self) -> Vector:  # noqa: D102

@@ -71,12 +71,12 @@ def angle(name: str, array: int, row: int, column: int) -> dict[str, Place]:
 class Instant(NamedTuple):
     """One instant of a solve, each part of which is computed when it is asked for; arrays as of `Observations`.
 
-    joints: coordinates and rates; bodies: poses and velocities; medium: forces and depths.
+    joints: coordinates and rates; bodies: poses and velocities; medium: forces and depths, of the poses.
     """
 
     joints: Callable[[], Pair]
     bodies: Callable[[], Pair]
-    medium: Callable[[], Pair]
+    medium: Callable[[Vector], Pair]
 
 
 class Observations(Mapping[str, float]):
@@ -108,7 +108,7 @@ class Observations(Mapping[str, float]):
 
     @cached_property
     def _medium(self) -> tuple[Vector, Vector]:
-        return self._instant.medium()
+        return self._instant.medium(self.poses)
 
     @property
     def coordinates(self) -> Vector:
@@ -200,4 +200,4 @@ class Observations(Mapping[str, float]):
 
 def known(seen: Seen, time: float, joints: Pair, bodies: Pair, medium: Pair) -> Observations:
     """Observations of which all is computed; pairs as of `Instant`."""
-    return Observations(seen, time, Instant(lambda: joints, lambda: bodies, lambda: medium))
+    return Observations(seen, time, Instant(lambda: joints, lambda: bodies, lambda _: medium))

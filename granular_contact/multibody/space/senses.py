@@ -58,7 +58,7 @@ class SpatialSenses(Senses):
         now = Instant(
             lambda: joints,
             lambda: self.bodies(q, v),
-            lambda: (self.forces(q, row), self.depths(q)),
+            lambda _: (self.forces(q, row), self.depths(q)),
         )
         return Observations(self.seen, time, now)
 
