@@ -74,6 +74,7 @@ class Batch:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
         self.reference = reference
+        self.forget()
         at = (self.reference, self.active, self.ends, self.places, self.geometry)
         sand = (self.records, self.profile, self.medium, self.anchors, *self.work)
         return places(*at, *sand, self.columns, self.proximity)
@@ -98,8 +99,10 @@ class Batch:
         self.work[1][:] = np.nan
 
     def state(self) -> tuple[NDArray[Any], ...]:
-        """What accepted steps change."""
-        return self.anchors, self.proximity, self.active
+        """What accepted steps change, and the rates at which forces were asked for, which tangents look back to."""
+        kept = self.work[1][len(self.work[1]) - kernels.KEPT * len(self.lines) :]
+        rates = kept[kernels.RATES :: kernels.KEPT], kept[kernels.BEFORE :: kernels.KEPT]
+        return self.anchors, self.proximity, self.active, *rates
 
     @property
     def depths(self) -> Vector:

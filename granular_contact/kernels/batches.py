@@ -35,7 +35,9 @@ from granular_contact.kernels.memory import clear, piece, room2, rows
 # depth so far (m).
 DEEPEST, APPROACH, EVER = 0, 1, 2
 BLOCK = 6  # rows of `body` before a line's tangent
-KEPT = 4  # rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, and these
+# Rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, and these; and the
+# rates of the forces before these, which were others.
+KEPT, RATES, BEFORE = 5, 1, 4
 
 
 def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
@@ -59,7 +61,12 @@ def gather(system_q, system_v, reference, places, q, v):
 @part
 def keep(body, row, q, v, f, totals):
     """Keep the generalised forces f found at q and v, and their totals."""
+    moved = False
     for i in range(q.shape[0]):
+        moved = moved or body[row + RATES, i] != v[i]
+    for i in range(q.shape[0]):
+        if moved:
+            body[row + BEFORE, i] = body[row + RATES, i]
         body[row, i], body[row + 1, i], body[row + 3, i] = q[i], v[i], f[i]
     for term in range(TERMS):
         for k in range(3):
@@ -143,7 +150,7 @@ def tangent(
         if not one.immersed(P, lines[r], profile):
             continue
         one.differences(
-            q, v, rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
+            q, v, piece(body, row + BEFORE, m), rows(geometry, s, n), lines[r], profile, medium[0], rows(anchors, s, n),
             piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), rows(body, 3, 3), f, fq, fv, block,
         )  # fmt: skip
         for i in range(m):

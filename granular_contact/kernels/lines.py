@@ -184,6 +184,13 @@ def difference(q, fq, fv):
 
 
 @part
+def chord(d, v, v_before, fv):
+    """Length by which one coordinate is moved for a difference: to where its rate was before, by d at the least."""
+    far = (v_before - v) / fv if fv != 0.0 else 0.0
+    return far if abs(far) > d else d
+
+
+@part
 def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, room, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by `differences`; room (4, m) to work in."""
     at_state, totals = piece(room, 0, q.shape[0]), room2(TERMS, 3)
@@ -191,32 +198,35 @@ def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, room, fq, f
     line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
     if immersed(P, line, profile):
         differences(
-            q, v, geometry, line, profile, medium, anchors, P, V, F, rows(room, 1, 3), at_state, fq, fv, out,
+            q, v, v, geometry, line, profile, medium, anchors, P, V, F, rows(room, 1, 3), at_state, fq, fv, out,
         )  # fmt: skip
 
 
 @part
-def differences(q, v, geometry, line, profile, medium, anchors, P, V, F, room, at_state, fq, fv, out):
+def differences(q, v, v_before, geometry, line, profile, medium, anchors, P, V, F, room, at_state, fq, fv, out):
     """`tangent` of a line that is immersed, with its generalised forces at_state (m,) at q and v.
 
-    q and v are moved together, by d fq and d fv along each coordinate, see `difference`. Coordinates whose forces do
-    not meet are moved at once. room (3, m) to work in.
+    q and v are moved together, by d fq and d fv along each coordinate, see `difference`; where the rates v_before
+    (m,) of the iteration before are farther away, to these. A bristle that yields has no slope, one that does not has
+    a steep one, and Newton's method goes round from one to the other where both have their tangents; the chord between
+    them leads it to where they meet. Coordinates whose forces do not meet are moved at once. room (3, m) to work in.
     """
     size, totals, moved = q.shape[0], room2(TERMS, 3), piece(room, 0, q.shape[0])
-    q_there, v_there, d = piece(room, 1, size), piece(room, 2, size), difference(q, fq, fv)
+    q_there, v_there, least = piece(room, 1, size), piece(room, 2, size), difference(q, fq, fv)
     for j in range(size):
         q_there[j], v_there[j] = q[j], v[j]
     apart = 0 if line.resultant else spacing(geometry)
     together = size if apart == 0 else apart
     for first in range(min(together, size)):
         for j in range(first, size, together):
+            d = chord(least, v[j], v_before[j], fv)
             q_there[j] += d * fq
             v_there[j] += d * fv
         clear(moved)
         line_force(q_there, v_there, geometry, line, profile, medium, anchors, P, V, F, totals, moved)
         for j in range(first, size, together):
             q_there[j], v_there[j] = q[j], v[j]
-            node = j // 4
+            node, d = j // 4, chord(least, v[j], v_before[j], fv)
             low, high = (0, size) if apart == 0 else (max(0, 4 * (node - 1)), min(size, 4 * (node + 2)))
             for i in range(low, high):
                 out[i, j] += (moved[i] - at_state[i]) / d

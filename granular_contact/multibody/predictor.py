@@ -1,31 +1,39 @@
-"""Where Newton's method begins in a step, and how its later iterations go on from the two before.
+"""Where Newton's method begins in a step, how its later iterations go on from those before, when its Jacobian is old.
 
 It begins with the accelerations and multipliers of the last step. The engine begins with none at all (Arnold and Bruels
 2007), which costs an iteration, and more where bristles are: a foot in sand is then first seen some micrometres away
 from where it will be, beyond what its bristles yield at.
 
-From the third iteration on, Anderson's acceleration of depth one (1965; Walker and Ni 2011): with the change g of an
-iteration, g' that of the one before, and x, x' where they led to, the next one starts from
+Each later one is led on by Anderson's acceleration (1965; Walker and Ni 2011): with the change g of an iteration and x
+where it led to, and the differences G and E of such changes and places between iterations, the next one starts from
 
-    x - theta (x - x'),    theta = (g - g') . g / |g - g'|^2,    |theta| <= 1,
+    x - E c,    where c makes |g - G c|^2 least,
 
-where changes that vary linearly would be least. A Jacobian of an earlier step then serves longer, and an iteration that
-goes to and fro over the narrow range of directions in which a face of a foot begins to lead is led into it.
+which is where changes would be least were they linear. The last DEPTH differences serve, over steps as well, for as
+long as the Jacobian and the step stay what they are: a Jacobian of an earlier step then serves longer, and an iteration
+that goes to and fro over the narrow range of directions in which a face of a foot begins to lead is led into it.
+
+The Jacobian is renewed once a change is more than `gain` times the one before. The engine's own rule looks at
+residuals, from the third iteration on. Where bristles begin to yield or to hold, these grow for an iteration or two,
+and the engine then begins the step anew, and computes a Jacobian for each iteration that is left of it.
 
 Nothing else changes: the equations that a step solves, and when they count as solved, are the same.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
 PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
+GIVEN = 7  # arrays of `kernels.anderson` that are the engine's, or stay as they are
 LATE = 3  # iterations by which links that bend are led on later
 
 
@@ -33,8 +41,9 @@ class Predictor:
     """Function that the engine calls before each residual.
 
     lever (m,): factors from coordinate rates to speeds (m/s), by which changes are compared; None where iterations go
-    on as the engine does. bends: whether there are links that bend. Their stiff elements leave round-off in changes,
-    so that iterations are led on only where they have not ended after some.
+    on as the engine does. bends: whether all that moves is a link that bends. Its stiff elements leave round-off in
+    changes, so that iterations are led on only where they have not ended after some, and by those of the step alone.
+    gain: see above; infinite where the engine's rule holds.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
@@ -53,7 +62,9 @@ class Predictor:
         patience: tuple[float, float] | None = None,
         *,
         bends: bool = False,
+        gain: float = math.inf,
     ) -> None:
+        self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever, self.tolerances, self.patience = solver, lever, tolerances, patience
         self.views: Views | None = None  # given before the first step
         self._late = LATE if bends else 0
@@ -62,7 +73,7 @@ class Predictor:
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
         self._go_on: Callable[..., Any] | None = None
         self._words = np.zeros(0, np.int64)  # where their arrays are
-        self._arrays: tuple[Vector, ...] = ()
+        self._arrays: tuple[NDArray[Any], ...] = ()
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
         """Before the residual of an iteration of the step to t (s)."""
@@ -73,8 +84,10 @@ class Predictor:
             return
         if not iteration:
             self._begin(self.views or Views(mbs))
-        elif self._go_on is not None and iteration > self._late:
-            self._go_on(self._words, iteration - self._late)
+        elif self._go_on is not None and iteration >= self._late:
+            old = self._go_on(self._words, self._it.newtonJacobiCount, self.gain, iteration > self._late)
+            if old:
+                self._conv.jacobianUpdateRequested = True
 
     def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""
@@ -88,7 +101,7 @@ class Predictor:
             self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
-            self._start(self._words, of_q, of_v)
+            self._start(self._words, of_q, of_v, self._late > 0)
             return
         before = views.a_before
         views.q += of_q * before
@@ -105,6 +118,16 @@ class Predictor:
         if self.lever is not None:
             self.load(views)
 
+    @property
+    def kept(self) -> tuple[NDArray[Any], ...]:
+        """What the iterations to come depend on, of those before."""
+        return tuple(array.copy() for array in self._arrays[GIVEN:])
+
+    def restore(self, kept: tuple[NDArray[Any], ...]) -> None:
+        """Go back to what was kept."""
+        for array, old in zip(self._arrays[GIVEN:], kept, strict=True):
+            array[:] = old
+
     def load(self, views: Views) -> None:
         """Load the kernels that begin steps and lead iterations on, for the engine's vectors."""
         if self.lever is None:
@@ -113,13 +136,21 @@ class Predictor:
         from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
-        kept, multipliers = np.zeros((3, len(views.q))), np.zeros(len(views.multipliers))
+        size, constraints, depth = len(views.q), len(views.multipliers), anderson.DEPTH
         before = views.a_before, views.multipliers_before
         now = views.q, views.v, views.a, views.multipliers
-        self._arrays = *now, *before, self.lever, kept, multipliers, np.zeros(2)
+        kept = np.zeros((3, size)), np.zeros(constraints), np.zeros(2)
+        pairs = (
+            np.zeros((depth, size)),
+            np.zeros((depth, constraints)),
+            np.zeros((depth, size)),
+            np.zeros((depth, depth)),
+        )
+        numbers = np.zeros(anderson.NUMBERS, np.int64), np.zeros(1)
+        self._arrays = *now, *before, self.lever, *kept, *pairs, *numbers
         self._words = places(*self._arrays)
         if self._go_on is None:
             self._start, self._go_on = (
-                entry(anderson.begin, self._words, 0.0, 0.0),
-                entry(anderson.go_on, self._words, 0),
+                entry(anderson.begin, self._words, 0.0, 0.0, False),
+                entry(anderson.go_on, self._words, 0, 0.5, True),
             )

@@ -19,7 +19,7 @@ from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.multibody.settings import control_steps, patience, settings, tolerances, unresolved
+from granular_contact.multibody.settings import control_steps, led_on, patience, settings, tolerances, unresolved
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
@@ -104,8 +104,7 @@ class Solve:
                 from granular_contact.multibody.state import Keeper
 
                 self._senses = system.senses()
-                self._keeper = Keeper(system, self.solver, self.recorder, self.simulation)
-                self._keeper.tangent.before = self._predictor
+                self._keeper = Keeper(system, self.solver, self.recorder, self.simulation, self._predictor)
             self._run(self._begin)
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
@@ -118,7 +117,8 @@ class Solve:
         lever = self.recorder.lever if self._goes_round() else None
         limits = tolerances(scene, simulation), patience(scene, simulation)
         alone = bool(scene.links) and sum(joint.kind != "weld" for joint in scene.joints) == 1
-        return Predictor(self.solver, lever, *limits, bends=alone)
+        gain = math.inf if lever is None or alone else led_on(scene, simulation)
+        return Predictor(self.solver, lever, *limits, bends=alone, gain=gain)
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
+from numpy.typing import NDArray
 
+from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
 from granular_contact.multibody.tangent import Place, Tangent, joint_states, set_joints, set_turns, turns
@@ -28,7 +30,8 @@ class SolveState:
 
     time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
     constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints, turns: see
-    `tangent`. recorded, control: fields of the recorder and of the choice of steps. bed: None without one.
+    `tangent`. recorded, control: fields of the recorder and of the choice of steps. iterations: of `predictor`. bed:
+    None without one.
     """
 
     time: float
@@ -46,6 +49,7 @@ class SolveState:
     turns: tuple[float, ...]
     recorded: dict[str, Any]
     control: dict[str, Any] | None
+    iterations: tuple[NDArray[Any], ...]
     bed: CouplingState | None
     seconds: float
     success: bool
@@ -56,9 +60,13 @@ class SolveState:
 class Keeper:
     """Takes states of a solve, and goes back to them; made before its first step."""
 
-    def __init__(self, system: System, solver: Any, recorder: Recorder, simulation: Any) -> None:
+    def __init__(
+        self, system: System, solver: Any, recorder: Recorder, simulation: Any, predictor: Predictor | None
+    ) -> None:
+        self.predictor = predictor
         self.system, self.solver, self.recorder, self.simulation = system, solver, recorder, simulation
         self.tangent = Tangent(system, solver, simulation)
+        self.tangent.before = predictor
 
     def state(self, seconds: float, success: bool, problem: str, restarts: bool) -> SolveState:
         """The present state."""
@@ -80,6 +88,7 @@ class Keeper:
             turns=turns(system),
             recorded=self.recorder.kept(),
             control=None if control is None else control.kept(),
+            iterations=() if self.predictor is None else self.predictor.kept,
             bed=None if system.bed is None else system.bed.kept,
             seconds=seconds,
             success=success,
@@ -104,6 +113,8 @@ class Keeper:
         recorder.restore(kept.recorded)
         if recorder.control is not None and kept.control is not None:
             recorder.control.restore(kept.control)
+        if self.predictor is not None:
+            self.predictor.restore(kept.iterations)
         if system.bed is not None and kept.bed is not None:
             system.bed.restore(kept.bed)
 
