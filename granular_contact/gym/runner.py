@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.config import Scenario, load
 from granular_contact.gym.environment import GranularEnv
 from granular_contact.results.observed import Observations
-from granular_contact.scene.types import Vector
 
 HIPS = ("hip_front_a", "hip_rear_a", "hip_front_b", "hip_rear_b")
 # Motors of the hips: rad/s, N m s/rad, N m. The greatest rate is about that of the swing in configs/runner.yaml, whose
@@ -37,7 +37,7 @@ def scenario(end_time_s: float = 2.0) -> Scenario:
     )
 
 
-def see(seen: Observations) -> Vector:
+def see(seen: Observations) -> NDArray[np.float64]:
     """Of the trunk height, angle and rates, in units of about one; of each leg angle (sine, cosine), rate, contact."""
     trunk = [10.0 * seen["trunk_y_m"], seen["trunk_orientation_rad"], seen["trunk_vx_m_s"], seen["trunk_vy_m_s"]]
     hips = [seen.seen.joints.index(hip) for hip in HIPS]
