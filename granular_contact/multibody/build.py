@@ -15,7 +15,7 @@ from granular_contact.multibody.joints import add_joint
 from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
-from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, rotation
+from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector, rotation
 from granular_contact.scene.workspace import can_be_immersed, can_get_below
 
 if TYPE_CHECKING:
@@ -29,13 +29,15 @@ def build(scene: Scene) -> System:
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     ground = mbs.AddObject(items.ObjectGround())
+    origin = np.round(scene.bodies[0].motion.position)
     system = System(
         scene=scene,
         container=container,
         mbs=mbs,
-        rigid={body.name: _add_rigid(mbs, body) for body in scene.rigid},
-        links={link.name: _add_link(mbs, link) for link in scene.links},
+        rigid={body.name: _add_rigid(mbs, body, origin) for body in scene.rigid},
+        links={link.name: _add_link(mbs, link, origin) for link in scene.links},
         bed=None,
+        origin=origin,
     )
     for joint in scene.joints:
         add_joint(system, ground, joint)
@@ -78,11 +80,11 @@ def _any_node(system: AnySystem) -> tuple[list[int], int]:
     return [next(iter(system.links.values())).nodes[0]], 4
 
 
-def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
+def _add_rigid(mbs: Any, body: RigidBody, origin: Vector) -> RigidHandle:
     motion = body.motion
     node = mbs.AddNode(
         items.NodeRigidBody2D(
-            referenceCoordinates=[*motion.position, motion.angle],
+            referenceCoordinates=[*(motion.position - origin), motion.angle],
             initialVelocities=[*motion.velocity, motion.rate],
         )
     )
@@ -90,7 +92,7 @@ def _add_rigid(mbs: Any, body: RigidBody) -> RigidHandle:
     return RigidHandle(body, node, obj)
 
 
-def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
+def _add_link(mbs: Any, link: FlexibleLink, origin: Vector) -> LinkHandle:
     """Straight row of ANCF cable elements that starts like a rigid body."""
     motion = link.motion
     axis = rotation(motion.angle)[:, 0]
@@ -102,7 +104,8 @@ def _add_link(mbs: Any, link: FlexibleLink) -> LinkHandle:
         nodes.append(
             mbs.AddNode(
                 items.NodePoint2DSlope1(
-                    referenceCoordinates=[*(motion.position + arm), *axis], initialVelocities=[*velocity, *slope_rate]
+                    referenceCoordinates=[*(motion.position - origin + arm), *axis],
+                    initialVelocities=[*velocity, *slope_rate],
                 )
             )
         )
@@ -141,7 +144,7 @@ def _granular_load(system: System) -> Coupling | None:
     from granular_contact.bed.of_scene import lines_of, load_of, section
     from granular_contact.multibody.coupling import Coupling
 
-    coupling = Coupling(system.mbs, load_of(scene))
+    coupling = Coupling(system.mbs, load_of(scene), system.origin)
     load, strips = coupling.load, scene.load
     for rigid, shape in shapes:
         load.add(lines_of(coupling.body(rigid.object), shape, strips.strips_per_rigid_part))

@@ -24,8 +24,8 @@ Numbers = list[float]
 class End:
     """One end of a joint: reference coordinates of its node (3 of a rigid body, 4 of a cable's, none of the ground).
 
-    point (2,) m: of the joint, from the node, in its frame; angle (rad): at the start, from which the turns of a slope
-    are counted.
+    point (2,) m: of the joint, from the node, in its frame; on the ground from the origin of the coordinates. angle
+    (rad): at the start, from which the turns of a slope are counted.
     """
 
     reference: Numbers
@@ -57,7 +57,7 @@ class Coordinate:
         if joint.kind == "slider":
             assert joint.axis is not None
             record["kind"], record["axis"] = SLIDER, joint.axis
-            record["seat"], record["arm"] = joint.axis @ joint.parent_point, child.point
+            record["seat"], record["arm"] = joint.axis @ parent.point, child.point
         self._slope = np.zeros(MOST)
 
     def at(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:

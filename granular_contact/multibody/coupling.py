@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,7 +23,7 @@ from granular_contact.errors import scene_error
 from granular_contact.kernels.lines import DEPTH
 from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
 from granular_contact.multibody.overlay import Overlay
-from granular_contact.multibody.views import START, Views
+from granular_contact.multibody.views import START, Views, reference
 
 if TYPE_CHECKING:
     from granular_contact.multibody.joint_actions import JointActions
@@ -45,10 +44,14 @@ class CouplingState(NamedTuple):
 
 
 class Coupling:
-    """A load on bodies of a system; `load_calls`: how often the engine asked for forces."""
+    """A load on bodies of a system; `load_calls`: how often the engine asked for forces.
 
-    def __init__(self, mbs: Any, load: GranularLoad) -> None:
+    origin (2,) m, world frame: that of the engine's coordinates.
+    """
+
+    def __init__(self, mbs: Any, load: GranularLoad, origin: Vector | None = None) -> None:
         self.mbs, self.load = mbs, load
+        self._origin = np.zeros(2) if origin is None else origin
         self.load_calls = 0
         self._ahead: Vector = np.zeros(0)  # of the first state (see `_begin_at`)
         self.nodes: tuple[int, ...] = ()  # that carry contact lines
@@ -225,7 +228,6 @@ class Coupling:
         return data.GetTime(), data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
 
     def _places(self) -> tuple[NDArray[np.int64], Vector]:
-        """Places of the overlay's coordinates in the assembled system, and the system's reference coordinates."""
-        data = self.mbs.systemData
-        where = [place for node in self.overlay.nodes for place in data.GetNodeLTGODE2(node)]
-        return np.array(where), data.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        """Places of the overlay's coordinates in the assembled system; reference coordinates of it, world frame."""
+        where = [place for node in self.overlay.nodes for place in self.mbs.systemData.GetNodeLTGODE2(node)]
+        return np.array(where), reference(self.mbs, self.overlay.nodes, self._origin)

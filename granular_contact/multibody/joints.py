@@ -76,7 +76,7 @@ def _rigid_marker(mbs: Any, body: Any, point: list[float], angle: float) -> Any:
 def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:
     """Exudyn body and local position of a joint's end."""
     if name is None:
-        return ground, [*point, 0.0]
+        return ground, [*(point - system.origin), 0.0]
     if name in system.rigid:
         return system.rigid[name].object, [*point, 0.0]
     handle = system.links[name]
@@ -111,7 +111,7 @@ def _end(system: System, body: str | None, point: Vector, *, whole: bool) -> End
     from granular_contact.multibody.coordinates import End
 
     if body is None:
-        return End([], point.tolist())
+        return End([], (point - system.origin).tolist())
     reference = [float(x) for x in system.mbs.GetNode(system.node_at(body, point))["referenceCoordinates"]]
     at = point.tolist() if body in system.rigid else [0.0, 0.0]
     return End([0.0] * len(reference) if whole else reference, at, system.scene.body(body).motion.angle)

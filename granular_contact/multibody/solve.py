@@ -79,7 +79,7 @@ class Solve:
         self.seconds, self._problem, self._success = 0.0, "", True
         self._restarts = False  # with other accelerations
         self._end = scene.solver.end_time_s
-        self._reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+        self._reference = system.reference
         self._views: Views | None = None
         self._senses: Senses | None = None
         self._keeper: Keeper | None = None

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from granular_contact.results import Cost, Status
 from granular_contact.results.ending import paused
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
@@ -54,6 +56,9 @@ class System:
     bed: the granular load in it, None where none is needed. loads: what acts in joints, by name; joints: all of them,
     None where nothing acts. motions: constraint objects of prescribed motions, by joint; turning: of these those that
     are between the angles of rigid bodies. turning_ends: what counts the turns of flexible links.
+
+    origin (2,) m, world frame: that of the engine's coordinates, near the mechanism. Strains are differences of
+    positions: a kilometre from the origin their round-off makes forces that no iteration gets below.
     """
 
     scene: Scene
@@ -67,6 +72,16 @@ class System:
     turning: list[Turning] = field(default_factory=list)
     turning_ends: list[TurningEnds] = field(default_factory=list)
     joints: JointActions | None = None
+    origin: Vector = field(default_factory=lambda: np.zeros(2))
+
+    @property
+    def reference(self) -> Vector:
+        """What makes the engine's coordinates (m,) those of the world frame, as trajectories have them."""
+        from granular_contact.multibody.views import reference  # here, as runs without the engine have a system, too
+
+        nodes = [rigid.node for rigid in self.rigid.values()]
+        nodes += [node for link in self.links.values() for node in link.nodes]
+        return reference(self.mbs, nodes, self.origin)
 
     def senses(self) -> Senses:
         """What reads its state in the pauses of a solve."""

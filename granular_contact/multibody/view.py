@@ -52,9 +52,7 @@ def show(system: System, trajectory: Trajectory) -> None:
 
 def playable(system: System, at: Vector, q: Vector, v: Vector) -> dict[str, Any]:
     """States at times (k,), q and v (k, m), as the engine reads them from a solution file."""
-    import exudyn as exu
-
-    moved = q - system.mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+    moved = q - system.reference
     data = np.column_stack([at, moved, v])
     return {
         "data": data,
@@ -111,5 +109,6 @@ def _medium(system: System, motion: Kinematics) -> list[Any]:
     top = system.scene.bed.height(x)
     bottom = min(float(low[1]), float(top.min())) - 0.15 * size
     z = -0.05 * size
-    strips = pairwise(zip(x, top, strict=True))
-    return [graphics.Quad([[a, bottom, z], [b, bottom, z], [b, d, z], [a, c, z]], SAND) for (a, c), (b, d) in strips]
+    strips = pairwise(zip(x - system.origin[0], top - system.origin[1], strict=True))
+    floor = bottom - system.origin[1]
+    return [graphics.Quad([[a, floor, z], [b, floor, z], [b, d, z], [a, c, z]], SAND) for (a, c), (b, d) in strips]

@@ -6,6 +6,7 @@ as a solve goes on, so that each is asked for once.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from ctypes import addressof, c_char
 from functools import cached_property
 from typing import Any
@@ -15,6 +16,17 @@ import exudyn as exu
 from granular_contact.scene.types import Vector
 
 START = exu.ConfigurationType.StartOfStep
+
+
+def reference(mbs: Any, nodes: Iterable[int], origin: Vector) -> Vector:
+    """Reference coordinates (m,) of a system; those of the nodes, which begin with x and y, in the world frame.
+
+    origin (2,) m, world frame: that of the engine's coordinates.
+    """
+    found: Vector = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+    for node in nodes:
+        found[mbs.systemData.GetNodeLTGODE2(node)[:2]] += origin
+    return found
 
 
 class Views:

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from random import Random
+from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import COMMON, State, floors, states
+
+from granular_contact.config import load_scenario
+from granular_contact.scene import build
+from validation.random_scenes.images import AWAY, shifted
+from validation.random_scenes.scenes import solve, write
+from validation.random_scenes.tracks import track
 
 FAST = settings(max_examples=80, deadline=None)
 RANDOM = st.randoms(use_true_random=False)
@@ -89,3 +98,53 @@ def test_nothing_above_the_surface(body: State, height: float) -> None:
     F, totals = above.forces()
     assert not F.any()
     assert not totals.any()
+
+
+ENDS, TOLERANCE = 0.1, 1e-5  # s; of Newton's method, the usual one
+
+
+def falling_rod(modulus: float, tolerance: float) -> dict[str, Any]:
+    """A flexible rod that flies into level sand, one end first, by fixed steps."""
+    rod = {"type": "link", "length_m": 0.3, "diameter_m": 0.012, "density_kg_m3": 7700.0}
+    start = {"angle_deg": 20.0, "rate_rad_s": -3.0, "vx_m_s": -0.9, "vy_m_s": -0.7}
+    return {
+        "model": {
+            "name": "rod",
+            "bodies": {"rod": rod | {"flexible": {"youngs_modulus_Pa": modulus}}},
+            "joints": {"root": {"type": "free", "parent": "ground", "child": "rod"}},
+        },
+        "medium": "poppy_seeds_close",
+        "bed": {"height_m": -0.11},
+        "load": {},
+        "initial": {"joints": {"root": start}},
+        "solver": {"end_time_s": ENDS, "step_s": 2e-4, "rest_time_s": None, "tolerance": tolerance},
+        "output": {"bodies": "all"},
+    }
+
+
+def apart(one: dict[str, Any], other: dict[str, Any], folder: Path) -> float:
+    """How far the rods of two scenes with the same steps are apart at most (m)."""
+    mine, theirs = (track(solve(tree, folder), tree, 0.0) for tree in (one, other))
+    return float(np.abs(mine.place - theirs.place).max())
+
+
+def free_fall(force: float, tree: dict[str, Any], folder: Path) -> float:
+    """How far a force, of those of the scene, moves its mass until the end (m), where nothing holds it."""
+    scene = build(load_scenario(write(tree, folder)))
+    return 0.5 * force * scene.force_scale / scene.mass * ENDS**2
+
+
+@pytest.mark.parametrize("modulus", [3e8, 2e11])
+def test_a_rod_that_bends_moves_as_here_a_kilometre_away(modulus: float, tmp_path: Path) -> None:
+    tree = falling_rod(modulus, TOLERANCE)
+    # Depths and stretches are of places in the world, known to the round-off of a kilometre, next to the yield
+    # displacement of 10 um: static forces are off by as much of themselves, and no more than the scene's forces.
+    off = float(np.spacing(np.hypot(*AWAY))) / 1e-5
+    assert apart(tree, shifted(tree), tmp_path) < free_fall(off, tree, tmp_path)
+
+
+def test_what_iterations_leave_moves_a_free_rod_no_further_than_their_tolerance(tmp_path: Path) -> None:
+    tree, exact = (falling_rod(3e8, tolerance) for tolerance in (TOLERANCE, 1e-3 * TOLERANCE))
+    # The tolerance is of the root mean square of 20 residuals, of which 5 push the rod the same way.
+    most = np.sqrt(20.0 * 5.0) * TOLERANCE
+    assert apart(tree, exact, tmp_path) < free_fall(float(most), tree, tmp_path)
