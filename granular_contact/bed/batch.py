@@ -48,6 +48,7 @@ class Batch:
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), COLUMNS if paths else 2))
         self.work = kernels.work(self.ends, self.anchors)
+        self._forces = self.work[1][len(self.work[1]) - kernels.KEPT * len(lines) :]  # those found last
         self.proximity = np.zeros((len(lines), 3))
         self.active = np.ones(len(lines), dtype=bool)
         self.entries = sum(len(line.coordinates) ** 2 for line in lines)  # most that a tangent has
@@ -74,7 +75,7 @@ class Batch:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
         self.reference = reference
-        self.forget()
+        self._forces[:] = np.nan
         at = (self.reference, self.active, self.ends, self.places, self.geometry)
         sand = (self.records, self.profile, self.medium, self.anchors, *self.work)
         return places(*at, *sand, self.columns, self.proximity)
@@ -96,13 +97,12 @@ class Batch:
 
     def forget(self) -> None:
         """Forces found so far are those of another state, of which kernels cannot know."""
-        self.work[1][:] = np.nan
+        self._forces[:: kernels.KEPT] = np.nan
 
     def state(self) -> tuple[NDArray[Any], ...]:
         """What accepted steps change, and the rates at which forces were asked for, which tangents look back to."""
-        kept = self.work[1][len(self.work[1]) - kernels.KEPT * len(self.lines) :]
-        rates = kept[kernels.RATES :: kernels.KEPT], kept[kernels.BEFORE :: kernels.KEPT]
-        return self.anchors, self.proximity, self.active, *rates
+        rates, before = (self._forces[row :: kernels.KEPT] for row in (kernels.RATES, kernels.BEFORE))
+        return self.anchors, self.proximity, self.active, rates, before
 
     @property
     def depths(self) -> Vector:

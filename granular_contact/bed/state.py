@@ -50,6 +50,6 @@ def batch_states(batches: Sequence[Batch]) -> tuple[BatchState, ...]:
 def restore_batches(batches: Sequence[Batch], states: Sequence[BatchState]) -> None:
     """Bring batches to their states, in the arrays that they have."""
     for batch, kept in zip(batches, states, strict=True):
-        batch.forget()
         for array, old in zip(batch.state(), kept, strict=True):
             array[:] = old
+        batch.forget()

@@ -11,8 +11,8 @@ found by their places (`lending`), in this order:
     kept                (3, m) of the iteration before, and (k,) multipliers
     kept_multipliers
     of                  (2,)
-    led, led_constraints  (DEPTH, m) and (DEPTH, k): how far from each other two iterations led,
-    bent                (DEPTH, m) by how much their changes (in speeds) differed,
+    led, led_constraints  (m, DEPTH) and (k, DEPTH): how far from each other two iterations led,
+    bent                (m, DEPTH) by how much their changes (in speeds) differed,
     products            (DEPTH, DEPTH) of these with each other
     number              (5,) whole numbers, see below
     size                (1,) of the last change of this step, 0 where there was none
@@ -26,7 +26,7 @@ from numba import types
 
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.lending import lender
-from granular_contact.kernels.memory import room1, room2
+from granular_contact.kernels.memory import clear, room1, room2
 
 # Rows of `kept`: accelerations from which the iteration under way began, those that the one before led to, its change.
 FROM, LED, CHANGE = 0, 1, 2
@@ -34,6 +34,7 @@ DEPTH = 6  # pairs of iterations that are kept
 # Of `number`: pairs there are, row of the next one, Jacobians that were computed when the last one was kept, whether
 # an iteration with the same Jacobian came before this one.
 PAIRS, NEXT, JACOBIAN, FOLLOWS, NUMBERS = 0, 1, 2, 3, 4
+SAME = 1e-6  # of a step, within which it is as long as another
 FARTHEST = 10.0  # times the change of an iteration, at most, that the next one is led elsewhere
 DAMPED = 1e-3  # share by which the products of pairs with themselves are greater: what differs little is led on less
 _row, _rows = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2))
@@ -46,7 +47,7 @@ def begin(words, of_q, of_v, forget):
     q, v, a, multipliers, of = _row(words, 0), _row(words, 1), _row(words, 2), _row(words, 3), _row(words, 9)
     a_before, multipliers_before = _row(words, 4), _row(words, 5)
     kept, number, size = _rows(words, 7), _numbers(words, 14), _row(words, 15)
-    if forget or of_v != of[1]:
+    if forget or abs(of_v - of[1]) > SAME * of_v:
         number[PAIRS], number[NEXT] = 0, 0
     of[0], of[1] = of_q, of_v
     number[FOLLOWS], size[0] = 0, 0.0
@@ -66,16 +67,17 @@ def keep_pair(words, row):
     a, multipliers, lever = _row(words, 2), _row(words, 3), _row(words, 6)
     kept, kept_multipliers = _rows(words, 7), _row(words, 8)
     led, led_constraints, bent, products = _rows(words, 10), _rows(words, 11), _rows(words, 12), _rows(words, 13)
+    sums = room1(DEPTH)
+    clear(sums)
     for i in range(a.shape[0]):
-        led[row, i] = a[i] - kept[LED, i]
-        bent[row, i] = lever[i] * (a[i] - kept[FROM, i]) - kept[CHANGE, i]
+        led[i, row] = a[i] - kept[LED, i]
+        bent[i, row] = difference = lever[i] * (a[i] - kept[FROM, i]) - kept[CHANGE, i]
+        for k in range(DEPTH):
+            sums[k] += difference * bent[i, k]
     for i in range(multipliers.shape[0]):
-        led_constraints[row, i] = multipliers[i] - kept_multipliers[i]
+        led_constraints[i, row] = multipliers[i] - kept_multipliers[i]
     for k in range(DEPTH):
-        product = 0.0
-        for i in range(a.shape[0]):
-            product += bent[row, i] * bent[k, i]
-        products[row, k] = products[k, row] = product
+        products[row, k] = products[k, row] = sums[k]
 
 
 @part
@@ -83,13 +85,14 @@ def shares(words, pairs, share):
     """Fill share (DEPTH,) with how much of each pair makes the change least; by elimination, of scaled products."""
     bent, products, kept = _rows(words, 12), _rows(words, 13), _rows(words, 7)
     A, scale = room2(DEPTH, DEPTH), room1(DEPTH)
+    clear(share)
+    for i in range(kept.shape[1]):
+        for k in range(DEPTH):
+            share[k] += bent[i, k] * kept[CHANGE, i]
     for k in range(pairs):
         scale[k] = 1.0 / math.sqrt(products[k, k]) if products[k, k] > 0.0 else 0.0
     for k in range(pairs):
-        product = 0.0
-        for i in range(kept.shape[1]):
-            product += bent[k, i] * kept[CHANGE, i]
-        share[k] = scale[k] * product
+        share[k] *= scale[k]
         for j in range(pairs):
             A[k, j] = scale[k] * scale[j] * products[k, j]
         A[k, k] = 1.0 + DAMPED
@@ -104,20 +107,20 @@ def shares(words, pairs, share):
         for j in range(k + 1, pairs):
             share[k] -= A[k, j] * share[j]
         share[k] /= A[k, k]
-    for k in range(pairs):
-        share[k] *= scale[k]
+    for k in range(DEPTH):
+        share[k] = scale[k] * share[k] if k < pairs else 0.0
 
 
 @part
-def move(words, pairs, share, change):
+def move(words, share, change):
     """Move away from where the iteration led by these shares of the pairs; change: size of its own change (m/s2)."""
     q, v, a, multipliers, of = _row(words, 0), _row(words, 1), _row(words, 2), _row(words, 3), _row(words, 9)
     lever, kept, led, led_constraints = _row(words, 6), _rows(words, 7), _rows(words, 10), _rows(words, 11)
     square = 0.0
     for i in range(a.shape[0]):
         further = 0.0
-        for k in range(pairs):
-            further -= share[k] * led[k, i]
+        for k in range(DEPTH):
+            further -= share[k] * led[i, k]
         kept[FROM, i] = further
         square += (lever[i] * further) ** 2
     most = FARTHEST * change
@@ -129,8 +132,10 @@ def move(words, pairs, share, change):
         a[i] += further
         kept[FROM, i] = a[i]
     for i in range(multipliers.shape[0]):
-        for k in range(pairs):
-            multipliers[i] -= least * share[k] * led_constraints[k, i]
+        further = 0.0
+        for k in range(DEPTH):
+            further -= share[k] * led_constraints[i, k]
+        multipliers[i] += least * further
 
 
 @kernel
@@ -165,5 +170,5 @@ def go_on(words, jacobians, gain, leads):
     if number[PAIRS] > 0:
         share = room1(DEPTH)
         shares(words, number[PAIRS], share)
-        move(words, number[PAIRS], share, change)
+        move(words, share, change)
     return slow

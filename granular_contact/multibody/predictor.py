@@ -73,6 +73,7 @@ class Predictor:
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
         self._go_on: Callable[..., Any] | None = None
         self._words = np.zeros(0, np.int64)  # where their arrays are
+        self._where: tuple[int, ...] = ()  # the engine's of them
         self._arrays: tuple[NDArray[Any], ...] = ()
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
@@ -130,22 +131,18 @@ class Predictor:
 
     def load(self, views: Views) -> None:
         """Load the kernels that begin steps and lead iterations on, for the engine's vectors."""
-        if self.lever is None:
+        if self.lever is None or self._where == views.where:
             return
+        self._where = views.where
         from granular_contact.kernels import anderson
         from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
-        size, constraints, depth = len(views.q), len(views.multipliers), anderson.DEPTH
+        size, constraints = len(views.q), len(views.multipliers)
         before = views.a_before, views.multipliers_before
         now = views.q, views.v, views.a, views.multipliers
         kept = np.zeros((3, size)), np.zeros(constraints), np.zeros(2)
-        pairs = (
-            np.zeros((depth, size)),
-            np.zeros((depth, constraints)),
-            np.zeros((depth, size)),
-            np.zeros((depth, depth)),
-        )
+        pairs = (np.zeros((rows, anderson.DEPTH)) for rows in (size, constraints, size, anderson.DEPTH))
         numbers = np.zeros(anderson.NUMBERS, np.int64), np.zeros(1)
         self._arrays = *now, *before, self.lever, *kept, *pairs, *numbers
         self._words = places(*self._arrays)
