@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -35,6 +36,10 @@ FIRST = (
     "test_html.py",
     "test_readme.py",
     "test_line_tangents.py",
+    "test_single_mode.py",
+    "test_fuzz.py",
+    "test_compiling.py",
+    "test_animation.py",
     "test_recovery.py",
     "test_sweep_cluster.py",
     "test_sweep.py",
@@ -59,3 +64,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("seek", print_blob=True)
 settings.load_profile("fixed")
+# Hypothesis also draws what stands as a number in any source loaded so far, which takes seconds to read: a change of an
+# unrelated file, or of the order of tests, would change the draws.
+if hasattr(providers, "_get_local_constants"):
+    providers._get_local_constants = providers.Constants

@@ -78,21 +78,25 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_wheel_writes_them_and_its_own_checkout_is_not_needed(wheel: Path, tmp_path: Path) -> None:
     """In a clean folder, with the unpacked wheel first on the path and no checkout in sight."""
-    environment = {**os.environ, "PYTHONPATH": str(wheel)}
-
-    def command(*arguments: str, cwd: Path) -> str:
-        line = [sys.executable, "-m", "granular_contact", *arguments]
-        return subprocess.run(line, cwd=cwd, env=environment, capture_output=True, text=True, check=True).stdout
-
-    command("examples", "out", cwd=tmp_path)
-    assert set(SOURCES) <= {p.relative_to(tmp_path / "out").as_posix() for p in (tmp_path / "out").rglob("*.yaml")}
-    where = [sys.executable, "-c", "import granular_contact; print(granular_contact.__file__)"]
-    told = subprocess.run(where, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True).stdout
-    assert told.startswith(str(wheel))
     # One of each kind: whether all are right says test_cli_check.py. A fit would compile its law for this copy alone.
-    kinds = ("pendulum", "walker_in_space", "hexapod", "paper_cases", "optimise_c_leg")
-    configs = [f"configs/{name}.yaml" for name in kinds]
     # Without their own folder of models they find those of the package.
-    for _ in "with models", "without":
-        assert command("check", *configs, cwd=tmp_path / "out").count(": ok") == len(configs)
-        shutil.rmtree(tmp_path / "out" / "models", ignore_errors=True)
+    code = """if True:
+        import os, shutil, granular_contact
+        from granular_contact.cli import main
+        assert main(["examples", "out"]) == 0
+        os.chdir("out")
+        names = ("pendulum", "walker_in_space", "hexapod", "paper_cases", "optimise_c_leg")
+        check = ["check", *(f"configs/{name}.yaml" for name in names)]
+        assert main(check) == 0
+        shutil.move("models", "elsewhere")
+        assert main(check) == 0
+        print(granular_contact.__file__)
+    """
+    environment = {**os.environ, "PYTHONPATH": str(wheel)}
+    line = [sys.executable, "-c", code]
+    done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+    out = tmp_path / "out"
+    shutil.move(out / "elsewhere", out / "models")
+    assert set(SOURCES) <= {path.relative_to(out).as_posix() for path in out.rglob("*.yaml")}
+    assert done.stdout.count(": ok") == 2 * 5
+    assert done.stdout.splitlines()[-1].startswith(str(wheel))

@@ -161,23 +161,19 @@ def part(name: str, names: set[str]) -> str:
 
 
 @cache
-def tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
-class WhenRun(ast.NodeTransformer):
-    """Leaves out what is imported for checkers of types only."""
-
-    def visit_If(self, node: ast.If) -> ast.AST | None:
-        return None if ast.unparse(node.test) == "TYPE_CHECKING" else self.generic_visit(node)
+def nodes(path: Path) -> list[ast.AST]:
+    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 @cache
 def imports(path: Path, *, when_run: bool = False) -> set[str]:
     """Dotted names of all that a file imports, inside functions too; when_run: without what only types need."""
-    found = WhenRun().visit(ast.parse(path.read_text(encoding="utf-8"))) if when_run else tree(path)
+    checks = [one for one in nodes(path) if isinstance(one, ast.If) and ast.unparse(one.test) == "TYPE_CHECKING"]
+    left_out = {node for one in checks for node in ast.walk(one)} if when_run else set()
     names: set[str] = set()
-    for node in ast.walk(found):
+    for node in nodes(path):
+        if node in left_out:
+            continue
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -244,9 +240,8 @@ def test_only_the_command_line_prints_and_exits() -> None:
     shouts = {"print", "exit", "quit", "sys.exit", "sys.stdout.write", "sys.stderr.write"}
 
     def said(path: Path) -> set[str]:
-        nodes = list(ast.walk(tree(path)))
-        calls = {ast.unparse(node.func) for node in nodes if isinstance(node, ast.Call)} & shouts
-        raised = {ast.unparse(node.exc) for node in nodes if isinstance(node, ast.Raise) and node.exc is not None}
+        calls = {ast.unparse(node.func) for node in nodes(path) if isinstance(node, ast.Call)} & shouts
+        raised = {ast.unparse(one.exc) for one in nodes(path) if isinstance(one, ast.Raise) and one.exc is not None}
         return calls | {error for error in raised if "SystemExit" in error}
 
     assert wrong(said, [path for path in MODULES if not dotted(path).startswith(("__main__", "cli"))]) == {}

@@ -179,22 +179,24 @@ def history(folder: Path) -> list[dict[str, str]]:
         return [{key: cell for key, cell in row.items() if key != "cost.solve_s"} for row in csv.DictReader(file)]
 
 
-def test_a_search_killed_goes_on_to_the_same_best(tmp_path):
+def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys):
     (tmp_path / "search.yaml").write_text(REAL, encoding="utf-8")
-    words = arguments("optimise", tmp_path / "search.yaml", "--workers", 2, "--out")
+    words = ["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out"), "--workers", "2"]
 
     def lines(out: Path) -> int:
         return sum(file.read_bytes().count(b"\n") for file in (out.with_suffix(".part") / "journal").glob("*.jsonl"))
 
-    with subprocess.Popen([*words, str(tmp_path / "out")], env=HERE, stdout=subprocess.DEVNULL) as process:
+    with subprocess.Popen(arguments(*words), env=HERE, stdout=subprocess.DEVNULL) as process:
         until(lambda: process.poll() is not None or lines(tmp_path / "out") >= 15, 100)
         process.send_signal(signal.SIGKILL)
     kept = lines(tmp_path / "out")
     assert 15 <= kept < 60
     assert not (tmp_path / "out").exists()
-    done = subprocess.run([*words, str(tmp_path / "out")], env=HERE, capture_output=True, text=True, check=True)
-    assert f"going on in {tmp_path / 'out.part'}: " in done.stdout
-    assert "better by" in done.stdout
+    monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))  # other workers go on
+    assert main(words) == 0
+    told = capsys.readouterr().out
+    assert f"going on in {tmp_path / 'out.part'}: " in told
+    assert "better by" in told
     # Undisturbed, from Python, on one worker.
     settings = {"method": {"reduced": {"modes": 0}}, "output": {"figures": False}}
     whole = granular_contact.optimise(

@@ -15,7 +15,7 @@ from validation.fuzzing.judgement import judge
 from validation.fuzzing.mutations import damaged
 from validation.fuzzing.scenarios import scenario
 
-COUNT = 300
+COUNT = 150
 
 
 def test_no_case_offends() -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from granular_contact.studies.sweep import WorkerPool
 from validation import sensitivity as study
 
 SIX, ONE_IMPACT = (design.name for design in study.DESIGNS)
@@ -13,7 +15,9 @@ SIX, ONE_IMPACT = (design.name for design in study.DESIGNS)
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, list[study.Indices]]:
-    return {design.name: study.indices(design, study.QUICK_COUNT) for design in study.DESIGNS}
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(study, "WorkerPool", lambda: WorkerPool(1, ThreadPoolExecutor))
+        return {design.name: study.indices(design, study.QUICK_COUNT) for design in study.DESIGNS}
 
 
 def held(found: dict[str, list[study.Indices]]) -> dict[str, bool]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from granular_contact.studies.sweep import WorkerPool
 from validation import single_mode_vs_fe as study
 from validation.single_mode.cases import DENSITY, DIAMETER, EI, HUB, LENGTH, Case, Point, frequencies, shortfall
 from validation.single_mode.numbers import NUMBERS, fit, misjudged
@@ -97,7 +99,8 @@ def test_case_that_the_beams_leave_in_doubt_is_not_judged() -> None:
     assert not made_up(1.0, None, doubt=0.3).known("one", "travel")
 
 
-def test_quick_form_holds() -> None:
+def test_quick_form_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("validation.single_mode.cases.sweep.WorkerPool", lambda: WorkerPool(1, ThreadPoolExecutor))
     outcome = study.study(True)
     assert [str(claim) for claim in outcome.claims if not claim.held] == []
     assert len({claim.name for claim in outcome.claims}) == len(outcome.claims) >= 8
