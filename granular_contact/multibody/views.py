@@ -24,7 +24,7 @@ def reference(mbs: Any, nodes: Iterable[int], origin: Vector) -> Vector:
     origin (2,) m, world frame: that of the engine's coordinates.
     """
     found: Vector = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
-    for node in nodes:
+    for node in {int(node) for node in nodes}:
         found[mbs.systemData.GetNodeLTGODE2(node)[:2]] += origin
     return found
 
