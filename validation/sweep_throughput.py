@@ -255,8 +255,8 @@ def key_numbers(sweep: Sweep, cases: list[Case]) -> None:
 
 
 def together(sweep: Sweep, cases: list[Case], threads: int = 1) -> None:
-    """The same, marched together."""
-    builder = Builder()
+    """The same, marched together, as a worker of a sweep does it."""
+    builder = Builder(sweep.base)
 
     def some(first: int) -> None:
         summaries_of([builder(sweep.scenario(case)) for case in cases[first : first + CHUNK]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from granular_contact.config import allowed
 from granular_contact.config.compose import MAX_DEPTH
@@ -30,7 +31,12 @@ class Override:
     @property
     def is_reference(self) -> bool:
         """Whether it must be applied before the model and the medium are read."""
-        return tuple(key for key in self.path if not key.isdecimal()) in _REFERENCES
+        return _is_reference(self.path)
+
+
+@lru_cache(maxsize=1024)
+def _is_reference(path: tuple[str, ...]) -> bool:
+    return tuple(key for key in path if not key.isdecimal()) in _REFERENCES
 
 
 def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:

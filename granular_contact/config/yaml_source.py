@@ -5,6 +5,7 @@ All problems become faults: a file that can't be read at all is one fault, and a
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path as FilePath
 
 import yaml
@@ -54,8 +55,17 @@ def read_file(path: FilePath, faults: list[Fault]) -> Node:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         faults.append(whole.fault((), f"can't be read: {reason}"))
     else:
-        return read_text(text, str(path), faults)
+        node, found = _read(text, str(path))
+        faults += found
+        return node
     return Broken(whole)
+
+
+@lru_cache(maxsize=16)
+def _read(text: str, file: str) -> tuple[Node, tuple[Fault, ...]]:
+    """Tree of the text of a file, with its faults; models and media are read for one config after another."""
+    faults: list[Fault] = []
+    return read_text(text, file, faults), tuple(faults)
 
 
 def read_text(text: str, file: str, faults: list[Fault], path: Path = (), numbered: bool = True) -> Node:

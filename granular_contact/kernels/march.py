@@ -182,6 +182,30 @@ def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
 
 
 @part
+def end_with_regime(y, h, s, w, k, sigma, totals, C, end, counts, stopped):
+    """Let a step from y over h (s), as C, end where its regime does, if it does; its length, and theta of `regime_end`.
+
+    The interpolant is less exact than the step: step there, and look once more. If the end lies just behind, the next
+    step finds it near its start, where its interpolant is exact.
+    """
+    if not w.pendulum[0].true_sign:
+        return h, 2.0
+    theta = regime_end(C, s, w, stopped)
+    if theta > 1.0:
+        return h, theta
+    h *= theta
+    step(y, h, s, w, k, sigma, totals, end)
+    counts[RATES] += STAGES - 1
+    interpolant(y, h, k, C)
+    theta = regime_end(C, s, w, stopped)
+    if theta <= 1.0:
+        h *= theta
+        shorten(C, theta)
+        inside(C, 1.0, end)
+    return h, theta
+
+
+@part
 def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, turns, room):
     """Step on from y until one of the reasons above; at most `share` steps. Everything passed in is kept up to date.
 
@@ -203,34 +227,18 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
         if h == 0.0:
             return FAILED
         interpolant(y, h, k, C)
-        theta = 2.0
-        if w.pendulum[0].true_sign:
-            theta = regime_end(C, s, w, stopped)
-            if theta <= 1.0:
-                # The interpolant is less exact than the step: step there, and look once more. If the end lies just
-                # behind, the next step finds it near its start, where its interpolant is exact.
-                h *= theta
-                step(y, h, s, w, k, sigma, totals, end)
-                counts[RATES] += STAGES - 1
-                interpolant(y, h, k, C)
-                theta = regime_end(C, s, w, stopped)
-        if theta <= 1.0:
-            h *= theta
-            shorten(C, theta)
-            inside(C, 1.0, end)
+        h, theta = end_with_regime(y, h, s, w, k, sigma, totals, C, end, counts, stopped)
         finish(clock[NOW], h, C, s, w, c, rows, counts, watch)
-        for i in range(y.shape[0]):
-            y[i] = end[i]
+        copy(y, end)
         clock[NOW] += h
         counts[STEPS] += 1
-        # The last slope is that of the end, where bristles that were dragged along pull as they did.
         known = theta > 1.0
-        if known:
-            copy(piece(k, 0, k.shape[1]), piece(k, STAGES - 1, k.shape[1]))
-        if theta <= 1.0:
+        if not known:
             if not turn(y, s, w, c, clock, counts, stopped, turns):
                 return CHATTERING
             continue
+        # The last slope is that of the end, where bristles that were dragged along pull as they did.
+        copy(piece(k, 0, k.shape[1]), piece(k, STAGES - 1, k.shape[1]))
         if rests(y, s, w, c, clock):
             return REST
         if clock[NOW] >= c.end * (1.0 - 1e-14):

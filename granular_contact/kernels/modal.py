@@ -33,7 +33,7 @@ def modal_stations(q, v, geometry, P, V):
     place_stations(math.cos(q[0]), math.sin(q[0]), q, v, geometry, P, V)
 
 
-@part
+@part(inline=True)
 def place_stations(c, s, q, v, geometry, P, V):
     """`modal_stations` with the cosine and the sine of q_1."""
     for i in range(geometry.shape[0]):
@@ -49,7 +49,7 @@ def place_stations(c, s, q, v, geometry, P, V):
         V[i, 1] = -along_rate * s - across_rate * c
 
 
-@part
+@part(inline=True)
 def modal_scatter(c, s, q, geometry, P, F, out):
     """Add the generalised forces J^T F of station forces F (n, 2) N to out (n + 1,); c, s: cosine and sine of q_1."""
     for i in range(P.shape[0]):
@@ -62,7 +62,7 @@ def modal_scatter(c, s, q, geometry, P, F, out):
             out[k] += geometry[i].phi[k - 1] * across
 
 
-@part
+@part(inline=True)
 def within_reach(c, s, q, geometry, surface):
     """First station of a line that may be at the end of an immersed strip, and how many may from there on.
 

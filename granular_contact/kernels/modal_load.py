@@ -48,13 +48,13 @@ def lent(w):
     )  # fmt: skip
 
 
-@part
+@part(inline=True)
 def stations_of(w, r):
     """Stations of a line."""
     return rows(w.geometry, w.starts[r], w.starts[r + 1] - w.starts[r])
 
 
-@part
+@part(inline=True)
 def anchors_of(w, r):
     """Anchors (n, 2) m of a line."""
     return rows(w.anchors, w.starts[r], w.starts[r + 1] - w.starts[r])
@@ -77,7 +77,7 @@ def aim(P, pivot, modes, sigma, anchors):
             anchors[i, 1] = y - sigma[1]
 
 
-@part
+@part(inline=True)
 def load(q, v, sigma, w, totals, Q):
     """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
     pendulum = w.pendulum[0]

@@ -13,7 +13,7 @@ import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.memory import piece, rows
-from granular_contact.kernels.modal import modal_stations
+from granular_contact.kernels.modal import modal_stations, place_stations, within_reach
 
 # Of found (runs, lines, 8). Of what is below the surface: greatest speed (m/s), least and greatest x (m), where the
 # half width of the line counts. Of all stations: greatest depth at a row, least height (m). Of the ends that count:
@@ -58,14 +58,14 @@ def turns(c1, c2, c3):
     return (y, x) if y < x else (x, y)
 
 
-@part
+@part(inline=True)
 def bound(a, b, a_rate, b_rate):
     """What a step's cubic does not pass."""
     more = max(a_rate, 0.0) + max(-b_rate, 0.0)
     return max(a, b) + SHARE * more + ROUND_OFF * (abs(a) + abs(b))
 
 
-@part
+@part(inline=True)
 def greatest(a, b, a_rate, b_rate, best):
     """The greatest value inside a step that is above `best`, and its place; `best` and `NOT_IN_STEP` for none."""
     where = NOT_IN_STEP
@@ -101,7 +101,7 @@ def crossing(a, b, a_rate, b_rate):
     return NOT_IN_STEP
 
 
-@part
+@part(inline=True)
 def note(P, V, i, z, beside, found):
     """Take on the extremes of a station at depth z (m); roots are taken where they may be needed."""
     found[DEEPEST], found[LOWEST] = max(found[DEEPEST], z), min(found[LOWEST], P[i, 1])
@@ -119,34 +119,71 @@ def note(P, V, i, z, beside, found):
 
 
 @part
+def place_some(row, m, geometry, every, surface, P, V):
+    """Place the stations of a line that may count, and give those between its ends: the first, and the one behind.
+
+    Of a straight line these are what may be immersed: ends of it, or of what is immersed, have all that is greatest.
+    """
+    n, q, v = geometry.shape[0], rows(row, 1, m), rows(row, 1 + m, m)
+    if every == 1:
+        modal_stations(q, v, geometry, P, V)
+        return 0, n
+    c, s = math.cos(q[0]), math.sin(q[0])
+    first, some = within_reach(c, s, q, geometry, surface)
+    for k, count in ((0, 1), (first, some), (n - 1, 1)):
+        place_stations(c, s, q, v, rows(geometry, k, count), rows(P, k, count), rows(V, k, count))
+    return first, first + some
+
+
+@part(inline=True)
+def next_place(i, first, behind, n):
+    """The station of a line to be looked at after the i-th, see `place_some`; n behind its last."""
+    i += 1
+    if i < first:
+        i = first
+    return n - 1 if behind <= i < n else i
+
+
+@part
 def look_at_line(table, m, geometry, every, surface, beside, drop, P, V, before, depths, found):
     """One line over the rows of a run; before (stations, 2): to work in."""
+    n = geometry.shape[0]
     for t in range(table.shape[0]):
         now, h = table[t, 0], 0.0 if t == 0 else table[t, 0] - table[t - 1, 0]
-        row, touched = piece(table, t, table.shape[1]), NOT_IN_STEP
-        modal_stations(rows(row, 1, m), rows(row, 1 + m, m), geometry, P, V)
-        end = 0
-        for i in range(geometry.shape[0]):
+        touched = NOT_IN_STEP
+        first, behind = place_some(piece(table, t, table.shape[1]), m, geometry, every, surface + drop, P, V)
+        i = 0
+        while i < n:
             z, rate = surface - P[i, 1] + drop, -V[i, 1]
             note(P, V, i, z, beside, found)
-            if i < end:
-                continue
-            end += every
-            depths[t] = max(depths[t], z)
-            if z > found[GREATEST]:
-                found[GREATEST], found[WHEN] = z, now
-            if t == 0:
-                touched = 0.0 if z > 0.0 else touched
-            else:
-                a, a_rate, b_rate = before[i, 0], h * before[i, 1], h * rate
-                best, where = greatest(a, z, a_rate, b_rate, found[GREATEST])
-                if where < NOT_IN_STEP:
-                    found[GREATEST], found[WHEN] = best, now - h + h * where
-                if np.isnan(found[TOUCH]):
-                    touched = min(touched, crossing(a, z, a_rate, b_rate))
-            before[i, 0], before[i, 1] = z, rate
+            if every == 1 or i == 0 or i == n - 1:
+                touched = min(touched, look_at_end(now, h, z, rate, piece(before, i, 2), found))
+                depths[t] = max(depths[t], z)
+            i = next_place(i, first, behind, n)
         if touched < NOT_IN_STEP:
             found[TOUCH] = now - h + h * touched
+
+
+@part(inline=True)
+def look_at_end(now, h, z, rate, before, found):
+    """Take on the depth of an end and its rate at a row, h (s) after the one before; where in between it touches.
+
+    before (2,): both at that row; h is 0 at the first row.
+    """
+    touched = NOT_IN_STEP
+    if z > found[GREATEST]:
+        found[GREATEST], found[WHEN] = z, now
+    if h == 0.0:
+        touched = 0.0 if z > 0.0 else touched
+    else:
+        a, a_rate, b_rate = before[0], h * before[1], h * rate
+        best, where = greatest(a, z, a_rate, b_rate, found[GREATEST])
+        if where < NOT_IN_STEP:
+            found[GREATEST], found[WHEN] = best, now - h + h * where
+        if np.isnan(found[TOUCH]):
+            touched = crossing(a, z, a_rate, b_rate)
+    before[0], before[1] = z, rate
+    return touched
 
 
 @part

@@ -46,7 +46,7 @@ PENDULUM = np.dtype(
 )
 
 
-@part
+@part(inline=True)
 def inertia(q, pendulum):
     """M_11 (kg m2): moment of inertia about the pivot, with the deflection."""
     total = pendulum.J
@@ -55,7 +55,7 @@ def inertia(q, pendulum):
     return total
 
 
-@part
+@part(inline=True)
 def momentum(q, v, pendulum):
     """Angular momentum about the pivot (kg m2/s), clockwise."""
     total = inertia(q, pendulum) * v[0]
@@ -64,7 +64,7 @@ def momentum(q, v, pendulum):
     return total
 
 
-@part
+@part(inline=True)
 def own_forces(q, v, pendulum, h):
     """Fill h (n + 1,): generalised forces of inertia, gravity, elasticity and internal damping."""
     cos, sin = math.cos(q[0]), math.sin(q[0])
@@ -78,7 +78,7 @@ def own_forces(q, v, pendulum, h):
     h[0] = -growth * v[0] + pendulum.g * (pendulum.S_e * cos - static * sin)
 
 
-@part
+@part(inline=True)
 def accelerate(q, f, pendulum):
     """Replace generalised forces f (n + 1,) by the accelerations M^-1 f."""
     reduced, rest = inertia(q, pendulum), f[0]
@@ -91,7 +91,7 @@ def accelerate(q, f, pendulum):
         f[1 + i] = (f[1 + i] - pendulum.c[i] * f[0]) / pendulum.m
 
 
-@part
+@part(inline=True)
 def damping_power(v, pendulum):
     """Power of the internal damping (W), never positive."""
     power = 0.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,18 +13,17 @@ from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import PendulumArrays
 from granular_contact.laws.static_friction import Elastoplastic
-from granular_contact.reduced.model import Bar, Model
+from granular_contact.reduced.model import Model
 
 # The true sign is aimed, not computed from a bristle: see `kernels.modal_load`.
 AIMED = Elastoplastic(yield_displacement=1.0, damping_time=0.0)
 STILL = 1e-10  # what counts as no speed, of the speed of the scene
-STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 
 
 def arrays_of(reduced: Model) -> PendulumArrays:
     """Mass properties, and stations, lines and medium of all that can reach the surface."""
     scene = reduced.scene
-    meets = [(reduced.bars[i], reduced.stations[i]) for i in met(reduced)]
+    meets = [(reduced.bars[i], reduced.stations[i]) for i in reduced.met]
     starts = np.cumsum([0, *(len(stations) for _, stations in meets)])
     geometry, lines = np.zeros(starts[-1], MODAL_STATION), np.zeros(len(meets), LINE)
     for i, (bar, stations) in enumerate(meets):
@@ -67,12 +65,7 @@ def stacked(several: Sequence[Model]) -> PendulumArrays:
 def _differs_in_numbers(one: Model, other: Model) -> bool:
     """Whether models of the same parts meet media of one law with the same of these parts."""
     alike = one.mechanics is other.mechanics and list(map(type, one.scene.media)) == list(map(type, other.scene.media))
-    return alike and one.scene.static == other.scene.static and met(one) == met(other)
-
-
-def met(reduced: Model) -> tuple[int, ...]:
-    """Places of the bars that can reach the surface."""
-    return tuple(i for i, bar in enumerate(reduced.bars) if _reaches(reduced, bar))
+    return alike and one.scene.static == other.scene.static and one.met == other.met
 
 
 def _law(reduced: Model) -> NDArray[np.void]:
@@ -106,12 +99,3 @@ def _pendulum(reduced: Model) -> NDArray[np.void]:
     record = reduced.mechanics.copy()
     record["still"] = STILL * reduced.speed
     return record
-
-
-def _reaches(reduced: Model, bar: Bar) -> bool:
-    """Whether a part can get below the surface, however the pendulum turns and its link bends."""
-    scene = reduced.scene
-    if not scene.media:
-        return False
-    reach = max(math.hypot(*bar.start), math.hypot(*bar.end))
-    return bool(reduced.view.pivot[1] - STRETCH * reach < scene.surface)

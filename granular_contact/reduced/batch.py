@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import PendulumArrays
 from granular_contact.reduced import energies
-from granular_contact.reduced.arrays import met, stacked
+from granular_contact.reduced.arrays import stacked
 from granular_contact.reduced.looks import known
 from granular_contact.reduced.marching import SHARE, SHORT, ahead, allowed, begin, control, room, started
 from granular_contact.reduced.model import Model
@@ -75,7 +75,7 @@ def _alike(models: Sequence[Model]) -> Iterator[list[int]]:
 
 def _sizes(model: Model) -> object:
     strips = tuple((bar.strips, bar.bends) for bar in model.bars)
-    return model.size, model.method.static, met(model), strips, len(model.lines.points), bool(model.scene.media)
+    return model.size, model.method.static, model.met, strips, len(model.lines.points), bool(model.scene.media)
 
 
 def _summaries(group: Sequence[Model]) -> list[dict[str, Any]]:

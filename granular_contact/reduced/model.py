@@ -19,6 +19,7 @@ from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene
 
 # Wavelengths need strips: so many for each mode, where the scene has fewer.
 STRIPS_PER_MODE = 4
+STRETCH = 1.02  # a bent link may reach a little farther than a straight one
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,15 @@ class Model:
         record["k"][0, :n] = link.bending_stiffness * bending
         record["d"][0, :n] = link.bending_damping * bending
         return record
+
+    @cached_property
+    def met(self) -> tuple[int, ...]:
+        """Places of the bars that can get below the surface, however the pendulum turns and its link bends."""
+        scene = self.scene
+        if not scene.media or scene.surface is None:
+            return ()
+        reach = (self.view.pivot[1] - scene.surface) / STRETCH
+        return tuple(i for i, bar in enumerate(self.bars) if max(math.hypot(*bar.start), math.hypot(*bar.end)) > reach)
 
     @cached_property
     def stations(self) -> tuple[NDArray[np.void], ...]:

@@ -6,6 +6,7 @@ Masses, shapes and joints follow from the model. Many runs of one model need the
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,8 +16,8 @@ from granular_contact.config import schema
 from granular_contact.config.differences import same_but
 from granular_contact.errors import Fault, SceneError
 from granular_contact.scene.bed import bed
+from granular_contact.scene.build import End, ends_of, verified
 from granular_contact.scene.build import built as built_anew
-from granular_contact.scene.build import ends_of, verified
 from granular_contact.scene.checks import beyond_numbers
 from granular_contact.scene.reduced_support import medium_obstacles
 from granular_contact.scene.types import InitialMotion, Joint, Reduced, Scene, Vector, rotation
@@ -37,18 +38,23 @@ class Builder:
     """
 
     def __init__(self, base: schema.Scenario | None = None) -> None:
-        self._base, self._scene = base, None if base is None else _or_none(base)
+        self._base = base
+        self._begin_with(None if base is None else _or_none(base))
+
+    def _begin_with(self, scene: Scene | None) -> None:
+        self._scene = scene
+        self._ends: Sequence[End] = () if scene is None else ends_of(scene.rigid, scene.links)
 
     def __call__(self, scenario: schema.Scenario) -> Scene:
         """The scene; raises SceneError as `scene.build`."""
-        found = None if self._scene is None else again(self._scene, scenario)
+        found = None if self._scene is None else again(self._scene, self._ends, scenario)
         made = built_anew(scenario) if found is None else found
         if self._scene is None and self._base is None:
-            self._scene = made
+            self._begin_with(made)
         return made
 
     def __getstate__(self) -> dict[str, Any]:  # another process begins anew
-        return {"_base": None, "_scene": None}
+        return {"_base": None, "_scene": None, "_ends": ()}
 
 
 def _or_none(scenario: schema.Scenario) -> Scene | None:
@@ -59,8 +65,10 @@ def _or_none(scenario: schema.Scenario) -> Scene | None:
         return None
 
 
-def again(like: Scene, scenario: schema.Scenario) -> Scene | None:
+def again(like: Scene, ends: Sequence[End], scenario: schema.Scenario) -> Scene | None:
     """The scene of a scenario from one that is like it; None where more than the medium and the strike differ.
+
+    ends: what a medium may act on, of the scene that it is like.
 
     Raises
     ------
@@ -72,7 +80,7 @@ def again(like: Scene, scenario: schema.Scenario) -> Scene | None:
         return None
     faults = list[Fault]()
     turn = _Turn.of(like, scenario.initial)
-    placed = bed(scenario, [turn.place(end.world) - (0.0, end.drop) for end in ends_of(like.rigid, like.links)], faults)
+    placed = bed(scenario, [turn.place(end.world) - (0.0, end.drop) for end in ends], faults)
     if faults:
         raise SceneError(faults)
     made = replace(

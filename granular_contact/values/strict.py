@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Annotated, Any, get_args
 
 import yaml
@@ -89,10 +90,16 @@ def form(value: Any) -> str | None:
     return next((name for name, kind in _FORMS.items() if isinstance(value, kind)), None)
 
 
+@lru_cache(maxsize=1024)
+def _is_lost(text: str) -> bool:
+    """Whether PyYAML writes a text without quotes that this package reads as something else."""
+    written_plain = _RESOLVER.resolve(yaml.ScalarNode, text, (True, False)) == "tag:yaml.org,2002:str"
+    return written_plain and not isinstance(resolve(text), str)
+
+
 def _survives_a_file(text: str) -> str:
     """Refuse a text such as `1e3`, which PyYAML writes without quotes and this package would read as a number."""
-    written_plain = _RESOLVER.resolve(yaml.ScalarNode, text, (True, False)) == "tag:yaml.org,2002:str"
-    if written_plain and not isinstance(resolve(text), str):
+    if _is_lost(text):
         raise refusal([((), f"got the text {text!r}, which reads as a number without its quotes; add a letter")])
     return text
 
