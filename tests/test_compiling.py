@@ -59,7 +59,6 @@ SOLVERS = {
         "solver.rest_time_s=null",
     ),
     "minimal": ("double_pendulum", "method={minimal: {}}"),
-    "reduced": ("pendulum", "method.reduced.modes=0"),
     "reduced, bristles": ("pendulum", "method.reduced={modes: 1, static: elastoplastic}"),
     "reduced, true sign, modes": ("pendulum", "method.reduced={modes: 1, static: true_sign}"),
     "reduced, by scipy": ("pendulum", "method.reduced={modes: 0, integrator: DOP853}"),

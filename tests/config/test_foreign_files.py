@@ -47,13 +47,12 @@ def faults(path: Path, text: str) -> list[str]:
     return [str(fault) for fault in caught.value.faults]
 
 
-@pytest.mark.parametrize("keys", [100, 900])
-def test_a_grid_of_a_great_many_dimensions_is_told_in_short(tmp_path: Path, keys: int) -> None:
-    values = "".join(f"  medium.eta_d.k{i}: [{', '.join(['1'] * 1000)}]\n" for i in range(keys) if i < 120)
+def test_a_grid_of_a_great_many_dimensions_is_told_in_short(tmp_path: Path) -> None:
+    values = "".join(f"  medium.eta_d.k{i}: [{', '.join(['1'] * 1000)}]\n" for i in range(120))
     (line,) = faults(tmp_path / "grid.yaml", f"{SWEEP}vary:\n{values}")
     assert len(line) < 300
     assert "at most 100000 are allowed" in line
-    assert f"and {min(keys, 120) - 6} more" in line
+    assert "and 114 more" in line
 
 
 def test_unequal_columns_of_a_zip_are_told_in_short(tmp_path: Path) -> None:
