@@ -42,9 +42,7 @@ def steer(run: Steered, control: Controller, control_rate_Hz: float, end: float,
 
     Raises ControlError where the rate is no number above 0; what the controller raises ends the run.
     """
-    rate = finite(control_rate_Hz)
-    if rate is None or rate <= 0.0:
-        raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
+    rate = checked_rate(control_rate_Hz)
     seen, calls = run.observe(), 0
     began = seen.time
     while run.ended is None:
@@ -57,6 +55,14 @@ def steer(run: Steered, control: Controller, control_rate_Hz: float, end: float,
             run.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
         if progress is not None:
             progress(seen.time, end)
+
+
+def checked_rate(control_rate_Hz: Any) -> float:
+    """A rate as a number; ControlError where it is none above 0."""
+    rate = finite(control_rate_Hz)
+    if rate is None or rate <= 0.0:
+        raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
+    return rate
 
 
 def _words(error: Exception) -> str:

@@ -269,7 +269,10 @@ class Simulation:
 
     def _named(self, controls: Any) -> dict[str, Any]:
         """Controls that were given in their order."""
-        values = np.asarray(controls)
+        try:
+            values = np.asarray(controls)
+        except ValueError:  # rows of different lengths
+            raise ControlError(f"controls: got {controls!r:.80}, allowed is one number for each control") from None
         if values.shape != (len(self.controls),):
             names = ", ".join(self.controls) or "none"
             raise ControlError(f"controls: got the shape {values.shape}, allowed is ({len(self.controls)},): {names}")

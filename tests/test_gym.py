@@ -155,8 +155,17 @@ def test_what_can_not_be_set_is_told() -> None:
         arm(observation=("knee",))
     with pytest.raises(ControlError, match="render_mode"):
         arm(render_mode="human")
+    for rate in (0, -5.0, np.nan, "50"):
+        with pytest.raises(ControlError, match=f"control_rate_Hz: got {rate!r}, allowed is a finite number above 0"):
+            arm(control_rate_Hz=rate)
+    for how in (3, (1.0,), (0.4, np.nan)):
+        with pytest.raises(ControlError, match=r"vary: medium.zeta: got .* allowed is"):
+            arm(vary={"medium.zeta": how})
     env = arm()
     env.reset(seed=1)
+    for words in ("left", [[1.0], [2.0, 3.0]]):
+        with pytest.raises(ControlError, match=r"action: got .* allowed is an array of numbers"):
+            env.step(words)  # type: ignore[arg-type]
     with pytest.raises(ControlError, match=r"action: got the shape \(2,\), allowed is \(1,\)"):
         env.step(np.zeros(2))
     for bad in (np.nan, np.inf):

@@ -79,7 +79,7 @@ MAY = {
         "laws",
         "errors",
     },
-    "gym": {"gym", "simulation", "config", "examples", "report.figures", "results", "errors"},
+    "gym": {"gym", "simulation", "controllers", "config", "examples", "report.figures", "results", "errors"},
     "report": {"report", "results", "report.figures"},
     "report.figures": {"report.figures", "report", "results"},
     "report.pages": {

@@ -277,6 +277,7 @@ BAD: tuple[tuple[Any, Any, str], ...] = (
     ({"knee_torque_Nm": "much"}, 0.01, "knee_torque_Nm: got 'much'"),
     ([1.0, 2.0, 3.0], 0.01, r"got the shape \(3,\), allowed is \(2,\): hip_angle_deg, knee_torque_Nm"),
     ([1.0, np.inf], 0.01, "knee_torque_Nm: got inf"),
+    ([[1.0], [2.0, 3.0]], 0.01, r"controls: got \[\[1.0\], \[2.0, 3.0\]\], allowed is one number for each"),
     ({}, 0.0, "dt: got 0.0, allowed is a time of at least"),
     ({}, np.nan, "dt: got nan"),
     ({}, True, "dt: got True"),

@@ -13,6 +13,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from granular_contact.config import Loaded, Scenario, load
+from granular_contact.controllers import checked_rate, finite
 from granular_contact.errors import ControlError
 from granular_contact.results import FINISHED
 from granular_contact.results.observed import Observations
@@ -59,7 +60,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
     Raises
     ------
     ControlError
-        There is nothing to set, or a drive has no range.
+        There is nothing to set, or a drive has no range; the rate is no number above 0; what to vary is no range.
     ConfigError, SceneError, SolveError
         As of `load` and `Simulation`.
     """
@@ -79,11 +80,15 @@ class GranularEnv(gymnasium.Env[Array, Array]):
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ControlError(f"render_mode: got {render_mode!r}, allowed are rgb_array and None")
+        pause = 1.0 / checked_rate(control_rate_Hz)
+        for key, how in (vary or {}).items():
+            if not callable(how) and (np.shape(how) != (2,) or None in map(finite, how)):
+                raise ControlError(f"vary: {key}: got {how!r}, allowed is (least, greatest) or a function")
         scenario = config if isinstance(config, Scenario | Loaded) else load(config)
         self.simulation = Simulation(scenario)
         self.render_mode, self.metadata = render_mode, self.metadata | {"render_fps": control_rate_Hz}
         self._observation, self._reward, self._terminated = observation, reward, terminated
-        self._pause, self._vary = 1.0 / control_rate_Hz, dict(vary or {})
+        self._pause, self._vary = pause, dict(vary or {})
         bounds = self.simulation.bounds
         if not len(bounds) or not np.isfinite(bounds).all():
             names = [name for name, pair in zip(self.simulation.controls, bounds, strict=True) if np.isinf(pair).any()]
@@ -147,7 +152,10 @@ class GranularEnv(gymnasium.Env[Array, Array]):
             The action has another shape or is not finite, or as of `Simulation.step`.
         """
         before = self._seen
-        given = np.asarray(action, float)
+        try:
+            given = np.asarray(action, float)
+        except (TypeError, ValueError):
+            raise ControlError(f"action: got {action!r:.80}, allowed is an array of numbers") from None
         if given.shape != self._middle.shape:
             raise ControlError(f"action: got the shape {given.shape}, allowed is {self._middle.shape}")
         self._seen = self.simulation.step(self._middle + self._half * given, self._pause)
