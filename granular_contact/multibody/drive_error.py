@@ -1,4 +1,4 @@
-"""Whether the greatest torques and forces of drives are resolved by the steps."""
+"""Whether the greatest torques, forces and powers of drives are resolved by the steps."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from granular_contact.scene.types import Scene
 
 # Of the greatest force, what it falls by in the steps before and after it together; of chosen steps times the accuracy.
 SHARP, ASKED = 0.1, 20.0
+RISING = 0.02  # of the greatest power, what it grows by in the last step
 
 
 def drive_warnings(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[AccuracyWarning]:
@@ -22,6 +23,7 @@ def drive_warnings(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[Accu
     looked at as a signal (see `accuracy`), and at its limit a controller's greatest force is known.
     """
     allowed = max(SHARP, ASKED * (scene.solver.accuracy or 0.0))
+    yield from _powers(scene, driven)
     for drive in scene.drives:
         force = driven[drive.joint].force
         top = int(np.abs(force).argmax())
@@ -37,4 +39,23 @@ def drive_warnings(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[Accu
             unit = "N" if scene.joint(drive.joint).kind == "slider" else "N m"
             said = f"the greatest force of the drive of {drive.joint}, {abs(greatest):.3g} {unit}, is not resolved: in"
             said += f" the steps before and after it it is smaller by {share(falls)} of itself together"
+            yield AccuracyWarning(f"{said}; {remedy(scene)}")
+
+
+def _powers(scene: Scene, driven: Mapping[str, Driving]) -> Iterator[AccuracyWarning]:
+    """Sentences on drives whose greatest power is that at the end of a run by fixed steps, and still rises.
+
+    What comes within a step, as sand that lets go, is known to a step, and so is how far such a rise gets. Before a
+    greatest power within the run it only shifts its instant.
+    """
+    if scene.solver.accuracy is not None:
+        return
+    for drive in scene.drives:
+        power = driven[drive.joint].power
+        rises = float(power[-1] - power[-2]) if len(power) > 1 else 0.0
+        if power[-1] == power.max() > 0.0 and rises > RISING * power[-1]:
+            said = (
+                f"the greatest power of the drive of {drive.joint}, {power[-1]:.3g} W, is that at the end of the run,"
+            )
+            said += f" where it rises by {share(rises / float(power[-1]))} in a step, and is known no better"
             yield AccuracyWarning(f"{said}; {remedy(scene)}")

@@ -173,6 +173,27 @@ def test_a_greatest_force_that_steps_do_not_resolve_is_told(
     assert all(told in one.sentence for one in said)
 
 
+@pytest.mark.parametrize(
+    ("power", "accuracy", "told"),
+    [
+        ((0.2, 0.5, 0.97, 1.0), None, "1 W, is that at the end of the run, where it rises by 3"),
+        ((0.2, 0.5, 0.97, 1.0), 1e-3, ""),  # chosen steps may be as long as it takes
+        ((0.2, 0.5, 0.99, 1.0), None, ""),
+        ((0.2, 1.0, 0.96, 0.99), None, ""),
+        ((-0.2, -0.9, -0.3, -0.2), None, ""),
+    ],
+)
+def test_a_greatest_power_that_still_rises_at_the_end_is_told(
+    power: tuple[float, ...], accuracy: float | None, told: str
+) -> None:
+    scene = build(load(tree_of(FLAT["slider on what turns"], False)))
+    scene = replace(scene, solver=scene.solver.model_copy(update={"accuracy": accuracy}), drives=scene.drives[:1])
+    force = np.ones(len(power))
+    said = list(drive_warnings(scene, {"rail": Driving(force, np.array(power), force)}))
+    assert len(said) == bool(told)
+    assert all(told in one.sentence for one in said)
+
+
 @pytest.mark.parametrize("lasts", [9e-5, 2e-3])
 def test_a_controller_faster_than_the_steps_is_told(lasts: float) -> None:
     """It takes up a mass within half a step, or within 2 ms: the force comes from nothing, and is least later."""
