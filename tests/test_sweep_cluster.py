@@ -7,9 +7,10 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -213,6 +214,24 @@ def test_a_scheduler_that_does_not_answer_is_named(listening, tmp_path, monkeypa
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"--scheduler {address}: no Dask scheduler answers (")
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_result_that_is_lost_with_its_worker_is_a_lost_task():
+    """Its task had ended; distributed's own executor would leave whoever waits for it waiting."""
+    from distributed import KilledWorker
+
+    class Client:
+        def submit(self, *_, **__):
+            return self
+
+        def add_done_callback(self, call):
+            call(self)
+
+        def result(self):
+            raise KilledWorker("work", SimpleNamespace(address="tcp://127.0.0.1:2"), 0)
+
+    outcome = cluster._ClusterExecutor(Client(), "tcp://127.0.0.1:1").submit(of_speed)
+    assert isinstance(outcome.exception(timeout=1.0), BrokenExecutor)
 
 
 def test_nothing_of_distributed_writes_to_the_terminal():
