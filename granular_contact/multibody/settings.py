@@ -68,12 +68,7 @@ def _noise(scene: Scene) -> float:
 
 
 def settings(scene: Scene) -> Any:
-    """Exudyn's settings for a scene.
-
-    Exudyn measures a residual against the first one of its step or against an absolute force. Where that force is below
-    the noise of the elastic forces, the iteration ends when changes of the coordinates are small: those by which the
-    same residual would move a free mass in a step, or their own round-off.
-    """
+    """Exudyn's settings for a scene."""
     s, solver = exu.SimulationSettings(), scene.solver
     t = s.timeIntegration
     t.endTime = solver.end_time_s
@@ -82,38 +77,66 @@ def settings(scene: Scene) -> Any:
     t.verboseMode = 0
     if solver.accuracy is None and not scene.in_space:
         t.adaptiveStepRecoverySteps = RECOVERY
-    newton = t.newton
-    newton.absoluteTolerance = solver.tolerance * scene.force_scale
-    newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of a step
+    radius = solver.spectral_radius
+    t.generalizedAlpha.spectralRadius = _spectral_radius(scene) if radius is None else radius
+    _set_newton(t.newton, scene)
+    s.solution.file.write = False
+    full = not scene.in_space and _unknowns(scene) <= FULL
+    s.linearSolver.solverType = exu.LinearSolverType.EigenDense if full else exu.LinearSolverType.EigenSparse
+    return s
+
+
+def _spectral_radius(scene: Scene) -> float:
+    """Of generalised-alpha, unless the config names one."""
+    if unresolved(scene) and _elastic_forces_below_round_off(scene):
+        return OF_UNRESOLVED
+    changing = scene.solver.accuracy is not None and moving_joints(scene) > 1
+    return OF_CHANGING_STEPS if changing or _prescribed(scene) else SPECTRAL_RADIUS
+
+
+def _set_newton(newton: Any, scene: Scene) -> None:
+    """Set when Newton's method ends.
+
+    Exudyn measures a residual against the first one of its step or against an absolute force. Where that force is below
+    the noise of the elastic forces, the iteration ends when changes of the coordinates are small: those by which the
+    same residual would move a free mass in a step, or their own round-off.
+    """
+    solver = scene.solver
     newton.useModifiedNewton = True
-    radius = SPECTRAL_RADIUS
-    moving = sum(joint.kind != "weld" for joint in scene.joints)
-    prescribed = any(drive.kind == "motion" for drive in scene.drives)
-    if prescribed or (solver.accuracy is not None and moving > 1):
-        radius = OF_CHANGING_STEPS
-    # In space the constraint of the Euler parameters, a number without unit, shares the tolerance too.
-    if scene.in_space or (solver.accuracy is not None and (moving > 1 or prescribed)):
-        newton.absoluteTolerance = max(CLOSER * _coarser(scene) * newton.absoluteTolerance, _noise(scene))
-    elif moving > 1 and any(drive.kind == "control" for drive in scene.drives):
-        newton.absoluteTolerance = max(CONTROLLED * newton.absoluteTolerance, _noise(scene))
-    elif not scene.links and solver.accuracy is None:
-        newton.absoluteTolerance *= max(1.0, solver.step_s / SHORT)
-    elif _swings(scene) and not unresolved(scene):
-        newton.absoluteTolerance *= max(1.0, EASED * min(1.0, solver.step_s / SHORT) ** 2)
+    newton.absoluteTolerance = _force_tolerance(scene)
+    newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of a step
     if unresolved(scene):
         newton.residualMode = 1
         newton.absoluteTolerance *= solver.step_s**2 / scene.mass
         newton.absoluteTolerance = max(newton.absoluteTolerance, _coordinate_noise(scene))
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True
-        if _elastic_forces_below_round_off(scene):
-            newton.useModifiedNewton = False
-            radius = OF_UNRESOLVED
-    t.generalizedAlpha.spectralRadius = radius if solver.spectral_radius is None else solver.spectral_radius
-    s.solution.file.write = False
-    full = not scene.in_space and _unknowns(scene) <= FULL
-    s.linearSolver.solverType = exu.LinearSolverType.EigenDense if full else exu.LinearSolverType.EigenSparse
-    return s
+        newton.useModifiedNewton = not _elastic_forces_below_round_off(scene)
+
+
+def _force_tolerance(scene: Scene) -> float:
+    """Residual (N) at which Newton's method ends."""
+    solver, several = scene.solver, moving_joints(scene) > 1
+    asked = solver.tolerance * scene.force_scale
+    # In space the constraint of the Euler parameters, a number without unit, shares the tolerance too.
+    if scene.in_space or (solver.accuracy is not None and (several or _prescribed(scene))):
+        return max(CLOSER * _coarser(scene) * asked, _noise(scene))
+    if several and any(drive.kind == "control" for drive in scene.drives):
+        return max(CONTROLLED * asked, _noise(scene))
+    if not scene.links and solver.accuracy is None:
+        return asked * max(1.0, solver.step_s / SHORT)
+    if _swings(scene) and not unresolved(scene):
+        return asked * max(1.0, EASED * min(1.0, solver.step_s / SHORT) ** 2)
+    return asked
+
+
+def moving_joints(scene: Scene) -> int:
+    """How many joints let their bodies move against each other."""
+    return sum(joint.kind != "weld" for joint in scene.joints)
+
+
+def _prescribed(scene: Scene) -> bool:
+    return any(drive.kind == "motion" for drive in scene.drives)
 
 
 def _unknowns(scene: Scene) -> int:

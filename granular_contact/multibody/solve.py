@@ -19,7 +19,15 @@ from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
-from granular_contact.multibody.settings import control_steps, led_on, patience, settings, tolerances, unresolved
+from granular_contact.multibody.settings import (
+    control_steps,
+    led_on,
+    moving_joints,
+    patience,
+    settings,
+    tolerances,
+    unresolved,
+)
 from granular_contact.multibody.settle import settle
 from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
@@ -88,10 +96,7 @@ class Solve:
             if scene.settle:
                 settle(system, self.recorder)
             if scene.solver.accuracy is not None:
-                control = StepControl(system, self.solver, self.recorder.lever, scene.solver.accuracy)
-                self.recorder.control = control
-                mbs.SetPostNewtonUserFunction(control)
-                control_steps(self.simulation, control)
+                self._choose_steps(scene.solver.accuracy)
             mbs.SetPostStepUserFunction(self.recorder)
             self._predictor = self._make_predictor()
             mbs.SetPreNewtonResidualUserFunction(self._predictor or 0)
@@ -109,14 +114,21 @@ class Solve:
         if self.recorder.rows == 0:
             raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
 
+    def _choose_steps(self, accuracy: float) -> None:
+        """Let a step control choose the steps."""
+        control = StepControl(self.system, self.solver, self.recorder.lever, accuracy)
+        self.recorder.control = control
+        self.system.mbs.SetPostNewtonUserFunction(control)
+        control_steps(self.simulation, control)
+
     def _make_predictor(self) -> Predictor | None:
-        """What Newton's method begins with; None where accelerations are round-off, which tells nothing."""
+        """What Newton's method begins with; None where accelerations are nothing but round-off."""
         scene, simulation = self.system.scene, self.simulation
         if unresolved(scene):
             return None
         lever = self.recorder.lever if self._goes_round() else None
         limits = tolerances(scene, simulation), patience(scene, simulation)
-        alone = bool(scene.links) and sum(joint.kind != "weld" for joint in scene.joints) == 1
+        alone = bool(scene.links) and moving_joints(scene) == 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
         return Predictor(self.solver, lever, *limits, bends=alone, gain=gain)
 

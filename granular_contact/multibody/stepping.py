@@ -31,6 +31,7 @@ from bisect import bisect_right
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.multibody.system import System
 from granular_contact.scene.signals import bends
@@ -80,17 +81,10 @@ class StepControl:
         if scene.solver.rest_time_s is not None:
             self.longest = min(self.longest, 0.5 * scene.solver.rest_time_s)
         self.next = min(scene.solver.step_s, self.longest)
-        data = system.mbs.systemData
-        links = [np.array([data.GetNodeLTGODE2(node)[:2] for node in link.nodes]) for link in system.links.values()]
-        means = [places[:, axis] for places in links for axis in (0, 1)]
-        self.group = np.full(len(lever), step_error.NONE if links else step_error.EACH, np.int64)
-        for rigid in system.rigid.values():
-            self.group[data.GetNodeLTGODE2(rigid.node)] = step_error.EACH
-        for number, nodes in enumerate(means):
-            self.group[nodes] = number
+        self.group, means = _groups(system, len(lever))
         # Accelerations at the start of the step, how they have changed, and by the time in the step before.
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
-        self._arrays = self.lever, self.group, self.start, self.change, self.slope, np.zeros((len(means), 3))
+        self._arrays = self.lever, self.group, self.start, self.change, self.slope, np.zeros((means, 3))
         self._words, self._places = np.zeros(0, np.int64), places
         self._measure = entry(step_error.measure, self._words, 1.0)
         self._start = entry(step_error.begin, self._words, 1.0)
@@ -244,3 +238,18 @@ class StepControl:
             return math.inf
         least = self.accuracy * self.size / self.speed
         return max(least, self.system.bed.load.soonest())
+
+
+def _groups(system: System, size: int) -> tuple[NDArray[np.int64], int]:
+    """Group of each coordinate (size,) as of `step_error`, and how many means there are: two for each link."""
+    from granular_contact.kernels import step_error
+
+    data = system.mbs.systemData
+    links = [np.array([data.GetNodeLTGODE2(node)[:2] for node in link.nodes]) for link in system.links.values()]
+    group = np.full(size, step_error.NONE if links else step_error.EACH, np.int64)
+    for rigid in system.rigid.values():
+        group[data.GetNodeLTGODE2(rigid.node)] = step_error.EACH
+    means = [places[:, axis] for places in links for axis in (0, 1)]
+    for number, nodes in enumerate(means):
+        group[nodes] = number
+    return group, len(means)

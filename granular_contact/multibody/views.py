@@ -39,42 +39,43 @@ class Views:
     def __init__(self, mbs: Any) -> None:
         self._data = mbs.systemData
 
-    @cached_property
-    def where(self) -> tuple[int, int, int]:  # noqa: D102
-        return (
-            addressof(c_char.from_buffer(self.q.data)),
-            addressof(c_char.from_buffer(self.q_before.data)),
-            len(self.q),
-        )
+    def _view(self, getter: str, *configuration: Any) -> Vector:
+        view: Vector = getattr(self._data, getter)(*configuration, copy=False)
+        return view
 
     @cached_property
-    def q(self) -> Vector:  # noqa: D102
-        return self._data.GetODE2Coordinates(copy=False)  # type: ignore[no-any-return]
+    def where(self) -> tuple[int, int, int]:
+        now, before = (addressof(c_char.from_buffer(one.data)) for one in (self.q, self.q_before))
+        return now, before, len(self.q)
 
     @cached_property
-    def v(self) -> Vector:  # noqa: D102
-        return self._data.GetODE2Coordinates_t(copy=False)  # type: ignore[no-any-return]
+    def q(self) -> Vector:
+        return self._view("GetODE2Coordinates")
 
     @cached_property
-    def a(self) -> Vector:  # noqa: D102
-        return self._data.GetODE2Coordinates_tt(copy=False)  # type: ignore[no-any-return]
+    def v(self) -> Vector:
+        return self._view("GetODE2Coordinates_t")
 
     @cached_property
-    def multipliers(self) -> Vector:  # noqa: D102
-        return self._data.GetAECoordinates(copy=False)  # type: ignore[no-any-return]
+    def a(self) -> Vector:
+        return self._view("GetODE2Coordinates_tt")
 
     @cached_property
-    def q_before(self) -> Vector:  # noqa: D102
-        return self._data.GetODE2Coordinates(START, copy=False)  # type: ignore[no-any-return]
+    def multipliers(self) -> Vector:
+        return self._view("GetAECoordinates")
 
     @cached_property
-    def v_before(self) -> Vector:  # noqa: D102
-        return self._data.GetODE2Coordinates_t(START, copy=False)  # type: ignore[no-any-return]
+    def q_before(self) -> Vector:
+        return self._view("GetODE2Coordinates", START)
 
     @cached_property
-    def a_before(self) -> Vector:  # noqa: D102
-        return self._data.GetODE2Coordinates_tt(START, copy=False)  # type: ignore[no-any-return]
+    def v_before(self) -> Vector:
+        return self._view("GetODE2Coordinates_t", START)
 
     @cached_property
-    def multipliers_before(self) -> Vector:  # noqa: D102
-        return self._data.GetAECoordinates(START, copy=False)  # type: ignore[no-any-return]
+    def a_before(self) -> Vector:
+        return self._view("GetODE2Coordinates_tt", START)
+
+    @cached_property
+    def multipliers_before(self) -> Vector:
+        return self._view("GetAECoordinates", START)
