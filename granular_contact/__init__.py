@@ -24,7 +24,7 @@ Laws of resistance, each a class whose numbers make a medium; a law of your own 
     Bingham, Poncelet, Allen, LinearDepth, TsimringVolfson, KatsuragiDurian      of balls
     add_law(MyLaw)                                                               for configs that name it by its tag
 
-`help(granular_contact.load)` and so on tell the rest; the documentation is in docs/.
+`help(granular_contact.load)` and so on say the rest; the documentation is in docs/.
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ def scenario_of(scene: Scene, given: Scenario | None = None) -> Scenario:
     """The scenario that a scene was built from, which results may name; a given one has to be the same."""
     built = scene.scenario
     if built is None:
-        why = "the scene was changed after it was built, so no scenario tells what it is"
+        why = "the scene was changed after it was built, so no scenario says what it is"
         raise scene_error("scene", f"{why}; change the scenario with its replace() and build that")
     if given is None or given is built or given == built or checked(given) == built:
         return built

@@ -1,6 +1,6 @@
 """A scene that goes on step by step, under the hands of a program.
 
-One path with runs in one call: both go on by the same solve, which here pauses where it is told to.
+One path with runs in one call: both go on by the same solve, which here pauses where it is asked to.
 """
 
 from __future__ import annotations

@@ -43,14 +43,14 @@ def test_strides_that_just_fit_are_counted() -> None:
 def test_numbers_of_a_drive() -> None:
     time = np.linspace(0.0, 1.0, 2001)
     torque, rate = 3.0 * np.sin(2 * np.pi * time), 2.0 * np.sin(2 * np.pi * time)
-    told = drive_numbers(time, Driving(torque, torque * rate, accumulate(time, torque * rate)), rate, turns=True)
+    told = drive_numbers(time, Driving(torque, torque * rate, accumulate(time, torque * rate)), rate, rotary=True)
     assert told["largest_torque_Nm"] == pytest.approx(3.0, rel=1e-5)
     assert told["rms_torque_Nm"] == pytest.approx(3.0 / np.sqrt(2), rel=1e-6)
     assert told["work_J"] == pytest.approx(3.0, rel=1e-6)
     assert told["mean_power_W"] == told["work_J"] == pytest.approx(told["work_put_in_J"])
     jumps = np.array([[0.4001 - 1e-10, -7.0, 8.0], [0.4001 + 1e-10, 6.0, -9.0]])  # sampled by no step
     back = Driving(torque, -torque * rate, accumulate(time, -torque * rate), jumps)
-    told = drive_numbers(time, back, -rate, turns=False)
+    told = drive_numbers(time, back, -rate, rotary=False)
     assert (told["work_put_in_J"], told["largest_force_N"], told["largest_power_W"]) == (0.0, 7.0, 8.0)
 
 
@@ -72,7 +72,7 @@ def test_a_jump_between_steps_is_no_slope_in_the_mean_square() -> None:
     """Of a torque that jumps in the middle of one of five steps, from 1 to 3 N m."""
     time, torque = np.arange(6.0), np.array([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
     jumps = np.array([[2.5 - 1e-10, 1.0, 0.0], [2.5 + 1e-10, 3.0, 0.0]])
-    told = drive_numbers(time, Driving(torque, 0.0 * torque, 0.0 * torque, jumps), 0.0 * time, turns=True)
+    told = drive_numbers(time, Driving(torque, 0.0 * torque, 0.0 * torque, jumps), 0.0 * time, rotary=True)
     assert told["rms_torque_Nm"] == pytest.approx(np.sqrt((2.5 + 9 * 2.5) / 5.0))
 
 

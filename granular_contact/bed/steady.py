@@ -49,7 +49,7 @@ class SteadyBody:
 
     def __init__(self, scene: Scene, name: str | None = None) -> None:
         if scene.in_space:
-            raise scene_error("model", "a steady motion is one of the plane; of bodies in space a run tells the forces")
+            raise scene_error("model", "a steady motion is one of the plane; of bodies in space a run gives the forces")
         self._scene, self.body = scene, _chosen(scene, name)
         if scene.bed is None or not scene.bed.level:
             raise scene_error("bed", "a steady motion needs a medium with a level surface")

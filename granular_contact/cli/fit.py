@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="soft_l1|linear",
         help="linear: ordinary least squares; soft_l1: outliers have limited weight (soft_l1)",
     )
-    words = "tell the scatter of grains apart from noise, in force tests: repeated ones tell it best"
+    words = "separate the scatter of grains from noise, in force tests: best in repeated ones"
     parser.add_argument("--scatter", action="store_true", help=words)
     parser.add_argument("--starts", metavar="N", help="number of starting points (8)")
     parser.add_argument("--seed", metavar="N", help="seed of the choice of these points (0)")

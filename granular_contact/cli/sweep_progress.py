@@ -14,7 +14,7 @@ LINE_SECONDS = 60.0
 
 @contextmanager
 def progress(stream: TextIO, count: int, done: int, quiet: bool, noun: str = "cases") -> Iterator[Callable[[], None]]:
-    """Give a callable that tells on `stream` of one case more; `done` of the `count` cases were there before."""
+    """Give a callable that reports on `stream` one case more; `done` of the `count` cases were there before."""
     if quiet:
         yield lambda: None
     elif stream.isatty():

@@ -180,7 +180,7 @@ def base_of(
             return None
         path = shown(path)
         found = read_file(path, faults)
-    elif not isinstance(found, tree.Mapping):  # which the schema tells
+    elif not isinstance(found, tree.Mapping):  # a fault of the schema
         return None
     if isinstance(found, tree.Broken):
         return None

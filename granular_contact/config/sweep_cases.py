@@ -26,7 +26,7 @@ class Case:
     name: str
     overrides: tuple[Override, ...]
     numbered: bool = False
-    """Whether the name is a mere number, that tells nothing about the case."""
+    """Whether the name is a mere number, which says nothing about the case."""
 
     @property
     def keys(self) -> list[str]:

@@ -1,7 +1,7 @@
 """A YAML document as a tree with the position of each part.
 
 Trees are never changed in place: an alias shares its node with the anchor, and both would change. Nodes compare by
-identity, so that shared ones can be told from equal ones.
+identity, so that shared ones can be distinguished from equal ones.
 """
 
 from __future__ import annotations

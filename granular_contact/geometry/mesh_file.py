@@ -67,7 +67,7 @@ def _by_trimesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     except ImportError:
         raise scene_error(str(path), "mesh files are read by trimesh: pip install 'granular-contact[robot]'") from None
     try:
-        logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it tells of textures that are missing at length
+        logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it warns at length of missing textures
         found = trimesh.load_mesh(path, process=False)
         return np.asarray(found.vertices, float) * _unit(found), np.array(found.faces, np.int64)
     except Exception as error:  # whatever its readers raise on a broken file

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
-FAR = 1e3  # between the two corners that tell a slope (m): the round-off in their heights is then none in the slope
+FAR = 1e3  # between the two corners that give a slope (m): the round-off in their heights is then none in the slope
 LEVEL = 1.0  # length of the level pieces by whose corners a profile goes on (m)
 
 

@@ -135,7 +135,7 @@ class LeeMarghitu(Law):
     def cap_force(cx, cy, vx, vy, line, m, f):
         """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
         length = math.hypot(cx, cy)
-        if length == 0.0:  # looks nowhere
+        if length == 0.0:  # has no direction
             return
         k = face(line.width, m) * abs(cx / length * vx + cy / length * vy)
         f[DRAG, 1, 0] -= k * vx

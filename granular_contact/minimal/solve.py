@@ -24,7 +24,7 @@ from granular_contact.results.ending import ended
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Minimal, Scene, Vector
 
-SHARE = 1024  # steps between two looks at the progress bar
+SHARE = 1024  # steps between two updates of the progress bar
 FIRST_STEP = 0.1  # of the scene's
 LEAST_REACH = 1e-3  # m, of a mechanism that is all on its hinge
 

@@ -379,7 +379,7 @@ class GranularBed:
     def terms(self) -> dict[str, Vector]:
         """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each; in space (6,).
 
-        Right-handed about z, as the engine has moments: counter-clockwise is positive. So is all else that a bed tells.
+        Right-handed about z, as the engine has moments: counter-clockwise is positive. So is all else that a bed gives.
         """
         now = self._now
         return _last(now.terms, now.term_names)

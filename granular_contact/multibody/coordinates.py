@@ -40,8 +40,8 @@ class End:
 class Coordinate:
     """Coordinate of a hinge or slider; a slider's parent is rigid, or the ground.
 
-    kernels: module that computes it and what acts along it; record (1,): its `JOINT`; turns (2,) rad: angles of the
-    ends found last.
+    kernels: module that computes it and what acts along it; record (1,): its `JOINT`; last_angles (2,) rad: of the
+    ends, found last.
     """
 
     kernels: Any = joint_loads
@@ -49,7 +49,7 @@ class Coordinate:
 
     def __init__(self, joint: Joint, parent: End, child: End) -> None:
         self.joint, self.size = joint, parent.size + child.size
-        self.record, self.turns = np.zeros(1, JOINT), np.array([parent.angle, child.angle])
+        self.record, self.last_angles = np.zeros(1, JOINT), np.array([parent.angle, child.angle])
         record = self.record[0]
         record["parent"], record["child"], record["offset"] = parent.size, child.size, joint.offset
         record["parent_reference"][: parent.size] = parent.reference
@@ -67,7 +67,7 @@ class Coordinate:
 
     def now(self, q: Numbers, v: Numbers, slope: Vector | None = None) -> tuple[float, float]:
         """Coordinate and its rate, as `at`; slope, of at least as many numbers as kernels fill, gets the gradient."""
-        arguments = self.record, self.turns, np.array(q), np.array(v), self._slope if slope is None else slope
+        arguments = self.record, self.last_angles, np.array(q), np.array(v), self._slope if slope is None else slope
         if self._at is None:
             self._at = entry(self.kernels.single, *arguments)
         return self._at(*arguments)

@@ -56,7 +56,7 @@ class JointLoad:
         self.coordinate, self.nodes, self.law, self.drive = coordinate, nodes, law, drive
         self.record, self.state = coordinate.record, np.zeros(5)
         fill(self.record, law, drive)
-        self.state[joint_loads.TURNS :] = coordinate.turns
+        self.state[joint_loads.TURNS :] = coordinate.last_angles
         self.anchor = self.first_anchor = coordinate.joint.start
         self.where = np.zeros(0, int)  # places of its nodes' coordinates in the assembled system
         self._set_to: float | None = None
@@ -73,7 +73,7 @@ class JointLoad:
         self.state[joint_loads.ANCHOR] = place
 
     @property
-    def turns(self) -> Vector:
+    def last_angles(self) -> Vector:
         """Angles (2,) rad of its ends found last."""
         return self.state[joint_loads.TURNS :]
 
@@ -112,7 +112,7 @@ class JointLoads:
         self.places = np.zeros((len(loads), self._kernels.MOST, 2), np.int64)
         for load, state, places in zip(loads, self.state, self.places, strict=True):
             load.state = state  # from now on a row of one table
-            load.coordinate.turns = load.turns
+            load.coordinate.last_angles = load.last_angles
             sizes = [size for size in (load.record["parent"][0], load.record["child"][0]) if size]
             each = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, sizes, strict=True)]
             places[: sum(sizes), 1] = np.concatenate(each)

@@ -72,7 +72,7 @@ class Kinematics:
         tx, ty = q[:, node[2]], q[:, node[3]]
         start = self.scene.body(name).motion.angle
         turned = np.unwrap(np.arctan2(ty, tx))
-        turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # the turn that the slope can't tell
+        turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # turns that a slope does not show
         return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
     def spin(self, name: str) -> Vector:

@@ -163,7 +163,7 @@ def drives(motion: Kinematics, driven: Driven) -> dict[str, dict[str, float]]:
     for name, drive in driven.items():
         joint = motion.scene.joint(name)
         rate = motion.coordinate(joint)[1]
-        found[name] = drive_numbers(motion.trajectory.time, drive, rate, turns=joint.kind == "hinge")
+        found[name] = drive_numbers(motion.trajectory.time, drive, rate, rotary=joint.kind == "hinge")
     return found
 
 

@@ -1,4 +1,4 @@
-"""What is called after every accepted step: keeps the states, and tells when to stop."""
+"""What is called after every accepted step: keeps the states, and decides when to stop."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Recorder:
     def resume(self, conv: Any, spent: float) -> None:
         """Get ready to go on from the last state recorded, in a solve that has taken so many seconds.
 
-        The engine begins as if for the first time: it tells that state once more, and is then told what it has
+        The engine begins as if for the first time: it reports that state once more, and then gets what it has
         forgotten, the step to come and whether its Jacobian serves.
         """
         if self.solver.max_wall_s is not None:
@@ -148,7 +148,7 @@ class Recorder:
     def _rests(self, t: float, v: Vector) -> bool:
         if self._rest_time is None:
             return False
-        speeds = self.lever * v  # the mean square tells most of the time, at a fifth of the cost of the greatest
+        speeds = self.lever * v  # the mean square decides most of the time, at a fifth of the cost of the greatest
         if speeds.dot(speeds) > self._moving or np.abs(speeds).max() > self.solver.rest_speed_m_s:
             self.resting_since = None
             return False

@@ -29,7 +29,7 @@ Places = NDArray[np.int64]
 class Senses:
     """Reads observations of a system; `seen`: what there is of them.
 
-    It follows links that bend from row to row, for their slopes do not tell whole turns; `follows`: whether it has to.
+    It follows links that bend from row to row, for their slopes do not count whole turns; `follows`: whether it has to.
     """
 
     _seen_type: type[Seen] = Seen
@@ -108,7 +108,7 @@ class Senses:
         made = Coordinate(joint, parent, child)
         for i, (body, places) in enumerate(((joint.parent, first), (joint.child, second))):
             if body in self.system.links:
-                self._turning.append((made.turns[i : i + 1], places))
+                self._turning.append((made.last_angles[i : i + 1], places))
         self.system.turning_ends.append(made)
         return made, first + second
 
@@ -121,7 +121,7 @@ class Senses:
             along[nodes[:, axis]] = 1.0
             shares.append(mass @ along / (along @ mass @ along))
         root, places = Root(np.array([self.system.scene.body(name).motion.angle])), self._places(name, np.zeros(2))
-        self._turning.append((root.turns, places))
+        self._turning.append((root.last_angles, places))
         self.system.turning_ends.append(root)
         return np.array(shares), root, places
 
@@ -140,8 +140,8 @@ class Senses:
 
     def follow(self, q: Vector) -> None:
         """Count the turns of links over rows (n, m) of coordinates that came since the last call."""
-        for turns, places in self._turning:
-            turns[0] = np.unwrap([turns[0], *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1]
+        for last, places in self._turning:
+            last[0] = np.unwrap([last[0], *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1]
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
         """Observations at a time (s) of coordinates (m,), reference values included, and rates.
@@ -198,15 +198,15 @@ class Senses:
 
 @dataclass
 class Root:
-    """Angle of a link at its root; turns (1,) rad: found last, by which whole turns are counted."""
+    """Angle of a link at its root; last_angles (1,) rad: found last, by which whole turns are counted."""
 
-    turns: Vector
+    last_angles: Vector
 
     def angle(self, x: float, y: float, x_rate: float, y_rate: float) -> tuple[float, float]:
         """Angle and rate of the slope (x, y)."""
         phi = math.atan2(y, x)
-        self.turns[0] = phi + 2.0 * math.pi * round((self.turns[0] - phi) / (2.0 * math.pi))
-        return float(self.turns[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
+        self.last_angles[0] = phi + 2.0 * math.pi * round((self.last_angles[0] - phi) / (2.0 * math.pi))
+        return float(self.last_angles[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
 
 
 def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:

@@ -74,7 +74,7 @@ class Solve:
     def __init__(
         self, system: System, progress: Progress | None = None, simulation: Any = None, *, pauses: bool = False
     ) -> None:
-        """Find rest, if the scene is to, and tell the state at the start; raises as `settle` does.
+        """Find rest, if the scene is to, and record the state at the start; raises as `settle` does.
 
         simulation: Exudyn's settings, those of `settings` unless given. pauses: whether it may be looked at and brought
         back to its states on the way.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.multibody.tangent import Place, Tangent, joint_states, set_joints, set_turns, turns
+from granular_contact.multibody.tangent import Place, Tangent, joint_states, last_angles, set_joints, set_last_angles
 from granular_contact.scene.types import Vector
 
 if TYPE_CHECKING:
@@ -29,9 +29,9 @@ class SolveState:
     """Of the engine, of what follows its steps, and of the granular load.
 
     time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
-    constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints, turns: see
-    `tangent`. recorded, control: fields of the recorder and of the choice of steps. iterations: of `predictor`. bed:
-    None without one.
+    constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints,
+    last_angles: see `tangent`. recorded, control: fields of the recorder and of the choice of steps. iterations: of
+    `predictor`. bed: None without one.
     """
 
     time: float
@@ -46,7 +46,7 @@ class SolveState:
     counts: tuple[int, ...]
     joints: tuple[tuple[float, float | None], ...]
     first_anchors: tuple[float, ...]
-    turns: tuple[float, ...]
+    last_angles: tuple[float, ...]
     recorded: dict[str, Any]
     control: dict[str, Any] | None
     iterations: tuple[NDArray[Any], ...]
@@ -85,7 +85,7 @@ class Keeper:
             counts=tuple(getattr(solver.it, name) for name in COUNTS),
             joints=joint_states(system),
             first_anchors=tuple(load.first_anchor for load in system.loads.values()),
-            turns=turns(system),
+            last_angles=last_angles(system),
             recorded=self.recorder.kept(),
             control=None if control is None else control.kept(),
             iterations=() if self.predictor is None else self.predictor.kept,
@@ -109,7 +109,7 @@ class Keeper:
         set_joints(system, kept.joints)
         for load, anchor in zip(system.loads.values(), kept.first_anchors, strict=True):
             load.first_anchor = anchor
-        set_turns(system, kept.turns)
+        set_last_angles(system, kept.last_angles)
         recorder.restore(kept.recorded)
         if recorder.control is not None and kept.control is not None:
             recorder.control.restore(kept.control)

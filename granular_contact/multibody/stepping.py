@@ -9,7 +9,7 @@ is held below accuracy v with the speed v, or accuracy V / SLOWED where that is 
 than about `accuracy` times the path length. With V in place of v a body that goes on turning or sliding slowly after
 its impact would keep, all that time, an error that is small beside the speed of the impact only.
 
-Jumps of the force (a flat touch, a bristle that is stretched in 5 us). Nothing tells when in the step it came, and the
+Jumps of the force (a flat touch, a bristle that is stretched in 5 us). When in the step it came is not known, and the
 scheme gives it half of the step: velocities are off by up to h |J| / 2. J is what the change a_1 - a_0 has of the
 unexpected: itself or what differs from the change before, whichever is less. Such a velocity error acts for as long as
 the motion lasts, about v / a, which for a motion that ends is V / 2 v times less than at its start. It is held below

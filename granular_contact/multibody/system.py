@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 
 class TurningEnds(Protocol):
-    """turns (k,) rad: angles of ends of joints found last, by which whole turns are counted."""
+    """last_angles (k,) rad: angles of ends of joints found last, by which whole turns are counted."""
 
     @property
-    def turns(self) -> Vector:
+    def last_angles(self) -> Vector:
         """See above."""
 
 

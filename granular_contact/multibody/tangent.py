@@ -110,9 +110,11 @@ def _held(system: System) -> Arrays:
     """Arrays of what Python keeps of joints and of the granular load, each once; they stay where they are."""
     loads = None if system.joints is None else system.joints.loads
     states = () if loads is None else (loads.state,)
-    turns = tuple(one.turns for one in system.turning_ends if loads is None or one.turns.base is not loads.state)
+    angles = tuple(
+        one.last_angles for one in system.turning_ends if loads is None or one.last_angles.base is not loads.state
+    )
     batches = () if system.bed is None else system.bed.load.batches
-    return states + turns + tuple(array for batch in batches for array in batch.state())
+    return states + angles + tuple(array for batch in batches for array in batch.state())
 
 
 def _leading_to(place: Place) -> Callable[..., None]:
@@ -141,13 +143,13 @@ def set_joints(system: System, states: tuple[tuple[float, float | None], ...]) -
         load.anchor, load.set_to = anchor, set_to
 
 
-def turns(system: System) -> tuple[float, ...]:
+def last_angles(system: System) -> tuple[float, ...]:
     """Angles (rad) by which the ends of joints count the turns of flexible links."""
-    return tuple(float(angle) for one in system.turning_ends for angle in one.turns)
+    return tuple(float(angle) for one in system.turning_ends for angle in one.last_angles)
 
 
-def set_turns(system: System, angles: tuple[float, ...]) -> None:
+def set_last_angles(system: System, angles: tuple[float, ...]) -> None:
     """Bring ends to such angles."""
     left = iter(angles)
     for one in system.turning_ends:
-        one.turns[:] = [next(left) for _ in one.turns]
+        one.last_angles[:] = [next(left) for _ in one.last_angles]

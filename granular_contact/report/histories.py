@@ -1,7 +1,7 @@
 """What is drawn over time of a run: panels of curves, each a sum of columns, for figures and for the page alike.
 
-What a run has, its columns tell: joints, drives, bodies, terms of the medium's force, energies. Curves that are the
-same are drawn as one, those that are only round-off not at all.
+What a run has is read from its columns: joints, drives, bodies, terms of the medium's force, energies. Curves that are
+the same are drawn as one, those that are only round-off not at all.
 """
 
 from __future__ import annotations

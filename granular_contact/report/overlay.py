@@ -137,7 +137,7 @@ def write(runs: Sequence[tuple[str, Results]], folder: Path) -> None:
 def panels(names: Sequence[str], columns: Mapping[str, Array], reference: str = "") -> list[Group]:
     """Groups of panels of a `table`, each of one quantity, with a curve for each run, by the names of runs.
 
-    reference: a run from which the others are told apart, in panels of their own for angles and positions.
+    reference: a run from which the others are distinguished, in panels of their own for angles and positions.
     """
     runs = dict(zip(keys(names), names, strict=True))
     found: dict[str, Group] = {}

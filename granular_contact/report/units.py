@@ -93,7 +93,7 @@ _STATISTICS = {"mean": "mean of a stride", "standard_deviation": "scatter of str
 
 
 def _statistic(key: str) -> tuple[str, str]:
-    """The key of which a (dotted) key tells a statistic, and this in words; of any other key itself."""
+    """The key that a (dotted) key of a statistic is of, and the statistic in words; any other key itself."""
     above, _, last = key.rpartition(".")
     return (above, _STATISTICS[last]) if above and last in _STATISTICS else (key, "")
 

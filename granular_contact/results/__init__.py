@@ -29,9 +29,9 @@ REST_MEASURE = "from touch until all of it came to rest, and stayed there"
 # Columns of a term of the medium's force: about the pivot, or about the centre of mass of what has none.
 MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
 FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
-# Told now and then how far a run is: simulated time and end time (s).
+# Called now and then with how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
-Compiling = Callable[[str], None]  # told in a sentence what is compiled, as it begins
+Compiling = Callable[[str], None]  # called with a sentence on what is compiled, as it begins
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ USELESS = 0.05  # beyond it nothing else is worth saying of its accuracy
 
 @dataclass(frozen=True)
 class AccuracyWarning:
-    """A sentence, and the error of positions that it tells, relative to the distance travelled.
+    """A sentence, and the error of positions that it states, relative to the distance travelled.
 
-    error: NaN where it tells no number, infinite where the result is not usable.
+    error: NaN where it states none, infinite where the result is not usable.
     """
 
     sentence: str

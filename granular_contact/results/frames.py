@@ -16,7 +16,7 @@ Pictures = Sequence[tuple[Outline, ...]]
 
 CENTERED = 0.1  # how much a point's distance from the middle counts beside that from the line of action
 RATE = 25  # pictures a second when played
-MOST = 151  # pictures of a run unless told otherwise: six seconds
+MOST = 151  # pictures of a run unless another number is asked for: six seconds
 # Seconds played for one second simulated: what a viewer can make sense of.
 _PACES = sorted(m * 10.0**e for e in range(-6, 10) for m in (1.0, 2.0, 5.0))
 

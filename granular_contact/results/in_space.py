@@ -62,7 +62,7 @@ def vector(column: str, what: str, values: Vector) -> series.Series:
 
 
 def force(term: str, wrench: Vector, about: Vector) -> series.Series:
-    """Columns of a term of the medium's force: wrench (n, 6) about the origin, told about points (n, 3) m."""
+    """Columns of a term of the medium's force: wrench (n, 6) about the origin, given about points (n, 3) m."""
     what = f"{term.replace('_', ' ')} force of the medium"
     moment = wrench[:, 3:] - np.cross(about, wrench[:, :3])
     name, unit = CENTRAL_MOMENT.rsplit("_", 1)

@@ -114,7 +114,7 @@ def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, dept
 def clockwise_moment(wrench: Vector, about: Vector) -> Vector:
     """Moment (n,) N m about points (n, 2) m, or one (2,), clockwise as all of a table turns.
 
-    wrench (n, 3): force x, y (N) and moment about the origin (N m, right-handed: counter-clockwise), as a bed tells it.
+    wrench (n, 3): force x, y (N) and moment about the origin (N m, right-handed: counter-clockwise), as a bed gives it.
     Here alone moments of the results change their sense.
     """
     about = np.asarray(about)

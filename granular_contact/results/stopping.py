@@ -1,7 +1,7 @@
 """When a run first touched its medium and when it stopped: all that is reported of stopping is found here.
 
 A pendulum stops at the first zero of its mean rate, whether it stays there or swings back. It is found inside a step,
-from the side before the stop, as there the static resistance turns round: values after it tell nothing about when it
+from the side before the stop, as there the static resistance turns round: values after it say nothing about when it
 came. The last step before it has the rate and its derivative, from the moments that act; with the derivative one step
 earlier the zero of a parabola is the stop, to second order in the step. (The reduced model locates the same zero while
 it integrates, see `kernels.events`.)

@@ -39,12 +39,12 @@ class Driving(NamedTuple):
         return float(np.abs(np.concatenate([self.force, self.jumps[:, 1]])).max())
 
 
-def drive_numbers(time: Vector, drive: Driving, rate: Vector, *, turns: bool) -> dict[str, float]:
+def drive_numbers(time: Vector, drive: Driving, rate: Vector, *, rotary: bool) -> dict[str, float]:
     """Numbers of one drive over a run; time: (n,) s; rate: (n,) rad/s of a drive that turns, else m/s.
 
     Means are over time.
     """
-    word, unit, of_rate = ("torque", "Nm", "rad_s") if turns else ("force", "N", "m_s")
+    word, unit, of_rate = ("torque", "Nm", "rad_s") if rotary else ("force", "N", "m_s")
     power, lasted = drive.power, float(time[-1] - time[0])
     work = float(drive.work[-1])
     square = drive.squared(time)

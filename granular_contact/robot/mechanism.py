@@ -170,13 +170,13 @@ def _placed(origin: Pose) -> dict[str, list[float]]:
     return {"parent_point_m": _three(origin.xyz), "rpy_deg": _degrees(origin.rpy)}
 
 
-def _resistance(joint: Joint, turns: bool) -> dict[str, Said]:
+def _resistance(joint: Joint, rotary: bool) -> dict[str, Said]:
     """Damping and dry friction, where the file has any."""
     line, found = joint.lines.get("dynamics", joint.line), dict[str, Said]()
     if joint.damping:
-        found["damping_Nm_s_per_rad" if turns else "damping_N_s_per_m"] = Said(joint.damping, line)
+        found["damping_Nm_s_per_rad" if rotary else "damping_N_s_per_m"] = Said(joint.damping, line)
     if joint.friction:
-        found["friction"] = Said({"torque_Nm" if turns else "force_N": joint.friction}, line)
+        found["friction"] = Said({"torque_Nm" if rotary else "force_N": joint.friction}, line)
     return found
 
 

@@ -34,8 +34,8 @@ _OURS = ["studies.sweep.worker", "scene", "multibody.build", "multibody.observe"
 _OURS += ["bed.of_scene", "kernels.loaded"]
 _PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[2])
 _HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
-# The server looks into the working folder first, unless it is told not to: a checkout there may be another package than
-# the one at work here.
+# The server imports from the working folder first, unless it is asked not to: a checkout there may be another package
+# than the one at work here.
 _CAN_TELL = hasattr(sys.flags, "safe_path") and not sys.flags.ignore_environment
 
 

@@ -83,7 +83,7 @@ def no_such(what: str, name: str, known: Collection[str]) -> str:
 def form(value: Any) -> str | None:
     """YAML form of a value, the tag of a union of forms: pydantic puts it between two keys of a location.
 
-    An empty mapping has none, so that one fault tells what it may be, and not one for each key that it lacks.
+    An empty mapping has none, so that one fault says what it may be, and not one for each key that it lacks.
     """
     if isinstance(value, bool) or value == {}:
         return None

@@ -190,7 +190,7 @@ TEXTS = {
     "whole number": (("medium.eta_d]", "load.strips_per_element]"), "fit.yaml", 1, "load.strips_per_element",
                      "is a whole number, 4"),
     "a setting of the solver": (("medium.eta_d]", "solver.step_s]"), "fit.yaml", 1, "solver.step_s",
-                                "tells how a run is computed"),
+                                "says how a run is computed"),
     "unused": (("[medium.eta_d]", "[load.friction.damping_time_s]"), "fit.yaml", 1, "load.friction.damping_time_s",
                "has no effect on any of tip_x_m, tip_y_m in any run"),
     "unknown column": (("    data:", "    columns: {time_s: time_s, tip_q_m: tip_x_m}\n    data:"), "fit.yaml", 5,

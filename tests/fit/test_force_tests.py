@@ -184,7 +184,7 @@ def test_zeros_of_depth_and_force_are_found_or_said_to_be_one(tmp_path: Path) ->
         assert abs(value - true) < 4.0 * error < 0.2 * true
     both = "depth_offset_m: fit, force_offset_N: fit"
     one = fitted(tmp_path, f"parameters: [medium.zeta]\n{START}" + run.format(PLATE, "a", both))
-    assert any("depth_offset_m @ a and force_offset_N @ a can't be told apart" in words for words in one.warnings)
+    assert any("depth_offset_m @ a and force_offset_N @ a can't be distinguished" in words for words in one.warnings)
 
 
 def test_forces_of_a_run_over_time_are_fitted_where_the_columns_say_so(tmp_path: Path) -> None:

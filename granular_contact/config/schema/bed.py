@@ -22,7 +22,10 @@ def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float
     ]
     slopes = [] if faults else [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(points)]
     faults += [
-        ((i,), f"got {math.degrees(slope):.4g} deg up to this corner; allowed is less than {STEEPEST} either way")
+        (
+            (i,),
+            f"got {math.degrees(slope):.4g} deg up to this corner; allowed is less than {STEEPEST}, up or down",
+        )
         for i, slope in enumerate(slopes, 1)
         if abs(slope) >= math.radians(STEEPEST)
     ]

@@ -103,7 +103,7 @@ class ForceTest(Strict):
     speed_m_s: NotNegative | None = None
     """Of the body in that direction; null: so slow that only what does not depend on speed is left."""
     depth_m: float | None = None
-    """Of its lowest point below the surface, where no column tells it."""
+    """Of its lowest point below the surface, where no column says it."""
     rate_rad_s: float = 0.0
     """At which it turns about its joint, clockwise."""
     area_m2: Positive | None = None
@@ -160,7 +160,7 @@ class FitFile(Strict):
     loss: Literal["soft_l1", "linear"] = "soft_l1"
     """soft_l1 limits the weight of outliers; linear: ordinary least squares."""
     scatter: bool = False
-    """Whether the scatter of grains is told apart from noise, in force tests of one column each."""
+    """Whether the scatter of grains is separated from noise, in force tests of one column each."""
     starts: Annotated[int, Field(ge=1, le=MOST_STARTS)] = 8
     """Number of starting points."""
     seed: Annotated[int, Field(ge=0, le=999_999)] = 0

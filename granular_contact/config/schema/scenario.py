@@ -55,7 +55,7 @@ class Solver(Strict):
     accuracy: Annotated[float, Field(ge=1e-7, le=0.1)] | None = None
     """Choose the steps of the engine so that the estimated error of positions in a step is below this fraction of the
     distance that the fastest point travels in it. null: fixed steps where step_s is given, and for one body in the
-    plane that nothing drives; else, in the engine, 1e-3. `run --explain` tells."""
+    plane that nothing drives; else, in the engine, 1e-3. `run --explain` says which."""
     max_wall_s: Positive | None = None
     """Stop after this wall time, with the status time_limit; null: never."""
     spectral_radius: Annotated[float, Field(ge=0, le=1)] | None = None

@@ -175,7 +175,7 @@ class SweepFile(Strict):
             of = " and ".join(given) if len(given) == 2 else "cases, vary and sample"
             yield (), f"got {amount} of {of}; exactly one is allowed"
         elif "combine" in self.model_fields_set and given != ["vary"]:
-            yield ("combine",), f"unknown key; it tells how vary is combined, not {given[0]}"
+            yield ("combine",), f"unknown key; it says how vary is combined, not {given[0]}"
         else:
             yield from self._count_faults()
 

@@ -16,14 +16,14 @@ KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
 
 
 class SpatialCoordinate(Coordinate):
-    """As `Coordinate`; turns (2,): the coordinate found last, by which turns are counted, and nothing."""
+    """As `Coordinate`; last_angles (2,): the coordinate found last, by which turns are counted, and nothing."""
 
     kernels: Any = space_joints
 
     def __init__(self, joint: SpatialJoint, references: Sequence[float]) -> None:
         """references: values of the coordinates of parent and child, none of the ground."""
         self.joint, self.size = joint, len(references)  # type: ignore[assignment]
-        self.record, self.turns = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
+        self.record, self.last_angles = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
         record = self.record[0]
         record["kind"] = KINDS[joint.kind]
         record["parent"], record["child"] = len(references) - 7, 7

@@ -19,7 +19,7 @@ from granular_contact.scene.types import Vector
 
 
 class SpatialSenses(Senses):
-    """As `Senses`. It follows hinges from row to row, for the orientations of bodies do not tell whole turns."""
+    """As `Senses`. It follows hinges from row to row, for the orientations of bodies do not count whole turns."""
 
     system: SpatialSystem
     _seen_type = SpatialSeen
@@ -47,8 +47,8 @@ class SpatialSenses(Senses):
     def follow(self, q: Vector) -> None:
         """Count the turns of hinges over rows (n, m) of coordinates that came since the last call."""
         still = [0.0] * 14
-        for (joint, places), turns in zip(self._coordinates, self.seen.hinges, strict=True):
-            for row in q[:, places] if turns else ():
+        for (joint, places), is_hinge in zip(self._coordinates, self.seen.hinges, strict=True):
+            for row in q[:, places] if is_hinge else ():
                 joint.at(row.tolist(), still)
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:

@@ -1,4 +1,4 @@
-"""The hinges of a run, as its columns tell of them."""
+"""The hinges of a run, by its columns."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
 
 
 def _pose(shot: Snapshot) -> dict[str, Any]:
-    """How the mechanism looks in this snapshot."""
+    """The mechanism in this snapshot."""
     return _POSES.get(shot.label, _POSES["touch"])
 
 

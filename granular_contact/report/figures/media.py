@@ -43,7 +43,7 @@ def draw_media(runs: Runs, file: Path) -> None:
 
 
 def _body(one: Results) -> str:
-    """What travels: the first body of a run that tells of a distance; empty for what does not."""
+    """What travels: the first body of a run whose summary has a distance; empty for what does not."""
     if one.summary.get("distance_m") is None:
         return ""
     return next((name.removesuffix("_vx_m_s") for name in one.names if name.endswith("_vx_m_s")), "")

@@ -96,7 +96,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Uneven:
-    """A map of heights, as far as a motion tells it: heights (m) at y (rows) and x (columns)."""
+    """A map of heights, as far as a motion has it: heights (m) at y (rows) and x (columns)."""
 
     x: Array
     y: Array

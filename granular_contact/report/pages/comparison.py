@@ -13,7 +13,7 @@ _OF_MODELS = (
     *("model", "stopping_time_s", "stopping_time_relative", "angle_at_stop_deg", "travel_relative"),
     *("max_deflection_m", "deflection_relative", "angle_rms_deg", "deflection_rms_m", "solve_s"),
 )
-_NOT_SHOWN = ("warnings", "energy_imbalance_relative")  # of media: told elsewhere on the page
+_NOT_SHOWN = ("warnings", "energy_imbalance_relative")  # of media: shown elsewhere on the page
 
 
 def content(folder: Folder) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
 def live_overlay(
     names: Sequence[str], columns: Mapping[str, Array], played: tuple[Motion, Bed] | None, reference: str = ""
 ) -> dict[str, Any]:
-    """The same for several runs, of `report.overlay`; reference: the run from which the others are told apart."""
+    """The same for several runs, of `report.overlay`; reference: the run from which the others are distinguished."""
     if len(columns.get("time_s", ())) < 2:
         return NOTHING | {"data": {}}
     prefixes = keys(names)

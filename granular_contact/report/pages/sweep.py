@@ -26,7 +26,7 @@ MOST_RUNS = 6  # of cases that were kept, side by side
 MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
 _NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.", "strips.", "strides.count", "strides.period")
-# Are told and drawn before all others, in this order.
+# Shown and drawn before all others, in this order.
 _FIRST = (
     *(
         "wheel.drawbar_pull_N",

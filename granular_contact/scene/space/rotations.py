@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Vector = NDArray[np.float64]
-LOCKED = 1.0 - 1e-12  # sine of the pitch from which roll and yaw can't be told apart: roll is 0 then
+LOCKED = 1.0 - 1e-12  # sine of the pitch from which roll and yaw can't be distinguished: roll is 0 then
 
 
 def of_rpy(rpy: ArrayLike) -> Vector:

@@ -55,7 +55,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     Raises
     ------
     SceneError
-        A mesh can't be read or used; its key is not told.
+        A mesh can't be read or used; its key is not known here.
     """
     if isinstance(spec, schema.SpatialLink):
         return _link(name, spec, media, strips)

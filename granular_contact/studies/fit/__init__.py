@@ -8,8 +8,8 @@ parameters                         keys of a config -> start, bounds and scale
 prepare, checks                    all of it read and checked -> Problem
 problem, responses                    parameters -> curves of every run
 jacobian, noise, solve             least squares from many starts, weighted by the noise that is left
-uncertainty, goodness, diagnostics errors, what can't be told apart; whether residuals are noise; other checks
-scatter                            scatter of grains, told apart from noise and coefficients in force tests
+uncertainty, goodness, diagnostics errors, what can't be distinguished; whether residuals are noise; other checks
+scatter                            scatter of grains, separated from noise and coefficients in force tests
 media_of_runs                      whose medium the coefficients go into, and in what else the media differ
 fitting, medium, writing           Fit; the medium found; fit.json, medium.yaml, residuals.csv and figures
 """

@@ -22,7 +22,7 @@ Vector = NDArray[np.float64]
 FARTHEST = 10.0  # times what the mechanism reaches: no length of this run
 STILL_MOVING = 0.25  # of the greatest speed in the data
 MOTION_LEFT = 0.01  # of the range of a column: less is no motion that a parameter could be found from
-PROBE = 0.1  # share of the way between the bounds by which a parameter is moved to see whether it moves anything
+PROBE = 0.1  # share of the distance between the bounds by which a parameter is moved to see whether it moves anything
 # Joints of mechanisms whose flight is the same backwards, and what may be said of such joints.
 FREE_JOINTS = {"hinge", "weld"}
 JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "angle_deg", "home_deg"}

@@ -37,7 +37,7 @@ class Curve:
 class Fit:
     """Result of a fit. residuals: data less model (n, columns) of each run; curves: for figures.
 
-    scatter: of the grains, where it was told apart from noise.
+    scatter: of the grains, where it was separated from noise.
     """
 
     problem: Problem

@@ -16,7 +16,7 @@ from granular_contact.studies.fit.measurements import Measured
 Vector = NDArray[np.float64]
 
 DEEPEST = 100.0  # sizes of the body: no depth of a test
-LEAST_FORCE = 4.0  # times the standard error that noise gives to the size of the force: smaller ones tell nothing
+LEAST_FORCE = 4.0  # times the standard error that noise gives to the size of the force: smaller ones say nothing
 UNLIKE = 100.0  # factor between tests of one law by which their forces differ at most, in units of the model
 
 

@@ -32,7 +32,7 @@ def angle_of(test: ForceTest) -> float:
 
 
 def meant(table: Table, mapping: Mapping[str, tuple[str, Position]]) -> bool:
-    """Whether a table is one of a force test by its columns: it tells forces, and no times."""
+    """Whether a table is one of a force test by its columns: it has forces, and no times."""
     names = list(mapping) or list(table.header)
     return columns.tells_forces(names) and not any(recognise_motion(name, [TIME]) for name in names)
 

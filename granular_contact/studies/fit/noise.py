@@ -49,7 +49,7 @@ def roughness(values: Vector) -> float | None:
     """Standard deviation of what changes from row to row, of values (n,) at even times: from third differences.
 
     A smooth motion adds little to it, so it is the noise or a little more; at least that of rounding, which may leave
-    most rows alike. None for fewer rows than tell.
+    most rows alike. None for too few rows.
     """
     if len(values) < 10:
         return None

@@ -68,7 +68,7 @@ def _choice(
 def _refused(request: ParameterRequest, values: Sequence[Any], plains: Sequence[dict[str, Any]]) -> str | None:
     """Why no run can be fitted by this key, in words that name what can be."""
     if request.key[0] in NOT_FITTED:
-        return f"tells how a run is computed, not what is measured; {unknown('', sorted(_keys(plains[0])))}"
+        return f"says how a run is computed, not what is measured; {unknown('', sorted(_keys(plains[0])))}"
     if any(isinstance(value, float) for value in values):
         return None
     whole = next((value for value in values if isinstance(value, int) and not isinstance(value, bool)), None)

@@ -83,7 +83,7 @@ class Problem:
     """Runs, parameters and noise (of a column, in its unit; None: unknown), and how to solve.
 
     loss: of residuals in units of the noise; starts: how many points to start from; seed: of their choice. scatter:
-    whether that of grains is told apart from noise.
+    whether that of grains is separated from noise.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Repeated force tests: the scatter of grains, the noise of the sensor and the coefficients, told apart.
+"""Repeated force tests: the scatter of grains, the noise of the sensor and the coefficients, separated.
 
 A medium that scatters (`kernels.scatter`) gives a force F (1 + s xi), xi a smooth random function of the path that the
 body has gone, of the length L. Its residuals are as large as the force and alike over L; those of a sensor are neither.
@@ -64,7 +64,7 @@ class Scattering:
 
 
 def path_of(held: Measured, sine: float) -> Vector | None:
-    """Path length (n,) m of the body, as its column tells it or from the depth; None where neither does."""
+    """Path length (n,) m of the body, as its column has it or from the depth; None where neither does."""
     if PATH in held.given:
         return held.given[PATH]
     depth = held.given["depth_m"]
@@ -74,19 +74,19 @@ def path_of(held: Measured, sine: float) -> Vector | None:
 
 
 def faults(requests: Sequence[RunRequest], runs: Sequence[MeasuredRun]) -> Iterator[Fault]:
-    """Why the scatter of these runs can't be told apart from noise."""
+    """Why the scatter of these runs can't be separated from noise."""
     for request, run in zip(requests, runs, strict=True):
         model, held = run.simulator, run.measured
         if not isinstance(model, LawAlone):
-            words = "is a run, and scatter is told apart in force tests alone"
+            words = "is a run, and scatter is separated from noise in force tests alone"
         elif len(held.columns) > 1:
-            words = f"measures {', '.join(held.columns)}, and scatter is told apart in tests of one column"
+            words = f"measures {', '.join(held.columns)}, and scatter is separated from noise in tests of one column"
         elif len(held.time) > MOST_ROWS:
             words = (
                 f"has {len(held.time)} rows; at most {MOST_ROWS} are allowed with scatter: leave every other one out"
             )
         elif path_of(held, float(model.motion.along[1])) is None:
-            words = "does not tell how far the body went; "
+            words = "does not say how far the body went; "
             words += "allowed is a column path_length_m (cm, mm, um), or a depth that grows"
         else:
             continue

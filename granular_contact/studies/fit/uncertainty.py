@@ -20,7 +20,7 @@ Directions = tuple[Direction, ...]
 
 CONFIDENCE_LEVEL = 0.95
 LARGE_RELATIVE_ERROR = 0.10  # from this standard error on a parameter counts as not determined
-HIGH_CORRELATION = 0.95  # correlation of parameters that are hard to tell apart
+HIGH_CORRELATION = 0.95  # correlation of parameters that are hard to distinguish
 LEAST_SINGULAR_VALUE = 1e-9  # relative to the largest one: less is round-off
 LARGEST_HALF_WIDTH = 100.0  # of an interval, in powers of e or lengths of the scale: wider ones say nothing
 
@@ -45,7 +45,7 @@ class Uncertainty:
     """covariance: of the scaled parameters (p, p); correlation: (p, p).
 
     directions: of the shared parameters, loosest first: relative standard error along it and its parts by label.
-    words: what the data can't tell apart. quantile: of Student's t for the 95 % interval.
+    words: what the data can't distinguish. quantile: of Student's t for the 95 % interval.
     """
 
     estimates: tuple[Estimate, ...]
@@ -220,11 +220,11 @@ def _close_words(problem: Problem, deviation: Vector, correlation: Vector, direc
             close = np.isfinite(correlation[i, j]) and abs(correlation[i, j]) >= HIGH_CORRELATION
             if close and not one.shared and not other.shared and min(open_by[i], open_by[j]) > 1.0:
                 yield (
-                    f"{other.label} and {one.label} can't be told apart by these data: any value of one goes with one "
-                    "of the other; give one of them a number"
+                    f"{other.label} and {one.label} can't be distinguished by these data: any value of one goes with "
+                    "one of the other; give one of them a number"
                 )
             elif close and not any({one.label, other.label} <= names for names in named):
-                yield f"{other.label} and {one.label} are hard to tell apart: correlation {correlation[i, j]:+.3f}"
+                yield f"{other.label} and {one.label} are hard to distinguish: correlation {correlation[i, j]:+.3f}"
 
 
 def band(uncertainty: Uncertainty, derivatives: Vector) -> Vector:

@@ -124,7 +124,7 @@ def _goodness(good: Goodness) -> dict[str, Any]:
 
 
 def _scatter(fit: Fit) -> dict[str, Any]:
-    """Scatter of the grains, where it was told apart."""
+    """Scatter of the grains, where it was separated from noise."""
     one = fit.scatter
     if one is None:
         return {}

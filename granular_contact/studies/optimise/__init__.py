@@ -7,7 +7,7 @@ outcome   the best run, and what it gains over the config as it was
 writing   outcome -> history.csv, best.yaml, best/, optimise.json, figures
 calls     a search from Python
 
-A method is asked for a whole generation at a time, and told what came of it in the order in which it was asked. So
+A method is asked for a whole generation at a time, and given what came of it in the order in which it was asked. So
 what it asks for next depends on the seed alone, not on who worked or in which order runs came to an end. A search that
 was killed is begun again from its seed; runs that are in the journal are read there.
 """

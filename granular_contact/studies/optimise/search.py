@@ -1,4 +1,4 @@
-"""Study and pool -> outcome: generations asked for, run, judged and told, until all runs are taken."""
+"""Study and pool -> outcome: generations asked for, run, judged and given back, until all runs are taken."""
 
 from __future__ import annotations
 

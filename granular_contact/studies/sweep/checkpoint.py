@@ -171,7 +171,7 @@ def _same(work: Contents, folder: Path, remedy: str) -> None:
     """Raise unless `folder` holds this very sweep or search."""
     path, noun = folder / work.file, work.noun
     if not path.exists():
-        raise FolderRefused(f"{folder} does not tell which {noun} it is of, as it has no {work.file}: {remedy}")
+        raise FolderRefused(f"{folder} does not say which {noun} it is of, as it has no {work.file}: {remedy}")
     there = path.read_text(encoding="utf-8")
     if work.text != there:
         raise FolderRefused(f"{folder} is of another {noun} ({_difference(there, work.text, work.file)}): {remedy}")

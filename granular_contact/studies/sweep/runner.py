@@ -129,7 +129,7 @@ class CaseRunner:
 
 
 class _Threads(ThreadPoolExecutor):
-    """Threads that have come to the end of what they do when they are told to end, so that nothing is written later."""
+    """Threads that finish what they do when they are asked to end, so that nothing is written later."""
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
         super().shutdown(wait=True, cancel_futures=cancel_futures)

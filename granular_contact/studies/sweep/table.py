@@ -31,7 +31,7 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
 
 
 def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
-    """Names of the columns: the case, what varies, then all that any run tells; rows of crashes know less."""
+    """Names of the columns: the case, what varies, then all that any run has; rows of crashes know less."""
     keys_by_success: tuple[dict[str, None], dict[str, None]] = {}, {}
     for row in rows:
         keys_by_success[row.summary["status"] == "error"].update(dict.fromkeys(row.summary))

@@ -1,6 +1,6 @@
 // Sweeps, searches and fits: any number of the rows against any other, with a third as colour.
 function caseChart() {
-  const place = $("#cases-chart .plot"), told = $("#cases-chart output");
+  const place = $("#cases-chart .plot"), output = $("#cases-chart output");
   const [x, y, tone] = ["x", "y", "tone"].map((name) => $(`#cases-${name}`));
   data.cases.columns.forEach((column, i) => {
     for (const select of [x, y, tone]) select.append(make("option", { value: i }, column.label));
@@ -26,7 +26,7 @@ function caseChart() {
     for (const row of $$("tr.pointed")) row.classList.remove("pointed");
     const row = i === null ? null : rows.get(data.cases.names[i].replace(/^run /, ""));
     if (row) row.classList.add("pointed");
-    told.textContent = i === null ? "" : data.cases.names[i];
+    output.textContent = i === null ? "" : data.cases.names[i];
     const sizes = data.cases.names.map((_, k) => (k === i ? 16 : 8));
     Plotly.restyle(place, { "marker.size": [i === null ? 8 : sizes] }, [0]);
   };

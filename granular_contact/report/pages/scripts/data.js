@@ -23,11 +23,11 @@ async function plotly() {
   return Boolean(window.Plotly);
 }
 
-// The instant that all of the page shows: whoever wants to know of it is told.
-const clock = { time: 0, start: 0, end: 0, told: [] };
+// The instant that all of the page shows: listeners are called with it.
+const clock = { time: 0, start: 0, end: 0, listeners: [] };
 function setTime(time) {
   clock.time = Math.min(Math.max(time, clock.start), clock.end);
-  for (const tell of clock.told) tell(clock.time);
+  for (const listener of clock.listeners) listener(clock.time);
 }
 
 const clampIndex = (times, time) => {
@@ -50,7 +50,7 @@ const mix = (a, b, share) => a + (b - a) * share;
 
 
 // Several runs on one page: which are shown, and in which colours.
-const shown = { hidden: new Set(), told: [] };
+const shown = { hidden: new Set(), listeners: [] };
 const runOf = (name, between) => (data.runs || []).findIndex((run) => name.startsWith(run[between === ": " ? "name" : "key"] + between));
 function chooseRuns() {
   const paint = () => {
@@ -64,7 +64,7 @@ function chooseRuns() {
     $("input", label).addEventListener("change", (event) => {
       shown.hidden[event.target.checked ? "delete" : "add"](run);
       paint();
-      for (const tell of shown.told) tell();
+      for (const listener of shown.listeners) listener();
       setTime(clock.time);
     });
   }

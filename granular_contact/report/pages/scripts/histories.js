@@ -75,24 +75,24 @@ function look(words, vertical) {
 }
 
 class Panel {
-  constructor(told, columns, all) {
-    this.told = told;
+  constructor(spec, columns, all) {
+    this.spec = spec;
     this.columns = columns;
     this.all = all;
     this.time = columns.time_s;
-    this.curves = told.curves.map((curve) => valuesOf(curve, columns, told.factor));
-    this.runs = told.curves.map((curve, c) => (data.runs ? runOf(curve.terms[0][0], ".") : c)); // of several runs each has its colour
+    this.curves = spec.curves.map((curve) => valuesOf(curve, columns, spec.factor));
+    this.runs = spec.curves.map((curve, c) => (data.runs ? runOf(curve.terms[0][0], ".") : c)); // of several runs each has its colour
     this.range = [this.time[0], this.time[this.time.length - 1]];
     this.plot = make("div", { class: "plot" });
     this.cursor = make("div", { class: "cursor" });
-    this.cursor.hidden = Boolean(told.along);
-    this.readings = told.curves.map((curve, i) => {
+    this.cursor.hidden = Boolean(spec.along);
+    this.readings = spec.curves.map((curve, i) => {
       const value = make("b", {}, "");
       const key = make("span", { class: "key" }, make("i", {}), curve.label + " ", value);
       key.style.setProperty("--tone", colourOf(this.runs[i]));
       return { key, value };
     });
-    const head = make("div", { class: "head" }, make("h3", {}, told.unit ? `${told.title} (${told.unit})` : told.title));
+    const head = make("div", { class: "head" }, make("h3", {}, spec.unit ? `${spec.title} (${spec.unit})` : spec.title));
     head.append(...this.readings.map((one) => one.key));
     this.element = make("div", { class: "panel" }, head, make("div", { class: "frame" }, this.plot, this.cursor));
     this.plot.addEventListener("pointermove", (event) => this.point(event));
@@ -102,8 +102,8 @@ class Panel {
   traces() {
     return this.curves.map((values, c) => {
       const rows = rowsToDraw(this.time, values, ...this.range);
-      const x = this.told.along ? this.along(c) : this.time;
-      const factor = this.told.along ? 1e3 : 1; // depths in mm
+      const x = this.spec.along ? this.along(c) : this.time;
+      const factor = this.spec.along ? 1e3 : 1; // depths in mm
       return {
         x: rows.map((i) => x[i] * factor), y: rows.map((i) => values[i]), mode: "lines", type: "scatter",
         line: { color: colourOf(this.runs[c]), width: 1.6 }, visible: this.visible(c),
@@ -112,7 +112,7 @@ class Panel {
   }
 
   along(c) { // what a curve is drawn over
-    return this.columns[this.told.curves[c].along || this.told.along];
+    return this.columns[this.spec.curves[c].along || this.spec.along];
   }
 
   visible(c) {
@@ -122,7 +122,7 @@ class Panel {
   draw() {
     if (this.drawn) return;
     this.drawn = true;
-    const along = this.told.along;
+    const along = this.spec.along;
     const layout = look(along ? "depth (mm)" : "time (s)");
     if (along) layout.xaxis.fixedrange = true;
     else layout.xaxis.range = [...this.range];
@@ -139,7 +139,7 @@ class Panel {
   }
 
   zoom(range) {
-    if (this.told.along) return;
+    if (this.spec.along) return;
     this.range = range || [this.time[0], this.time[this.time.length - 1]];
     if (!this.drawn) return;
     const traces = this.traces();
@@ -152,7 +152,7 @@ class Panel {
   repaint() {
     this.readings.forEach((one, i) => one.key.style.setProperty("--tone", colourOf(this.runs[i])));
     if (!this.drawn) return;
-    if (this.told.along) {
+    if (this.spec.along) {
       Plotly.purge(this.plot);
       this.drawn = false;
       this.draw();
@@ -160,7 +160,7 @@ class Panel {
   }
 
   point(event) { // the time under the pointer
-    if (this.told.along || !this.drawn) return;
+    if (this.spec.along || !this.drawn) return;
     const box = this.plot.getBoundingClientRect();
     const share = (event.clientX - box.left - MARGIN.l) / (box.width - MARGIN.l - MARGIN.r);
     if (share >= -0.02 && share <= 1.02) setTime(mix(this.range[0], this.range[1], share));
@@ -170,7 +170,7 @@ class Panel {
     const [i, share] = between(this.time, time), next = Math.min(i + 1, this.time.length - 1);
     this.curves.forEach((values, c) => (this.readings[c].value.textContent = number(mix(values[i], values[next], share))));
     if (!this.drawn) return;
-    if (this.told.along) {
+    if (this.spec.along) {
       const seen = this.curves.map((_, c) => c).filter((c) => this.visible(c));
       const x = seen.map((c) => 1e3 * mix(this.along(c)[i], this.along(c)[next], share));
       const y = seen.map((c) => mix(this.curves[c][i], this.curves[c][next], share));
@@ -202,8 +202,8 @@ function histories(columns) {
       } else all.visible.delete(panel);
     }
   }, { rootMargin: "300px" });
-  const add = (told, place) => {
-    const panel = new Panel(told, columns, all);
+  const add = (spec, place) => {
+    const panel = new Panel(spec, columns, all);
     all.panels.push(panel);
     place.append(panel.element);
     watch.observe(panel.element);
@@ -214,9 +214,9 @@ function histories(columns) {
     if (place) group.panels.forEach((panel) => add(panel, place));
   }
   chosen(columns, add, all, watch);
-  clock.told.push((time) => all.visible.forEach((panel) => panel.show(time)));
+  clock.listeners.push((time) => all.visible.forEach((panel) => panel.show(time)));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all.panels.forEach((one) => one.repaint()));
-  shown.told.push(() => all.panels.forEach((one) => one.repaint()));
+  shown.listeners.push(() => all.panels.forEach((one) => one.repaint()));
   $("[data-do=unzoom]").addEventListener("click", () => all.zoom(null));
 }
 

@@ -3,7 +3,7 @@ const SECONDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 
 
 function controls(motion) {
   const place = $("#player .controls");
-  const play = $("[data-do=play]", place), slider = $("input[type=range]", place), told = $("output", place);
+  const play = $("[data-do=play]", place), slider = $("input[type=range]", place), output = $("output", place);
   const pace = $("select", place);
   const lasts = clock.end - clock.start || 1;
   const unit = lasts < 1 ? ["ms", 1e3] : ["s", 1];
@@ -39,11 +39,11 @@ function controls(motion) {
     pause();
     setTime(Number(slider.value));
   });
-  clock.told.push((time) => {
+  clock.listeners.push((time) => {
     slider.value = time;
     const digits = Math.max(0, 4 - Math.ceil(Math.log10(lasts * unit[1])));
     const words = `${(time * unit[1]).toFixed(digits)} ${unit[0]}`;
-    told.textContent = words;
+    output.textContent = words;
     slider.setAttribute("aria-valuetext", words);
   });
   for (const [name, time] of Object.entries(data.moments || {})) {
@@ -149,5 +149,5 @@ function drawing(motion, stage) {
   });
   for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => (held = null));
   for (const box of [follow, withForces]) if (box) box.addEventListener("change", () => show(clock.time));
-  clock.told.push(show);
+  clock.listeners.push(show);
 }

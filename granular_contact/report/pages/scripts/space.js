@@ -50,7 +50,7 @@ class SpacePlayer {
         lightposition: { x: 3e4, y: -5e4, z: 8e4 }, // far away; facets of a millimetre are no degenerate ones
       };
     });
-    shown.told.push(() => {
+    shown.listeners.push(() => {
       const seen = motion.parts.map((part) => !shown.hidden.has(runOf(part.name, ": ")));
       Plotly.restyle(this.plot, { visible: seen }, this.bodies);
     });
@@ -81,7 +81,7 @@ class SpacePlayer {
     }
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => Plotly.relayout(this.plot, this.layout()));
     $("#with-forces").addEventListener("change", () => this.show(clock.time));
-    clock.told.push((time) => this.show(time));
+    clock.listeners.push((time) => this.show(time));
     this.show(clock.time);
   }
 
