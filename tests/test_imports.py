@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -379,3 +380,14 @@ def test_commands_without_runs_load_nothing_heavy() -> None:
     assert not after["the command prints the schema"] & {*heavy, "numpy"}
     assert "numpy" in after["the command checks a config"]
     assert not after["the command checks a config"] & heavy
+
+
+def test_the_index_of_a_room_names_all_its_modules() -> None:
+    missing = {}
+    for room in (path for path in MODULES if path.name == "__init__.py"):
+        name = room.parent.relative_to(PACKAGE).as_posix()
+        if name in (".", "cli", "laws"):  # named by what they export, a module a command, a module a law
+            continue
+        index = ast.get_docstring(ast.parse(room.read_text(encoding="utf-8"))) or ""
+        missing[name] = {path.stem for path in room.parent.glob("[!_]*.py")} - set(re.findall(r"\w+", index))
+    assert missing == {name: set() for name in missing}

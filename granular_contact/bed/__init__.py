@@ -23,7 +23,9 @@ Doors to engines stand on it (`multibody`, `minimal`), and a script may use it a
 contact_lines   shapes -> stations along what the medium meets; a new shape is a function here
 batch           lines of one kind in one compiled call; other elements (facets in space) would be batches of their own
 load            all batches: force, tangent, accepted steps
-history         what was done, step by step
+history, state  what was done, step by step; all that a later step depends on
 work, strip_error   what steps and strips leave open, from a history and the motion
 given, of_scene     what a bed is made of, from arguments and from a scene
+steady          the force on a body that moves steadily, without a run
+space           bodies in space
 """

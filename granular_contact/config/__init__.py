@@ -1,10 +1,17 @@
 """First stage: YAML -> `Scenario`, strict and frozen, with every fault at its line. Imports nothing heavy.
 
-reading   yaml_source, compose, scalars, tree      text -> tree with positions
-resolving references, overrides                    names, `from` and --set -> one tree
-checking  schema, allowed, messages, sizes         one tree -> Scenario, or faults in sentences
-many      kinds, sweep, sweep_{cases,vary,sample,range}   a config and what to replace in it -> cases
-          optimise                                    a config, what may change in it and what is best
+reading    yaml_source, compose, tree           text -> tree with positions
+           file_kind                            whether it is a run, a sweep, a search or a fit
+resolving  references, overrides, given         names and `from`; --set and values from Python -> one tree
+           urdf, in_space                       robot files; the class of scenarios in space
+           columns, stress_table, csv_table     CSV files that a config names
+           deprecated, provenance               old keys; what a changed medium rests on
+checking   schema, load                         one tree -> Scenario
+           allowed, messages, sizes, structure_errors   or faults in sentences
+changing   changed, differences, add_law        a scenario from Python; how two differ; a law from outside
+writing    export                               plain data, JSON Schema
+many       sweep, sweep_cases, sweep_sample     a config and what to replace in it -> cases
+           optimise                             a config, what may change in it and what is best
 """
 
 from granular_contact.config import schema

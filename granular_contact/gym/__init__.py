@@ -1,5 +1,9 @@
 """Gymnasium environments of scenes (extra `[gym]`): `GranularEnv` of any config, and the runner.
 
+environment   `GranularEnv`
+runner        the runner, as far to the right as it gets
+pictures      what is rendered
+
 Importing this registers `granular_contact/Runner-v0`; `gymnasium.make` imports it by itself where it is asked for
 `granular_contact.gym:granular_contact/Runner-v0`.
 """

@@ -1,5 +1,26 @@
 """Compiled code: arrays in, arrays out.
 
+laws in the plane   law, joining, forces         what a law provides, how it is compiled, what a medium asks for
+                    strips, bars, plates, balls  a law on a strip, a bar, a surface element, a ball
+                    immersion, surface           integrals over what is immersed; height of the surface
+                    bar_statics, tables, probe   static terms of bars; laws with many numbers; a law outside a run
+friction state      friction, planar_friction, space_friction
+                    scatter, path_length, wheels scatter of grains, shear displacement, the surface behind a wheel
+a bed in the plane  planar_sand, batches, lines  all media; one; one contact line
+                    kinematics, spatial, layers  how bodies move stations; layers
+a bed in space      space_law, space_joining     as `law` and `joining`
+                    space_bodies                 rigid bodies with all elements on them
+                    facets, slices, facet_layers, facet_scatter, space_balls    the elements; bars are in `bars`
+                    ground, space_reach          the surface; the walls of a container
+joints              joint_coordinates, joint_laws, joint_loads, space_joints
+the engine's solve  anderson, step_error         Newton's method, choice of steps
+MuJoCo's step       added_mass, planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass, held_step
+reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip, events    its equations
+                    dormand_prince, march, modal_looks                              its steps, and what is found in them
+trees               tree, tree_load, tree_march, chebyshev
+how it is compiled  compiled, compiling, hurry, loaded
+                    entry, lending, borrowing, memory    calls and arrays without numba's general forms
+
 numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;
 it does not see that a function of another file, inlined into it, has changed. So what is older than any kernel or law
 is dropped.

@@ -1,0 +1,10 @@
+"""Laws of resistance: one law, one file, one line in `catalogue`.
+
+law, kinds                     what a law is, what it can act on
+coefficients, validity         tables of numbers in a law; the range that it was measured in
+scalar, surface_pressure       what several laws of balls, and of pressed surfaces, share
+floor, layer, static_friction  what else a bed has
+scatter                        the scatter of a medium from a measured force
+probe                          forces of a law for figures
+presets                        media in files
+"""

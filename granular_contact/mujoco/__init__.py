@@ -16,6 +16,7 @@ trial       a step of MuJoCo that is taken back, with bodies heavier by what the
 shared      what is the same for all data of a model
 sand        elements in space and lines in the plane, with the kernels that both doors call
 geoms       geoms of a model -> shapes in space, sections in the plane
+engine      MuJoCo itself, or how to install it
 checks      what of a model doubles the sand, or keeps it from acting
 """
 

@@ -1,4 +1,11 @@
-"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml and figures, written completely or not at all."""
+"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml and figures, written completely or not at all.
+
+units       numbers for readers
+histories   panels over time, for figures and pages
+overlay     several runs on one clock
+figures     PNG, PDF and SVG
+pages       one HTML file
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,14 @@
 """What a run leaves behind: how it ended, its time series, key numbers and snapshots. Plain data, no engine in it.
 
-What of it needs the parts above (folders, figures) is in `methods`, and loaded when it is called.
+observation                    what was observed of a solved scene -> Results
+series, in_space               columns, in the plane and in space
+summary, stopping, strides     key numbers: of all, touch and stop, drives and strides
+energy, limits, accuracy       energy balance; what was left or exceeded; estimates of the error
+ending                         how a run ended
+interpolation                  numbers between steps
+frames, motion                 pictures, and the motion as it is played
+observed                       one instant, by name
+methods                        what of `Results` needs the rooms above (folders, figures), loaded when it is called
 """
 
 from __future__ import annotations

@@ -1,8 +1,10 @@
 """What a scenario may say: strict frozen classes, SI units in the names of the fields.
 
 `mechanism` holds the bodies, `shapes` what they are made of, `joints`, `chain` and `model` what becomes of them,
-`initial`, `drives` and `signals` what moves them, `medium` a law, `bed` where the media lie, `method` the choice of
-solver, `scenario` the run around them.
+`initial`, `drives` and `signals` what moves them, `medium` a law, `bed` where the media lie, `wheel` the run of one
+wheel, `method` the choice of solver, `scenario` the run around them. `robot` is a model from a robot file, `space`
+holds mechanisms in space; `sweep`, `optimise` and `fit` are other files. `structure` and `fitting` check what belongs
+together, `deprecated` keeps old keys working.
 """
 
 # mypy: implicit-reexport

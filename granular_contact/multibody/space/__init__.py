@@ -1,9 +1,11 @@
 """Mechanisms in space in the engine: rigid bodies with Euler parameters and joints between them.
 
 build         Scene -> System: bodies, joints, what acts in them, the granular load
+system        the System of space, with the handles of its bodies
 coordinates   coordinates of hinges and sliders, along which springs, stops, friction and drives act
 kinematics    positions, orientations, rates of bodies and joints along a trajectory
-observe       Trajectory -> Observation, with columns of three dimensions
+constraints   what joints ask of accelerations
+observe, senses   Trajectory, or one instant, in columns of three dimensions
 
 The solve itself, its choice of steps, what is recorded and finding rest are those of the plane.
 """

@@ -2,10 +2,14 @@
 
 style    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
 series   panels, events, hinges     panels over time, what is marked in them, what the hinges are called
-         motion, series             their figures
-         robots, space_views            figures of what travels: first body, joints, contacts; views in space
+         motion, series, chosen     their figures
+         robots, space_views        figures of what travels: first body, joints, contacts; views in space
 picture  outlines, views            edges and depths; windows on the plane
          mechanism                  their figure
+film     stage, animation, film     a view to scale, pictures on it, GIF and MP4
+         space                      pictures of a run in space
+studies  histories, media, laws     models and media compared, a law
+         overview, slip, sensitivity, ensembles, search, fits    sweeps, wheels, Sobol indices, seeds, searches, fits
 """
 
 from __future__ import annotations

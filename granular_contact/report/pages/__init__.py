@@ -1,9 +1,11 @@
 """Results folder -> one HTML file that holds everything: text, numbers, figures, animation, scenario, warnings.
 
-folder                        what is on the disk
+folder                                  what is on the disk
 run, comparison, sweep, fit, optimise   what is shown of each kind of results
-gallery                       a page of several runs
-templates, rendering          the words and the look of pages; what templates ask for
+gallery                                 a page of several runs
+chart, stage, live                      a chart of many rows; the player of the plane; what scripts get
+templates, rendering                    the words and the look of pages; what templates ask for
+scripts, script                         what runs in the browser, and how it gets into a page
 """
 
 from __future__ import annotations

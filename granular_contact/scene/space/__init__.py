@@ -6,5 +6,6 @@ shapes      shapes of a config -> what the medium meets, triangles to draw, mass
 layout      frames and twists of all bodies in a state of the joints
 start       initial states of joints
 loops       kinematic loops at the start, and which of their constraints are needed
+height_map  a surface from a file of heights
 bodies, joints, bed, build   as in `scene`
 """

@@ -1,4 +1,10 @@
-"""Ensembles: one run with many seeds of its medium's scatter, on the workers of sweeps; mean, quantiles, bands."""
+"""Ensembles: one run with many seeds of its medium's scatter, on the workers of sweeps; mean, quantiles, bands.
+
+calls        a run -> the sweep over its seeds; an ensemble from Python
+runs         one member in a worker
+statistics   rows -> mean, spread, quantiles, bands
+writing      these as files and figures
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Coefficients from measurements: configs and data of many runs -> parameters, their errors, and warnings about them.
 
 specification, sections, request    a fit file, or the command line in its place -> what is asked for
-columns, csv_table, measurements   names and units of what was measured; CSV files
+columns, measurements              names and units of what was measured; CSV files
 force_columns, force_tests, force_checks   the same of force tests: tables of forces against depth or speed
 law_alone                          a force test by the law, without a run
 parameters                         keys of a config -> start, bounds and scale

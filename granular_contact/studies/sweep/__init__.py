@@ -9,6 +9,7 @@ checkpoint   the folder from which a killed sweep goes on
 calls        a sweep from Python
 table        rows -> table.csv, and sweep.yaml
 sensitivity  rows -> Sobol indices
+slip         rows of a wheel -> its forces against slip
 """
 
 from granular_contact.studies.processes import local_processes

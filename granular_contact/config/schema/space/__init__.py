@@ -1,6 +1,9 @@
 """What a scenario in space may say: as in the plane, with bodies, joints, start and bed of three dimensions.
 
 A model says `in_space: true`; a config of such a model is a `SpatialScenario`, and this package is loaded for it alone.
+`bodies`, `shapes`, `joints`, `start`, `bed`, `model` and `scenario` are as in the plane; `turned` holds directions and
+orientations.
+
 World: x ahead, y left, z up. Angles, rates and torques are right-handed about their axes. SI units, named in the keys.
 """
 
