@@ -15,17 +15,33 @@ from granular_contact.kernels.lines import COARSER, DEPTH, FIRST, LEFT, LOWEST, 
 from granular_contact.laws.kinds import Kind
 
 Vector = NDArray[np.float64]
-
-
 H = TypeVar("H", bound="Entries")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Entries:
-    """What a load did at each accepted step; all its arrays have a row a step."""
+    """What a load did at each accepted step, the start included; all its arrays have a row a step.
+
+    time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
+    floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
+    negative above the surface; of what is immersed speed (n,) m/s of the fastest and lowest (n,) m, the height of the
+    lowest point, infinite while nothing is; terms (n, terms, size): for each of `term_names` its resultant force (N)
+    and its moment about the world origin (N m); bodies (n, bodies, size): the same of all terms together, for each of
+    `body_names`; immersed: body, kind and width (m) of all that ever was.
+    """
 
     time: Vector
     work: Vector
+    power: Vector
+    floor_work: Vector
+    depth: Vector
+    speed: Vector
+    lowest: Vector
+    terms: Vector
+    bodies: Vector
+    term_names: tuple[str, ...]
+    body_names: tuple[str, ...]
+    immersed: frozenset[tuple[str, Kind, float]] = frozenset()
 
     def at_end(self: H) -> H:
         """The last entry alone, if there is one."""
@@ -152,34 +168,19 @@ class Table(ABC, Generic[H]):
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadHistory(Entries):
-    """One entry per accepted step, the start included.
+    """As `Entries`, in the plane: of 3 numbers are x, y and the moment, right-handed about z, so counter-clockwise
+    (tables of runs have it clockwise).
 
-    time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
-    floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
-    negative above the surface; of the immersed stations speed (n,) m/s of the fastest, lowest (n,) m height of the
-    lowest point, left, right (n,) m the extreme x, infinite while none is immersed; coarser (n, 4): by how much the
-    power (W), the resultant x, y (N) and its moment about the world origin (N m) would change with strips of twice the
-    length;
-    terms (n, terms, 3): for each of `term_names` its resultant x, y (N) and its moment about the world origin (N m,
-    right-handed about z, so counter-clockwise; tables of runs have it clockwise); bodies (n, bodies, 3): the same of
-    all terms together, for each of `body_names`; immersed: body, kind and width (m) of all that ever was.
+    left, right (n,) m: the extreme x of the immersed stations, infinite while none is immersed; coarser (n, 4): by how
+    much the power (W), the resultant x, y (N) and its moment about the world origin (N m) would change with strips of
+    twice the length.
     """
 
-    power: Vector
-    floor_work: Vector
-    depth: Vector
-    speed: Vector
-    lowest: Vector
     left: Vector
     right: Vector
     coarser: Vector
-    terms: Vector
-    bodies: Vector
-    term_names: tuple[str, ...]
-    body_names: tuple[str, ...]
-    immersed: frozenset[tuple[str, Kind, float]] = frozenset()
 
 
 class HistoryTable(Table[LoadHistory]):
