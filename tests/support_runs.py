@@ -26,6 +26,23 @@ STIFFNESS = 15.1642  # N m2
 LINE_MASS = DENSITY * np.pi / 4 * DIAMETER**2  # kg/m
 
 
+# The crank a turns the rocker d by the coupler between them, which the closure c joins to it.
+FOUR_BAR = """
+model:
+  name: four_bar
+  bodies:
+    crank: {type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700}
+    coupler: {type: link, length_m: 0.3, diameter_m: 0.01, density_kg_m3: 7700}
+    rocker: {type: link, length_m: 0.3, diameter_m: 0.01, density_kg_m3: 7700}
+  joints:
+    a: {type: hinge, parent: ground, child: crank, home_deg: -90}
+    b: {type: hinge, parent: crank, child: coupler, parent_point_m: [0.1, 0], home_deg: 90}
+    d: {type: hinge, parent: ground, child: rocker, parent_point_m: [0.3, -0.2], home_deg: -90}
+  closures:
+    c: {type: hinge, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0]}
+"""
+
+
 def scenario_of(text_or_name: str, *overrides: str) -> config.Scenario:
     """Scenario of a file in configs/, or of a whole config as text."""
     if "\n" not in text_or_name:

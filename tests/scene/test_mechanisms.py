@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from support_runs import scene_of
+from support_runs import FOUR_BAR, scene_of
 
 from granular_contact.errors import Fault, SceneError
 from granular_contact.scene.types import Scene, place
@@ -27,21 +27,6 @@ initial:
   joints:
     rail: {{position_m: 0.2, speed_m_s: 1.5}}
     hip: {{angle_deg: 20, rate_rad_s: 3}}
-"""
-FOUR_BAR = """
-model:
-  name: four_bar
-  bodies:
-    crank: {type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700}
-    coupler: {type: link, length_m: 0.3, diameter_m: 0.01, density_kg_m3: 7700}
-    rocker: {type: link, length_m: 0.3, diameter_m: 0.01, density_kg_m3: 7700}
-  joints:
-    a: {type: hinge, parent: ground, child: crank, home_deg: -90}
-    b: {type: hinge, parent: crank, child: coupler, parent_point_m: [0.1, 0], home_deg: 90}
-    d: {type: hinge, parent: ground, child: rocker, parent_point_m: [0.3, -0.2], home_deg: -90}
-  closures:
-    c: {type: hinge, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0]}
-initial: {joints: {}}
 """
 
 
