@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     robots = [path for path in chosen.configs if robot_check.is_robot_file(path)]
     if chosen.mend is not None and not (robots and len(chosen.configs) == 1):

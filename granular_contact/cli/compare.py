@@ -59,7 +59,7 @@ def _tolerance(text: str) -> float:
     return value
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact.studies.compare import cells, compare, write
 

@@ -45,7 +45,7 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact.studies.compare_media import cells, compare_media, write
 

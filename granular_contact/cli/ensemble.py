@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="N", type=int, help="first seed (that of the config)")
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
     return many.with_pool(chosen, None, partial(_with_pool, chosen, folder))

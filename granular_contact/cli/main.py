@@ -95,5 +95,5 @@ def _parser() -> argparse.ArgumentParser:
         name = module.__name__.rpartition(".")[2].replace("_", "-")
         command = commands.add_parser(name, help=module.HELP)
         module.add_arguments(command)
-        command.set_defaults(command=module.act)
+        command.set_defaults(command=module.execute)
     return parser

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     many.add_arguments(parser, "YAML file with a config, parameters and an objective", words)
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     folder = output_folder(chosen.out, Path(chosen.file).stem, "optimise")
     try:

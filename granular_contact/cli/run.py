@@ -77,7 +77,7 @@ def _method(chosen: argparse.Namespace) -> Iterator[str]:
         yield f"method.reduced.modes={chosen.modes}"
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     scenario, scene = read(chosen.config, [*_method(chosen), *chosen.set])
     if problem := _film_problem(chosen.film) or _view_problem(chosen.view, scene):

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--write", metavar="DIR", help=words)
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     if chosen.kind and chosen.of:
         raise Refusal(f"schema: got {chosen.kind} and --of {chosen.of}; allowed is one of them")

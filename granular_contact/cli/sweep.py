@@ -61,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
     shared = folder.resolve().parent if chosen.plots else None

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--record", action="store_true", help="record the results of the studies")
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     places = [Path.cwd(), Path(__file__).parents[2]]
     root = next((place for place in places if (place / "validation" / "run_all.py").is_file()), None)

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="print faults only")
 
 
-def act(chosen: argparse.Namespace) -> int:
+def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     from granular_contact.kernels.compiling import seconds
     from granular_contact.run import begin

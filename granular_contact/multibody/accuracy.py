@@ -19,14 +19,14 @@ from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
-from granular_contact.results.limits import LAID
+from granular_contact.results.limits import LEAST_START_DEPTH
 from granular_contact.results.summary import least_energy
 from granular_contact.scene.signals import bends
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length
 UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
-FEW = 8  # steps from the touch to the stop
+FEWEST_STEPS = 8  # steps from the touch to the stop
 ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
 ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
 TREMBLE = 1e-3  # of a link's length
@@ -122,7 +122,7 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
         return
     first = int(below[0])
     deepest = int(first + np.argmax(load.depth[first:]))
-    if deepest - first + 1 < FEW and (first > 0 or load.depth[0] < LAID):
+    if deepest - first + 1 < FEWEST_STEPS and (first > 0 or load.depth[0] < LEAST_START_DEPTH):
         said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
         yield AccuracyWarning(f"{said}; {remedy(motion.scene)}")
 
@@ -134,7 +134,7 @@ def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
         return
     times = bends(drive.signal for drive in motion.scene.drives if drive.kind != "motion")
     least = min((after - before for before, after in pairwise(times) if before < end), default=math.inf)
-    if least < FEW * solver.step_s:
+    if least < FEWEST_STEPS * solver.step_s:
         said = f"a drive follows a table that bends twice within {least:.3g} s, {least / solver.step_s:.1f} steps"
         yield AccuracyWarning(f"{said}, which can miss its greatest force; {remedy(motion.scene)}")
 

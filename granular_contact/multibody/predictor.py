@@ -49,7 +49,7 @@ class Predictor:
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
     of the step, so that the tolerance grows with that square.
 
-    patience: least and greatest absolute tolerance in space. There constraints are met to round-off by a few
+    tolerances_in_space: least and greatest absolute tolerance there. Constraints are met to round-off by a few
     iterations. What is left then are forces on facets that rest at the edge of yielding, hundreds under a robot that
     stands, between which the iteration goes to and fro; so the tolerance grows from then on, to the greatest.
     """
@@ -59,13 +59,14 @@ class Predictor:
         solver: Any,
         lever: Vector | None,
         tolerances: tuple[float, float, float] | None,
-        patience: tuple[float, float] | None = None,
+        tolerances_in_space: tuple[float, float] | None = None,
         *,
         bends: bool = False,
         gain: float = math.inf,
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
-        self.solver, self.lever, self.tolerances, self.patience = solver, lever, tolerances, patience
+        self.solver, self.lever = solver, lever
+        self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
         self.views: Views | None = None  # given before the first step
         self._late = LATE if bends else 0
         self._found: Views | None = None  # those of which the following is known
@@ -78,8 +79,8 @@ class Predictor:
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
         """Before the residual of an iteration of the step to t (s)."""
-        if self.patience is not None and iteration >= PATIENT:
-            least, greatest = self.patience
+        if self.tolerances_in_space is not None and iteration >= PATIENT:
+            least, greatest = self.tolerances_in_space
             self.solver.newton.absoluteTolerance = min(greatest, least * EASING ** (iteration + 1 - PATIENT))
         if discontinuous:
             return
@@ -95,8 +96,8 @@ class Predictor:
         if views is not self._found:
             self._look(views)
         step = self.solver.it.currentStepSize
-        if self.patience is not None:
-            self.solver.newton.absoluteTolerance = self.patience[0]
+        if self.tolerances_in_space is not None:
+            self.solver.newton.absoluteTolerance = self.tolerances_in_space[0]
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
             self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))

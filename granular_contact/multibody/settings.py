@@ -165,14 +165,14 @@ def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | No
     return least, greatest, scene.solver.step_s
 
 
-def patience(scene: Scene, simulation: Any) -> tuple[float, float] | None:
+def tolerances_in_space(scene: Scene, simulation: Any) -> tuple[float, float] | None:
     """Least and greatest absolute tolerance of Newton's method in space, see `predictor.Predictor`; None elsewhere."""
     least, whole = simulation.timeIntegration.newton.absoluteTolerance, scene.solver.tolerance * scene.force_scale
     return (least, LOOSEST * whole) if scene.in_space else None
 
 
 def led_on(scene: Scene, simulation: Any) -> float:
-    """What a change of an iteration may be of the one before at most; the engine's own rule is told not to act."""
+    """What a change of an iteration may be of the one before at most; the engine's own rule is switched off."""
     newton = simulation.timeIntegration.newton
     gain = OF_LED if scene.solver.accuracy is None else newton.modifiedNewtonContractivity
     newton.modifiedNewtonContractivity, newton.maxModifiedNewtonIterations = math.inf, NEVER

@@ -23,9 +23,9 @@ from granular_contact.multibody.settings import (
     control_steps,
     led_on,
     moving_joints,
-    patience,
     settings,
     tolerances,
+    tolerances_in_space,
     unresolved,
 )
 from granular_contact.multibody.settle import settle
@@ -127,7 +127,7 @@ class Solve:
         if unresolved(scene):
             return None
         lever = self.recorder.lever if self._goes_round() else None
-        limits = tolerances(scene, simulation), patience(scene, simulation)
+        limits = tolerances(scene, simulation), tolerances_in_space(scene, simulation)
         alone = bool(scene.links) and moving_joints(scene) == 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
         return Predictor(self.solver, lever, *limits, bends=alone, gain=gain)

@@ -10,10 +10,10 @@ import numpy as np
 
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.kinds import Kind
-from granular_contact.scene.bed import NOTHING, Bed
+from granular_contact.scene.bed import ROUND_OFF, Bed
 from granular_contact.scene.types import Scene
 
-LAID = 1e-6  # m: a depth at the start that is reported
+LEAST_START_DEPTH = 1e-6  # m: a depth at the start that is reported
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ def warnings(scene: Scene, reach: Reach | None, start: float | None, deepest: fl
         yield from _left(scene.bed, reach, scene.in_space)
     if not scene.media:
         return
-    if not scene.settle and start is not None and start > LAID:
+    if not scene.settle and start is not None and start > LEAST_START_DEPTH:
         yield f"it starts {start:.4g} m below the surface, as if it had been laid there without moving a grain"
-    if deepest is not None and deepest < -NOTHING:  # which is hardly what was meant
+    if deepest is not None and deepest < -ROUND_OFF:  # which is hardly what was meant
         yield f"it never touched the medium: its deepest point came within {-deepest:.4g} m of the surface"
 
 
@@ -61,13 +61,13 @@ def _left(bed: Bed, reach: Reach, in_space: bool) -> Iterator[str]:
     for wall, axis, place, sign in bed.walls:
         least, greatest = ((reach.left, reach.right), reach.beside)[axis]
         beyond = place - least if sign < 0.0 else greatest - place
-        if beyond > NOTHING:
+        if beyond > ROUND_OFF:
             yield f"the {wall} wall of the container was passed by {beyond:.4g} m; it carries nothing"
 
 
 def _floor(floor: Floor, reach: Reach) -> Iterator[str]:
     below = floor.height - reach.lowest
-    if below > NOTHING:
+    if below > ROUND_OFF:
         what = "it carries nothing" if floor.stiffness is None else "its contact carried"
         yield f"the floor was reached, the lowest point came {below:.4g} m below it; {what}"
 
@@ -76,5 +76,5 @@ def _bare_floor(bed: Bed, floor: Floor, reach: Reach) -> Iterator[str]:
     """Of a slope, which runs into a level floor sooner or later."""
     for x in (reach.left, reach.right):
         below = floor.height - float(bed.height(np.array([x]))[0])
-        if below > NOTHING:
+        if below > ROUND_OFF:
             yield f"the surface is {below:.4g} m below the floor at x = {x:.4g} m, where the run got"

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from granular_contact.results.interpolation import Track, first_above_zero
 
 Vector = NDArray[np.float64]
-STAYS = 0.02  # s at rest, where the run does not say how long
+REST_TIME = 0.02  # s at rest, where the run does not say how long
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def find_rest(time: Vector, speeds: Vector, touch: int, rest_speed: float, rest_
     last = int(moving[-1]) if len(moving) else -1
     if last < max(touch, 1) or last == len(time) - 1:
         return None
-    if time[-1] - time[last + 1] < (1.0 - 1e-6) * (rest_time or STAYS):
+    if time[-1] - time[last + 1] < (1.0 - 1e-6) * (rest_time or REST_TIME):
         return None
     # From the side before: where something stops its speed has a kink.
     step, fast = time[last + 1] - time[last], speeds[last] - rest_speed

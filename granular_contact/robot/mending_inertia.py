@@ -13,7 +13,7 @@ from granular_contact.robot.links import MOMENTS, tensor_of
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Vector
 
-NOTHING = 1e-6  # of the largest moment of inertia
+NEGLIGIBLE = 1e-6  # of the largest moment of inertia
 
 
 def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
@@ -42,7 +42,7 @@ def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
         elif (low := np.linalg.eigvalsh(tensor))[2] > 0.0:
             _write_tensor(inertial, _nearest(tensor))
             what = "largest moment of inertia is now the sum of the two others"
-            if low[0] + low[1] <= NOTHING * low[2]:
+            if low[0] + low[1] <= NEGLIGIBLE * low[2]:
                 what = "smaller moments of inertia are now half the largest, as of a thin plate"
             yield f"link {name}: it has no shape; its {what}"
         else:
@@ -55,10 +55,10 @@ def _nearest(tensor: Vector) -> Vector:
     Where these are nothing the largest is that of a thin plate, whose others are half of it.
     """
     moments, axes = np.linalg.eigh(tensor)
-    if moments[0] + moments[1] <= NOTHING * moments[2]:
+    if moments[0] + moments[1] <= NEGLIGIBLE * moments[2]:
         moments[:2] = 0.5 * moments[2]
     else:
-        moments[0] = max(moments[0], NOTHING * moments[2])
+        moments[0] = max(moments[0], NEGLIGIBLE * moments[2])
         moments[2] = min(moments[2], moments[0] + moments[1])
     found: Vector = (axes * moments) @ axes.T
     return found

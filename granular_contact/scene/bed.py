@@ -20,7 +20,7 @@ from granular_contact.laws.layer import Layer
 
 Vector = NDArray[np.float64]
 
-NOTHING = 1e-9  # a depth that is round-off (m)
+ROUND_OFF = 1e-9  # a depth that is round-off (m)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
         why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "
         faults.append(scene_fault("bed.depth_m", f"{why}[{x:g}, {y:g}]: allowed is a floor below all of it"))
     lowest = min((float(end[1]) for end in ends), default=math.inf)
-    if lowest < floor.height - NOTHING:
+    if lowest < floor.height - ROUND_OFF:
         faults.append(
             scene_fault(
                 "bed.depth_m",

@@ -20,12 +20,21 @@ from granular_contact.results.motion import Motion, plain
 MOST_NUMBERS = 4_000_000  # of the table, in a page; of a longer one every second row, or third, and so on
 _OF_STAGE = ("width", "height", "scale", "left", "top", "arrow", "longest")
 _TERM = "_force_x_N"
+# Of a page on which nothing moves and nothing is drawn over time.
+NOTHING_LIVE: dict[str, Any] = {
+    "in_space": False,
+    "stage": None,
+    "groups": [],
+    "thinned": 0,
+    "overlaid": [],
+    "data": {},
+}
 
 
 def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     """Data for scripts, and what templates need of it: stage and groups of panels; empty without a table."""
     if not folder.has(SERIES):
-        return NOTHING | {"data": {}}
+        return NOTHING_LIVE
     names, table = folder.numbers(SERIES)
     columns = dict(zip(names, table.T, strict=True))
     found = _groups(names, columns) if len(table) > 1 else []
@@ -43,7 +52,7 @@ def live_overlay(
 ) -> dict[str, Any]:
     """The same for several runs, of `report.overlay`; reference: the run from which the others are distinguished."""
     if len(columns.get("time_s", ())) < 2:
-        return NOTHING | {"data": {}}
+        return NOTHING_LIVE
     prefixes = keys(names)
     shown = None
     if played is not None and not played[0].in_space:
@@ -81,9 +90,6 @@ def _first_end(prefixes: Sequence[str], columns: Mapping[str, Array]) -> float:
     return min((float(time[np.isfinite(values)][-1]) for values in one_of_each if values is not None), default=time[-1])
 
 
-NOTHING: dict[str, Any] = {"in_space": False, "stage": None, "groups": [], "thinned": 0, "overlaid": []}
-
-
 def live_curves(columns: Mapping[str, Array], found: list[Group], table_name: str) -> dict[str, Any]:
     """The same for a table of curves over time without a motion."""
     page = _page(columns, found, None, None)
@@ -107,7 +113,7 @@ def _page(
         data["motion"] = plain(played[0])
     space = played is not None and played[0].in_space
     kept = {"stage": shown, "in_space": space, "groups": found, "thinned": every if every > 1 else 0}
-    return NOTHING | kept | {"data": data}
+    return NOTHING_LIVE | kept | {"data": data}
 
 
 def _groups(names: list[str], columns: dict[str, Array]) -> list[Group]:

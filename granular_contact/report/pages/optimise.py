@@ -7,7 +7,7 @@ from typing import Any
 from granular_contact.report import BEST, BEST_CONFIG, FIGURES, HISTORY, OPTIMISE, OPTIMUM, PROGRAM, SERIES, SUMMARY
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.live import NOTHING
+from granular_contact.report.pages.live import NOTHING_LIVE
 from granular_contact.report.pages.live import live as of_run
 from granular_contact.report.units import label, plain, quantity
 
@@ -65,7 +65,7 @@ def live(folder: Folder) -> dict[str, Any]:
     """The best run, as on a page of its own."""
     best = Folder(folder.path / BEST, "run")
     if not best.has(SUMMARY):
-        return NOTHING | {"data": {}}
+        return NOTHING_LIVE
     shown = of_run(best, best.read(SUMMARY))
     shown["data"].pop("files", None)
     return shown | {"data": shown["data"] | {"table_name": f"{BEST}_{SERIES}"}}

@@ -15,7 +15,7 @@ from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
-from granular_contact.scene.bed import NOTHING, idle, layers_of, walls_of
+from granular_contact.scene.bed import ROUND_OFF, idle, layers_of, walls_of
 from granular_contact.scene.space.height_map import heights_of
 from granular_contact.scene.space.types import Part, SpatialRigidBody
 
@@ -117,7 +117,7 @@ def _out_of_place(
         words = f"{why}the map of heights goes down to {low:.6g} m: allowed is a floor below it"
         yield scene_fault("bed.depth_m", words)
     lowest = min((float((body.motion.world(p.points)[:, 2] - p.drop).min()) for body, p in parts), default=math.inf)
-    if lowest < floor.height - NOTHING:
+    if lowest < floor.height - ROUND_OFF:
         words = f"{why}at the start the lowest point is at {lowest:.6g} m: allowed is a floor below it"
         yield scene_fault("bed.depth_m", words)
 

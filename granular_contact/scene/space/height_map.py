@@ -19,7 +19,7 @@ STEEPEST_RISE = math.tan(math.radians(STEEPEST))
 KEY = "bed.height_map.file"
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".pgm", ".jpg", ".jpeg")
 GREY = ("1", "L", "I", "F", "I;16", "I;16B", "I;16L")  # modes of Pillow
-FEW = 4  # lines of a table that are reported
+MOST_REPORTED = 4  # lines of a table that are reported
 
 
 def heights_of(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
@@ -74,6 +74,6 @@ def _table(path: Path, faults: list[str]) -> Vector:
             faults.append(f"{path}:{i}: got {len(cells)} columns, but the rows before have {len(rows[0])}")
         else:
             rows.append([value for value in cells if value is not None])
-        if len(faults) > FEW:
+        if len(faults) > MOST_REPORTED:
             break
     return np.array(rows) if rows else np.zeros((0, 0))

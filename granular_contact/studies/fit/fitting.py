@@ -14,7 +14,7 @@ from granular_contact.studies.fit.goodness import Goodness, goodness
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.responses import ModelFailed
-from granular_contact.studies.fit.scatter import Scattering, apart
+from granular_contact.studies.fit.scatter import Scattering, separate
 from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, solve
 from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
 
@@ -103,7 +103,7 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
     grains, judged, covariance = None, solution, None
     if problem.scatter:
         try:
-            solution, grains = apart(problem, solution)
+            solution, grains = separate(problem, solution)
         except ModelFailed as error:
             raise SolveError(f"the model fails near the best parameters: {error}") from error
         judged, covariance = replace(solution, residuals=grains.white * grains.noise), grains.covariance

@@ -19,7 +19,7 @@ Vector = NDArray[np.float64]
 
 FEWEST_ROWS = 6
 LARGEST_ANGLE = 400.0  # deg
-MAYBE = ("deflection_m",)  # columns that a run has if its mechanism bends
+OF_FLEXIBLE_LINKS = ("deflection_m",)  # columns that a run has if its mechanism bends
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,9 @@ def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | 
     ours = (*known, TIME)
     # A run of ours has forces and energies, and may have been more than this one, as a link that bends.
     own_table = any(_is_of_a_run(name) for name in table.header)
-    strange = [n for n in table.header if n not in found and not _is_of_a_run(n) and not (own_table and n in MAYBE)]
+    strange = [
+        n for n in table.header if n not in found and not _is_of_a_run(n) and not (own_table and n in OF_FLEXIBLE_LINKS)
+    ]
     hint = "(or say which to take: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
     if strange and all(column != TIME for column, _ in found.values()):
         hint += "; a force test needs no times, but force_N, torque_Nm or pressure_Pa"

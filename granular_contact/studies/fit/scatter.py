@@ -93,7 +93,7 @@ def faults(requests: Sequence[RunRequest], runs: Sequence[MeasuredRun]) -> Itera
         yield request.at_data.fault(("scatter",), f"{held.file} {words}")
 
 
-def apart(problem: Problem, solution: Solution) -> tuple[Solution, Scattering]:
+def separate(problem: Problem, solution: Solution) -> tuple[Solution, Scattering]:
     """Coefficients and scatter, from the coefficients of a fit that took all for noise; raises ModelFailed."""
     times, paths, data = problem.times(), list(_paths(problem)), problem.data()
     scaled, (low, high) = solution.scaled, problem.bounds
