@@ -23,7 +23,7 @@ from jinja2 import TemplateError
 from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, version
 from granular_contact.report.pages import comparison, fit, gallery, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
-from granular_contact.report.pages.live import NOTHING_LIVE
+from granular_contact.report.pages.live import nothing_live
 from granular_contact.report.pages.rendering import GENERATOR, rendered
 
 __all__ = ["FolderError", "html", "write"]
@@ -38,7 +38,7 @@ _ODD = (
 
 
 def _still(_folder: Folder) -> dict[str, Any]:
-    return NOTHING_LIVE
+    return nothing_live()
 
 
 # What is reported of each kind of results; what is drawn over time and played; what is drawn of many rows.

@@ -6,7 +6,7 @@ from typing import Any
 
 from granular_contact.report import COMPARISON, OF_MEDIA, OVERLAY, PROGRAM, SCENARIO, SUMMARY, version
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.live import NOTHING_LIVE, live_overlay
+from granular_contact.report.pages.live import live_overlay, nothing_live
 from granular_contact.report.units import quantity
 
 _OF_MODELS = (
@@ -44,7 +44,7 @@ def content(folder: Folder) -> dict[str, Any]:
 def live(folder: Folder) -> dict[str, Any]:
     """What is drawn and played of it, as of `pages.live`; nothing of a folder of an earlier version."""
     if not folder.has(OVERLAY):
-        return NOTHING_LIVE
+        return nothing_live()
     _, rows = folder.table(OF_MEDIA if folder.kind == "compare-media" else COMPARISON)
     names = [str(row[0]) for row in rows]
     head, table = folder.numbers(OVERLAY)

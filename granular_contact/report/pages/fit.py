@@ -11,7 +11,7 @@ from granular_contact.report import PROGRAM
 from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.live import NOTHING_LIVE, live_curves
+from granular_contact.report.pages.live import live_curves, nothing_live
 from granular_contact.report.pages.rendering import flat
 from granular_contact.report.units import column, is_number, label, plain, split
 
@@ -61,7 +61,7 @@ def live(folder: Folder) -> dict[str, Any]:
     """Data and model over time, a panel for each measured column of each run."""
     head, rows = folder.table(RESIDUALS) if folder.has(RESIDUALS) else ([], [])
     if not {*_RESIDUAL_COLUMNS, "time_s"} <= set(head):
-        return NOTHING_LIVE
+        return nothing_live()
     measured: dict[tuple[str, str], list[list[float]]] = {}
     for row in rows:
         run, name, time, data, model = (row[head.index(one)] for one in ("run", "column", "time_s", "data", "model"))
@@ -69,7 +69,7 @@ def live(folder: Folder) -> dict[str, Any]:
             measured.setdefault((str(run), str(name)), []).append([time, data, model])
     tables = {one: np.array(values).T for one, values in measured.items() if len(values) > 1}
     if not tables:
-        return NOTHING_LIVE
+        return nothing_live()
     clock = np.unique(np.concatenate([table[0] for table in tables.values()]))
     columns, panels = {"time_s": clock}, []
     for i, ((run, name), (time, *both)) in enumerate(tables.items()):

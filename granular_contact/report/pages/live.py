@@ -20,21 +20,17 @@ from granular_contact.results.motion import Motion, plain
 MOST_NUMBERS = 4_000_000  # of the table, in a page; of a longer one every second row, or third, and so on
 _OF_STAGE = ("width", "height", "scale", "left", "top", "arrow", "longest")
 _TERM = "_force_x_N"
-# Of a page on which nothing moves and nothing is drawn over time.
-NOTHING_LIVE: dict[str, Any] = {
-    "in_space": False,
-    "stage": None,
-    "groups": [],
-    "thinned": 0,
-    "overlaid": [],
-    "data": {},
-}
+
+
+def nothing_live() -> dict[str, Any]:
+    """Of a page on which nothing moves and nothing is drawn over time."""
+    return {"in_space": False, "stage": None, "groups": [], "thinned": 0, "overlaid": [], "data": {}}
 
 
 def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     """Data for scripts, and what templates need of it: stage and groups of panels; empty without a table."""
     if not folder.has(SERIES):
-        return NOTHING_LIVE
+        return nothing_live()
     names, table = folder.numbers(SERIES)
     columns = dict(zip(names, table.T, strict=True))
     found = _groups(names, columns) if len(table) > 1 else []
@@ -52,7 +48,7 @@ def live_overlay(
 ) -> dict[str, Any]:
     """The same for several runs, of `report.overlay`; reference: the run from which the others are distinguished."""
     if len(columns.get("time_s", ())) < 2:
-        return NOTHING_LIVE
+        return nothing_live()
     prefixes = keys(names)
     shown = None
     if played is not None and not played[0].in_space:
@@ -113,7 +109,7 @@ def _page(
         data["motion"] = plain(played[0])
     space = played is not None and played[0].in_space
     kept = {"stage": shown, "in_space": space, "groups": found, "thinned": every if every > 1 else 0}
-    return NOTHING_LIVE | kept | {"data": data}
+    return nothing_live() | kept | {"data": data}
 
 
 def _groups(names: list[str], columns: dict[str, Array]) -> list[Group]:

@@ -7,8 +7,8 @@ from typing import Any
 from granular_contact.report import BEST, BEST_CONFIG, FIGURES, HISTORY, OPTIMISE, OPTIMUM, PROGRAM, SERIES, SUMMARY
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder
-from granular_contact.report.pages.live import NOTHING_LIVE
 from granular_contact.report.pages.live import live as of_run
+from granular_contact.report.pages.live import nothing_live
 from granular_contact.report.units import label, plain, quantity
 
 MOST_ROWS = 100  # shown; the rest is in the table
@@ -65,7 +65,7 @@ def live(folder: Folder) -> dict[str, Any]:
     """The best run, as on a page of its own."""
     best = Folder(folder.path / BEST, "run")
     if not best.has(SUMMARY):
-        return NOTHING_LIVE
+        return nothing_live()
     shown = of_run(best, best.read(SUMMARY))
     shown["data"].pop("files", None)
     return shown | {"data": shown["data"] | {"table_name": f"{BEST}_{SERIES}"}}

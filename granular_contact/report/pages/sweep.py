@@ -18,7 +18,7 @@ from granular_contact.report.overlay import History, motion
 from granular_contact.report.overlay import table as overlaid
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder, Rows
-from granular_contact.report.pages.live import NOTHING_LIVE, live_curves, live_overlay
+from granular_contact.report.pages.live import live_curves, live_overlay, nothing_live
 from granular_contact.report.units import column, is_number, label, quantity
 from granular_contact.results import FINISHED
 
@@ -124,7 +124,7 @@ def live(folder: Folder) -> dict[str, Any]:
         head, table = one.numbers(SERIES)
         runs.append(History(one.path.name, dict(zip(head, table.T, strict=True)), one.motion()))
     if len(runs) < 2:
-        return NOTHING_LIVE
+        return nothing_live()
     moved, played = motion(runs), kept[0].played()
     bed = None if moved is None or played is None else (moved, played[1])
     return live_overlay([one.name for one in runs], overlaid(runs), bed)
