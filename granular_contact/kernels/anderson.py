@@ -35,7 +35,7 @@ DEPTH = 6  # pairs of iterations that are kept
 # an iteration with the same Jacobian came before this one.
 PAIRS, NEXT, JACOBIAN, FOLLOWS, NUMBERS = 0, 1, 2, 3, 4
 SAME = 1e-6  # of a step, within which it is as long as another
-FARTHEST = 10.0  # times the change of an iteration, at most, that the next one is led elsewhere
+FARTHEST = 3.0  # times the change of an iteration, at most, that the next one is led elsewhere
 DAMPED = 1e-3  # share by which the products of pairs with themselves are greater: what differs little is led on less
 _row, _rows = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2))
 _numbers = lender(types.Array(types.int64, 1, "C"))

@@ -43,7 +43,7 @@ FULL = 60
 # Of Newton's method where steps are chosen: what an iteration has to leave of the residual at most, or its Jacobian is
 # renewed, of links that bend and of rigid bodies alone; most iterations.
 GAIN, OF_RIGID, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 0.6, 14, 40
-OF_LED = 0.7  # of the change before, where steps are fixed and iterations are led on by those before
+OF_LED = 0.7  # of the change before, of links that bend at fixed steps whose iterations are led on by those before
 
 
 def force_noise(scene: Scene, link: FlexibleLink) -> float:
@@ -174,7 +174,7 @@ def tolerances_in_space(scene: Scene, simulation: Any) -> tuple[float, float] | 
 def led_on(scene: Scene, simulation: Any) -> float:
     """What a change of an iteration may be of the one before at most; the engine's own rule is switched off."""
     newton = simulation.timeIntegration.newton
-    gain = OF_LED if scene.solver.accuracy is None else newton.modifiedNewtonContractivity
+    gain = OF_LED if scene.links and scene.solver.accuracy is None else newton.modifiedNewtonContractivity
     newton.modifiedNewtonContractivity, newton.maxModifiedNewtonIterations = math.inf, NEVER
     return float(gain)
 
