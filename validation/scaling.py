@@ -108,12 +108,12 @@ def set_up(kind: str, case: str, links: int) -> Scene:
 
 
 def measure(kind: str, links: int, repeats: int) -> dict[str, Cost]:
-    """All cases on a chain, by their names, in turn, after a warm-up: the clock of a processor is not always as fast."""
+    """All cases on a chain, by name, in turn, after a warm-up: the clock of a processor is not always as fast."""
     scenes = {case: set_up(kind, case, links) for case in CASES}
-    rounds = [{case: once(scene, case == EMPTY) for case, scene in scenes.items()} for _ in range(repeats + 1)][1:]
+    rounds = [{case: once(scene, case == EMPTY) for case, scene in scenes.items()} for _ in range(repeats + 1)]
     found = {}
     for case in CASES:
-        costs = [costs[case] for costs in rounds]
+        costs = [costs[case] for costs in rounds[1:]]
         least = min(costs, key=lambda cost: cost.solve)
         whole = min(cost.whole for cost in costs)
         found[case] = Cost(least.solve, whole, least.steps, least.iterations, least.jacobians)

@@ -42,7 +42,8 @@ class Predictor:
 
     lever (m,): factors from coordinate rates to speeds (m/s), by which changes are compared; None where iterations go
     on as the engine does. bends: whether all that moves is a link that bends. Its stiff elements leave round-off in
-    changes, so that iterations are led on only where they have not ended after some, and by those of the step alone.
+    changes, so that iterations are led on only where they have not ended after some. alone: whether iterations are led
+    on by those of their step only: of one body they would end as soon as the tolerance lets them, all on one side.
     gain: see above; infinite where the engine's rule holds.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
@@ -62,13 +63,14 @@ class Predictor:
         tolerances_in_space: tuple[float, float] | None = None,
         *,
         bends: bool = False,
+        alone: bool = False,
         gain: float = math.inf,
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever = solver, lever
         self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
         self.views: Views | None = None  # given before the first step
-        self._late = LATE if bends else 0
+        self._late, self._alone = LATE if bends else 0, alone
         self._found: Views | None = None  # those of which the following is known
         self._of_square, self._of_step = 0.0, 0.0  # see `_look`
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
@@ -103,7 +105,7 @@ class Predictor:
             self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
-            self._start(self._words, of_q, of_v, self._late > 0)
+            self._start(self._words, of_q, of_v, self._alone)
             return
         before = views.a_before
         views.q += of_q * before

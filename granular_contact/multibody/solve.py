@@ -128,9 +128,9 @@ class Solve:
             return None
         lever = self.recorder.lever if self._goes_round() else None
         limits = tolerances(scene, simulation), tolerances_in_space(scene, simulation)
-        alone = bool(scene.links) and moving_joints(scene) == 1
+        alone = moving_joints(scene) <= 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
-        return Predictor(self.solver, lever, *limits, bends=alone, gain=gain)
+        return Predictor(self.solver, lever, *limits, bends=alone and bool(scene.links), alone=alone, gain=gain)
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.
