@@ -2,7 +2,8 @@
 
 What turns Python's arguments into those of compiled code is itself compiled, for every function anew, and takes as long
 as the function: so only a kernel has it. Both are kept on disk. A division by zero gives an infinite number or none, as
-in numpy, and no exception, whose text and branches would be compiled with every quotient.
+in numpy, and no exception, whose text and branches would be compiled with every quotient. A constant among the
+arguments is a number like any other, or a function would be compiled for each constant anew.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
+from numba import njit, types
 from numba.core.registry import CPUDispatcher
 
 from granular_contact.kernels.hurry import hurried
@@ -25,6 +26,11 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
         """Compile it for arguments of these types, or find it on the disk."""
         with hurried():
             return super().compile(signature)
+
+    def get_call_template(self, arguments: Any, named: Any) -> Any:
+        """As called by a kernel: numba asks for the signature."""
+        plain = {name: types.unliteral(kind) for name, kind in named.items()}
+        return super().get_call_template(tuple(types.unliteral(kind) for kind in arguments), plain)
 
 
 def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -> Any:

@@ -7,9 +7,8 @@ continued in any way: what of a generalised force points along e is taken up by 
 
 from __future__ import annotations
 
-import numpy as np
-
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import room2
 
 SIZE = 7  # coordinates
 
@@ -30,7 +29,7 @@ def jacobian(e0, e1, e2, e3, r, J):
 @part
 def spatial_stations(q, v, geometry, P, V):
     """As `kinematics.stations`."""
-    J = np.empty((2, 4))
+    J = room2(2, 4)
     for i in range(geometry.shape[0]):
         jacobian(q[3], q[4], q[5], q[6], geometry[i], J)
         for xy in range(2):
@@ -45,7 +44,7 @@ def spatial_stations(q, v, geometry, P, V):
 @part
 def spatial_scatter(q, geometry, F, out):
     """As `kinematics.scatter`."""
-    J = np.empty((2, 4))
+    J = room2(2, 4)
     for i in range(F.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:
             continue

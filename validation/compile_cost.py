@@ -1,0 +1,109 @@
+"""What compiling costs: the first run in an installation, and each further law and kind of shape.
+
+    python validation/compile_cost.py [--quick]
+
+Scenes run one after another, each in a process of its own, from an empty cache of compiled kernels on; so a scene
+compiles what those before it did not. Counted are the CPU time of numba's compilations, without the imports before and
+the run after, and the functions compiled, those that others need among them. The first scenes are of round bars in the
+plane; then come other laws, shapes and scenes in space. *further law* is a shape that a scene before it had, with
+another law.
+
+The bounds are 15 CPU s for the first run, 5 for each further law or shape. A processor's clock decides on them, too:
+where it has two speeds, say which it was.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+FIRST, FURTHER = 15.0, 5.0  # CPU s
+# What is new in a scene, its config, what is set in it.
+SCENES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    ("first run: round bar that bends, lee_marghitu", "pendulum", ()),
+    ("rigid links, free in the plane", "free_link", ()),
+    ("further law: bar, hill", "pendulum", ("medium={from: hill_cylinders, density_kg_m3: 1500}",)),
+    ("plates, rft", "runner", ()),
+    ("further law: plates, drft", "walker", ("medium=quikrete_play_sand_rft",)),
+    ("wheel, pressure and sinkage", "wheel", ()),
+    ("robot in space, rft3d", "hexapod", ()),
+    ("further law: robot, rft", "hexapod", ("medium=rft_generic",)),
+    ("layers in space", "thin_sand", ()),
+    ("shapes that turn in space", "screw", ()),
+    ("joints of a walker in space", "walker_in_space", ()),
+)
+QUICK = (0, 6)
+CHILD = """
+import json, sys, time
+from numba.core import event
+
+class Sum(event.Listener):
+    depth, begin, spent, number = 0, 0.0, 0.0, 0
+
+    def on_start(self, event):
+        if self.depth == 0:
+            self.begin = time.process_time()
+        self.depth += 1
+        self.number += 1
+
+    def on_end(self, event):
+        self.depth -= 1
+        if self.depth == 0:
+            self.spent += time.process_time() - self.begin
+
+found = Sum()
+event.register("numba:compile", found)
+from granular_contact.config import load_scenario
+from granular_contact.run import run
+from granular_contact.scene import build
+scenario = load_scenario(sys.argv[1], ["solver.end_time_s=0.004", "solver.rest_time_s=null", *sys.argv[2:]])
+run(build(scenario), scenario)
+print(json.dumps([found.spent, found.number]))
+"""
+
+
+def measure(cache: str, config: str, overrides: tuple[str, ...]) -> tuple[float, int]:
+    """CPU time (s) of compiling what a scene needs and a cache has not, and how many functions that are."""
+    path = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH", "")]))
+    line = [sys.executable, "-c", CHILD, str(HERE.parent / "configs" / f"{config}.yaml"), *overrides]
+    environment = {**os.environ, "PYTHONPATH": path, "NUMBA_CACHE_DIR": cache}
+    done = subprocess.run(line, capture_output=True, text=True, check=True, env=environment)
+    seconds, functions = json.loads(done.stdout.splitlines()[-1])
+    return seconds, functions
+
+
+def study(quick: bool) -> Outcome:
+    """Run the scenes in turn, in one cache that is empty at first."""
+    rows, seconds = [], []
+    with tempfile.TemporaryDirectory() as cache:
+        for i, (new, config, overrides) in enumerate(SCENES):
+            if quick and i not in QUICK:
+                continue
+            spent, functions = measure(cache, config, overrides)
+            seconds.append(spent)
+            rows.append([new, " ".join([config, *overrides]), f"{spent:.1f}", functions])
+    over = [row[0] for row, spent in zip(rows[1:], seconds[1:], strict=True) if spent > FURTHER]
+    told = f"; over it: {'; '.join(over)}" if over else ""
+    claims = (
+        Claim("compile_cost.first_run", seconds[0] <= FIRST, f"{seconds[0]:.1f} CPU s ({FIRST:g} asked)"),
+        Claim(
+            "compile_cost.each_further",
+            not over,
+            f"at most {max(seconds[1:]):.1f} CPU s ({FURTHER:g} asked){told}",
+        ),
+    )
+    return Outcome(markdown(["new", "scene", "CPU s", "functions"], rows), claims)
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))
