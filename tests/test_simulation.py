@@ -98,8 +98,10 @@ def test_a_thousand_steps_are_the_run_in_one_call(name: str, pauses: int, more: 
     assert calls == pauses
     assert [column.name for column in parts.columns] == [column.name for column in whole.columns]
     # Times differ by their sum's round-off, 1e-13 of the step, at speeds up to 2 m/s and accelerations up to 1e4 m/s2.
+    # The reduced model chooses its steps by their error and ends one at each pause, so that it differs by that error.
+    share = build(scenario).method.rtol if more else 1e-8
     scale = np.abs(whole.table).max(axis=0)
-    assert (np.abs(parts.table - whole.table).max(axis=0) <= 1e-8 * np.maximum(scale, 1e-3)).all()
+    assert (np.abs(parts.table - whole.table).max(axis=0) <= share * np.maximum(scale, 1e-3)).all()
     for key in () if more else ("steps", "newton_iterations", "jacobians"):  # of the engine
         assert parts.summary["cost"][key] == whole.summary["cost"][key]
     assert parts.status == whole.status
