@@ -34,6 +34,7 @@ from granular_contact.scene.types import Vector
 
 PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
 GIVEN = 7  # arrays of `kernels.anderson` that are the engine's, or stay as they are
+NEAR = 4.0  # times the least tolerance in space, where that is little more than round-off
 LATE = 3  # iterations by which links that bend are led on later
 
 
@@ -89,9 +90,14 @@ class Predictor:
         if not iteration:
             self._begin(self.views or Views(mbs))
         elif self._go_on is not None and iteration >= self._late:
-            old = self._go_on(self._words, self._it.newtonJacobiCount, self.gain, iteration > self._late)
-            if old:
+            leads = iteration > self._late and not self._round_off()
+            if self._go_on(self._words, self._it.newtonJacobiCount, self.gain, leads):
                 self._conv.jacobianUpdateRequested = True
+
+    def _round_off(self) -> bool:
+        """Whether the last residual is little more than round-off, as of a robot that stands: it leads nowhere."""
+        limits = self.tolerances_in_space
+        return limits is not None and self._conv.residual < NEAR * limits[0]
 
     def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""
