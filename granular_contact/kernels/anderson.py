@@ -14,7 +14,7 @@ found by their places (`lending`), in this order:
     led, led_constraints  (m, DEPTH) and (k, DEPTH): how far from each other two iterations led,
     bent                (m, DEPTH) by how much their changes (in speeds) differed,
     products            (DEPTH, DEPTH) of these with each other
-    number              (5,) whole numbers, see below
+    number              (4,) whole numbers, see below
     size                (1,) of the last change of this step, 0 where there was none
 """
 
@@ -36,6 +36,9 @@ DEPTH = 6  # pairs of iterations that are kept
 PAIRS, NEXT, JACOBIAN, FOLLOWS, NUMBERS = 0, 1, 2, 3, 4
 SAME = 1e-6  # of a step, within which it is as long as another
 FARTHEST = 3.0  # times the change of an iteration, at most, that the next one is led elsewhere
+# Share of a change: pairs whose changes differ by less say nothing of it, and would be taken many times. Where motions
+# agree to round-off and multipliers do not yet, multipliers then ran away.
+SMALL = 0.1
 DAMPED = 1e-3  # share by which the products of pairs with themselves are greater: what differs little is led on less
 _row, _rows = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2))
 _numbers = lender(types.Array(types.int64, 1, "C"))
@@ -81,8 +84,11 @@ def keep_pair(words, row):
 
 
 @part
-def shares(words, pairs, share):
-    """Fill share (DEPTH,) with how much of each pair makes the change least; by elimination, of scaled products."""
+def shares(words, pairs, change, share):
+    """Fill share (DEPTH,) with how much of each pair makes the change least; by elimination, of scaled products.
+
+    change: its size (m/s2).
+    """
     bent, products, kept = _rows(words, 12), _rows(words, 13), _rows(words, 7)
     A, scale = room2(DEPTH, DEPTH), room1(DEPTH)
     clear(share)
@@ -90,7 +96,7 @@ def shares(words, pairs, share):
         for k in range(DEPTH):
             share[k] += bent[i, k] * kept[CHANGE, i]
     for k in range(pairs):
-        scale[k] = 1.0 / math.sqrt(products[k, k]) if products[k, k] > 0.0 else 0.0
+        scale[k] = 1.0 / math.sqrt(products[k, k]) if products[k, k] > (SMALL * change) ** 2 else 0.0
     for k in range(pairs):
         share[k] *= scale[k]
         for j in range(pairs):
@@ -169,6 +175,6 @@ def go_on(words, jacobians, gain, leads):
     size[0] = change
     if number[PAIRS] > 0:
         share = room1(DEPTH)
-        shares(words, number[PAIRS], share)
+        shares(words, number[PAIRS], change, share)
         move(words, share, change)
     return slow

@@ -43,6 +43,7 @@ FULL = 60
 # Of Newton's method where steps are chosen: what an iteration has to leave of the residual at most, or its Jacobian is
 # renewed, of links that bend and of rigid bodies alone; most iterations.
 GAIN, OF_RIGID, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 0.6, 14, 40
+NONE = 1e-30  # the engine asks for more than 0
 OF_LED = 0.7  # of the change before, of links that bend at fixed steps whose iterations are led on by those before
 
 
@@ -176,6 +177,8 @@ def led_on(scene: Scene, simulation: Any) -> float:
     newton = simulation.timeIntegration.newton
     gain = OF_LED if scene.links and scene.solver.accuracy is None else newton.modifiedNewtonContractivity
     newton.modifiedNewtonContractivity, newton.maxModifiedNewtonIterations = math.inf, NEVER
+    if newton.residualMode == 0:
+        newton.relativeTolerance = NONE  # of the greatest residual, which iterations may have been led astray to
     return float(gain)
 
 

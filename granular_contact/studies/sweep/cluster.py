@@ -121,12 +121,12 @@ class _ClusterExecutor(Executor):
         self._client.cancel(list(self._pending))
 
     def _settle(self, outcome: Future[Any], inner: Any) -> None:
-        killed: Any = importlib.import_module("distributed").KilledWorker
+        distributed: Any = importlib.import_module("distributed")
         try:
             outcome.set_result(inner.result())
-        except killed as error:
+        except distributed.KilledWorker as error:
             outcome.set_exception(BrokenExecutor(str(error)))
-        except CancelledError:
+        except (CancelledError, distributed.comm.CommClosedError):  # the latter while a result is fetched
             outcome.set_exception(self._gone())
         except BaseException as error:
             outcome.set_exception(error)

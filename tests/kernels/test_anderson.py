@@ -1,0 +1,76 @@
+"""Iterations that go on from those before: they end sooner, and are led no further than those before know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.kernels import anderson
+from granular_contact.kernels.lending import places
+
+UNKNOWNS = 4
+OF_Q, OF_V = 1e-6, 1e-3
+
+
+@dataclass
+class Iterations:
+    """Arrays of a system, as those of an engine; a: accelerations at the start of the step."""
+
+    a: NDArray[np.float64] = field(default_factory=lambda: np.zeros(UNKNOWNS))
+    multipliers: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+
+    def __post_init__(self) -> None:
+        self.q, self.v = np.zeros(UNKNOWNS), np.zeros(UNKNOWNS)
+        before = self.a.copy(), np.zeros(1)
+        kept = np.zeros((3, UNKNOWNS)), np.zeros(1), np.zeros(2)
+        pairs = [np.zeros((rows, anderson.DEPTH)) for rows in (UNKNOWNS, 1, UNKNOWNS, anderson.DEPTH)]
+        numbers = np.zeros(anderson.NUMBERS, np.int64), np.zeros(1)
+        now = self.q, self.v, self.a, self.multipliers
+        self.arrays = [*now, *before, np.ones(UNKNOWNS), *kept, *pairs, *numbers]
+        self.words = places(*self.arrays)
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin a step, where the engine has set all to zero."""
+        for array in (self.q, self.v, self.a):
+            array[:] = 0.0
+        anderson.begin(self.words, OF_Q, OF_V, False)
+
+    def lead(self, a: NDArray[np.float64], multipliers: float) -> None:
+        """Let an iteration lead to a and these multipliers, and the next one begin where it is then."""
+        further = a - self.a
+        self.q += OF_Q * further
+        self.v += OF_V * further
+        self.a[:], self.multipliers[:] = a, multipliers
+        anderson.go_on(self.words, 1, np.inf, True)
+
+
+def test_a_linear_iteration_ends_sooner() -> None:
+    """By itself the slowest of its directions leaves 0.9 of itself each time: a quarter of it after 13."""
+    rng = np.random.default_rng(1)
+    turn = np.linalg.qr(rng.normal(size=(UNKNOWNS, UNKNOWNS)))[0]
+    leaves, end = turn @ np.diag([0.9, -0.6, 0.4, 0.1]) @ turn.T, rng.normal(size=UNKNOWNS)
+    system, changes = Iterations(), []
+    for _ in range(14):
+        led = end + leaves @ (system.a - end)
+        changes.append(np.linalg.norm(led - system.a))
+        system.lead(led, float(led.sum()))
+    assert changes[-1] < 1e-3 * changes[0]
+    assert np.allclose(system.a, end, atol=1e-2)
+    # Coordinates and rates went with the accelerations.
+    assert np.allclose(system.q, OF_Q * system.a, rtol=1e-12)
+    assert np.allclose(system.v, OF_V * system.a, rtol=1e-12)
+
+
+def test_what_differs_by_round_off_leads_nowhere() -> None:
+    """Iterations that agree in all motion to round-off, and in multipliers not yet, say nothing of the next step."""
+    system = Iterations(np.ones(UNKNOWNS))
+    for n in range(4):
+        system.lead(np.ones(UNKNOWNS) + 1e-13 * n * n, 10.0 / (n + 1))
+    system.begin()
+    led = system.a + 5.0
+    system.lead(led, 7.0)
+    assert np.array_equal(system.a, led)
+    assert system.multipliers == [7.0]
