@@ -31,7 +31,7 @@ from granular_contact.kernels.memory import clear, room1, room2
 # Rows of `kept`: accelerations from which the iteration under way began, those that the one before led to, its change.
 FROM, LED, CHANGE = 0, 1, 2
 DEPTH = 6  # pairs of iterations that are kept
-# Of `number`: pairs there are, row of the next one, Jacobians that were computed when the last one was kept, whether
+# Of `number`: pairs there are, column of the next one, Jacobians that were computed when the last one was kept, whether
 # an iteration with the same Jacobian came before this one.
 PAIRS, NEXT, JACOBIAN, FOLLOWS, NUMBERS = 0, 1, 2, 3, 4
 SAME = 1e-6  # of a step, within which it is as long as another
@@ -65,7 +65,7 @@ def begin(words, of_q, of_v, forget):
 
 
 @part
-def keep_pair(words, row):
+def keep_pair(words, column):
     """Keep what differs between this iteration and the one before, and its products with the other pairs."""
     a, multipliers, lever = _row(words, 2), _row(words, 3), _row(words, 6)
     kept, kept_multipliers = _rows(words, 7), _row(words, 8)
@@ -73,14 +73,14 @@ def keep_pair(words, row):
     sums = room1(DEPTH)
     clear(sums)
     for i in range(a.shape[0]):
-        led[i, row] = a[i] - kept[LED, i]
-        bent[i, row] = difference = lever[i] * (a[i] - kept[FROM, i]) - kept[CHANGE, i]
+        led[i, column] = a[i] - kept[LED, i]
+        bent[i, column] = difference = lever[i] * (a[i] - kept[FROM, i]) - kept[CHANGE, i]
         for k in range(DEPTH):
             sums[k] += difference * bent[i, k]
     for i in range(multipliers.shape[0]):
-        led_constraints[i, row] = multipliers[i] - kept_multipliers[i]
+        led_constraints[i, column] = multipliers[i] - kept_multipliers[i]
     for k in range(DEPTH):
-        products[row, k] = products[k, row] = sums[k]
+        products[column, k] = products[k, column] = sums[k]
 
 
 @part

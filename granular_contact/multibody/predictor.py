@@ -17,7 +17,8 @@ The Jacobian is renewed once a change is more than `gain` times the one before. 
 residuals, from the third iteration on. Where bristles begin to yield or to hold, these grow for an iteration or two,
 and the engine then begins the step anew, and computes a Jacobian for each iteration that is left of it.
 
-Nothing else changes: the equations that a step solves, and when they count as solved, are the same.
+The equations that a step solves are the same. They count as solved by what is left of them, where the Jacobian is
+renewed so, and no more by being small beside an earlier residual of the step.
 """
 
 from __future__ import annotations

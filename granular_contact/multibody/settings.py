@@ -43,7 +43,7 @@ FULL = 60
 # Of Newton's method where steps are chosen: what an iteration has to leave of the residual at most, or its Jacobian is
 # renewed, of links that bend and of rigid bodies alone; most iterations.
 GAIN, OF_RIGID, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 0.6, 14, 40
-NONE = 1e-30  # the engine asks for more than 0
+NO_SHARE = 1e-30  # of a residual: the engine asks for more than 0
 OF_LED = 0.7  # of the change before, of links that bend at fixed steps whose iterations are led on by those before
 
 
@@ -98,14 +98,14 @@ def _spectral_radius(scene: Scene) -> float:
 def _set_newton(newton: Any, scene: Scene) -> None:
     """Set when Newton's method ends.
 
-    Exudyn measures a residual against the first one of its step or against an absolute force. Where that force is below
-    the noise of the elastic forces, the iteration ends when changes of the coordinates are small: those by which the
-    same residual would move a free mass in a step, or their own round-off.
+    Exudyn measures a residual against an earlier one of its step or against an absolute force. Where that force is
+    below the noise of the elastic forces, the iteration ends when changes of the coordinates are small: those by which
+    the same residual would move a free mass in a step, or their own round-off.
     """
     solver = scene.solver
     newton.useModifiedNewton = True
     newton.absoluteTolerance = _force_tolerance(scene)
-    newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of a step
+    newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of an earlier residual of the step
     if unresolved(scene):
         newton.residualMode = 1
         newton.absoluteTolerance *= solver.step_s**2 / scene.mass
@@ -178,7 +178,7 @@ def led_on(scene: Scene, simulation: Any) -> float:
     gain = OF_LED if scene.links and scene.solver.accuracy is None else newton.modifiedNewtonContractivity
     newton.modifiedNewtonContractivity, newton.maxModifiedNewtonIterations = math.inf, NEVER
     if newton.residualMode == 0:
-        newton.relativeTolerance = NONE  # of the greatest residual, which iterations may have been led astray to
+        newton.relativeTolerance = NO_SHARE  # of an earlier residual, which iterations may have been led astray to
     return float(gain)
 
 

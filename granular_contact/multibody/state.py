@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
-from granular_contact.multibody.tangent import Place, Tangent, joint_states, last_angles, set_joints, set_last_angles
+from granular_contact.multibody.tangent import Place, Tangent
 from granular_contact.scene.types import Vector
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ class SolveState:
 
     time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
     constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints,
-    last_angles: see `tangent`. recorded, control: fields of the recorder and of the choice of steps. iterations: of
-    `predictor`. bed: None without one.
+    last_angles: what drives and ends of joints follow. recorded, control: fields of the recorder and of the choice of
+    steps. iterations: of `predictor`. bed: None without one.
     """
 
     time: float
@@ -83,9 +83,9 @@ class Keeper:
             outdated=solver.conv.jacobianUpdateRequested,
             place=self.tangent.place,
             counts=tuple(getattr(solver.it, name) for name in COUNTS),
-            joints=joint_states(system),
+            joints=_joint_states(system),
             first_anchors=tuple(load.first_anchor for load in system.loads.values()),
-            last_angles=last_angles(system),
+            last_angles=_last_angles(system),
             recorded=self.recorder.kept(),
             control=None if control is None else control.kept(),
             iterations=() if self.predictor is None else self.predictor.kept,
@@ -106,10 +106,10 @@ class Keeper:
         self._set_engine(kept, data)
         for name, count in zip(COUNTS, kept.counts, strict=True):
             setattr(solver.it, name, count)
-        set_joints(system, kept.joints)
+        _set_joints(system, kept.joints)
         for load, anchor in zip(system.loads.values(), kept.first_anchors, strict=True):
             load.first_anchor = anchor
-        set_last_angles(system, kept.last_angles)
+        _set_last_angles(system, kept.last_angles)
         recorder.restore(kept.recorded)
         if recorder.control is not None and kept.control is not None:
             recorder.control.restore(kept.control)
@@ -134,3 +134,26 @@ class Keeper:
         it = self.solver.it
         it.currentTime, it.currentStepSize = kept.time, kept.step
         self.solver.conv.jacobianUpdateRequested = kept.outdated
+
+
+def _joint_states(system: System) -> tuple[tuple[float, float | None], ...]:
+    """Anchor of each joint's friction, and what its drive is set to from outside."""
+    return tuple((load.anchor, load.set_to) for load in system.loads.values())
+
+
+def _set_joints(system: System, states: tuple[tuple[float, float | None], ...]) -> None:
+    """Bring joints to such states."""
+    for load, (anchor, set_to) in zip(system.loads.values(), states, strict=True):
+        load.anchor, load.set_to = anchor, set_to
+
+
+def _last_angles(system: System) -> tuple[float, ...]:
+    """Angles (rad) by which the ends of joints count the turns of flexible links."""
+    return tuple(float(angle) for one in system.turning_ends for angle in one.last_angles)
+
+
+def _set_last_angles(system: System, angles: tuple[float, ...]) -> None:
+    """Bring ends to such angles."""
+    left = iter(angles)
+    for one in system.turning_ends:
+        one.last_angles[:] = [next(left) for _ in one.last_angles]

@@ -130,26 +130,3 @@ def _leading_to(place: Place) -> Callable[..., None]:
 
 
 # ---- what Python keeps of joints ----
-
-
-def joint_states(system: System) -> tuple[tuple[float, float | None], ...]:
-    """Anchor of each joint's friction, and what its drive is set to from outside."""
-    return tuple((load.anchor, load.set_to) for load in system.loads.values())
-
-
-def set_joints(system: System, states: tuple[tuple[float, float | None], ...]) -> None:
-    """Bring joints to such states."""
-    for load, (anchor, set_to) in zip(system.loads.values(), states, strict=True):
-        load.anchor, load.set_to = anchor, set_to
-
-
-def last_angles(system: System) -> tuple[float, ...]:
-    """Angles (rad) by which the ends of joints count the turns of flexible links."""
-    return tuple(float(angle) for one in system.turning_ends for angle in one.last_angles)
-
-
-def set_last_angles(system: System, angles: tuple[float, ...]) -> None:
-    """Bring ends to such angles."""
-    left = iter(angles)
-    for one in system.turning_ends:
-        one.last_angles[:] = [next(left) for _ in one.last_angles]
