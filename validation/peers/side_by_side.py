@@ -1,17 +1,14 @@
 """Programs without any of this project, to see what two processes gain over one on a machine.
 
-Each does the same work again and again and tells the processor time (s) that it took. Two of them are near to the
-runner's environment: `exudyn_alone` in what it does (five bodies, implicit steps, motors and ground in Python, as one
-writes them), and `compiling` in how much memory it goes through meanwhile (see `touched`).
+Each does the same work again and again and tells the processor time (s) that it took. Nearest to the runner's
+environment in what it does is `exudyn_alone`: five bodies, implicit steps, motors and ground in Python, as one writes
+them.
 """
 
 from __future__ import annotations
 
-import argparse
-import inspect
 import math
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +16,6 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
-TIMES = 3  # that a module of the standard library is compiled
 NUMBERS = 3_000_000  # that are added up
 CALLS = 40_000  # of each of five functions of NumPy
 STEPS, STEP = 400, 1e-3  # of the engine, s
@@ -45,39 +41,6 @@ def small_arrays() -> float:
         b.dot(a)
         a = np.concatenate([a[6:], a[:6]])
     return time.process_time() - began
-
-
-def compiling() -> float:
-    """Python compiles a module of its own library."""
-    if "source" not in _HELD:
-        _HELD["source"] = inspect.getsource(argparse)
-    began = time.process_time()
-    for _ in range(TIMES):
-        compile(_HELD["source"], "argparse.py", "exec")
-    return time.process_time() - began
-
-
-def touched(work: Callable[[], Any]) -> float:
-    """Memory (MB) that work goes through, by pages of 4 kB; not a number where nothing tells.
-
-    Less what asking takes itself.
-    """
-    try:
-        nothing, some = _touched(lambda: None), _touched(work)
-    except (OSError, ValueError):
-        return math.nan
-    return max(0.0, some - nothing)
-
-
-def _touched(work: Callable[[], Any]) -> float:
-    own = Path("/proc/self")
-    found = []
-    for _ in range(3):  # asking takes memory, too, and the garbage collector may go through all of it
-        (own / "clear_refs").write_text("1")
-        work()
-        lines = (own / "smaps_rollup").read_text().splitlines()
-        found += [float(line.split()[1]) / 1024.0 for line in lines if line.startswith("Referenced:")]
-    return min(found)
 
 
 def mujoco_ant() -> float:
@@ -174,7 +137,6 @@ def exudyn_alone() -> float:
 # What they are called, and how much each does in units of the table.
 PROGRAMS = {
     "Exudyn alone, s of motion": (exudyn_alone, STEPS * STEP),
-    "Python compiling, modules": (compiling, TIMES),
     "MuJoCo alone, thousands of steps": (mujoco_ant, 1e-3 * PERIODS * SKIP),
     "small arrays of NumPy, thousands of calls": (small_arrays, 5e-3 * CALLS),
     "counting, millions": (count, 1e-6 * NUMBERS),
