@@ -23,6 +23,7 @@ from granular_contact.results import Outline, Results, Snapshot
 from granular_contact.results.frames import RATE, immersed, instants, pace, point_of_action, resample, surface_height
 from granular_contact.run import run
 from granular_contact.scene import build
+from validation import stills
 
 WAYS = ("pendulum", "reduced")
 
@@ -230,25 +231,25 @@ def long_way(width: float) -> Results:
 
 @pytest.mark.parametrize(("width", "columns"), [(0.2, 4), (3.0, 2), (12.0, 1)])
 def test_strips_have_as_many_pictures_in_a_row_as_fit(width: float, columns: int) -> None:
-    strip = animation.strip(long_way(width), 4, 1000)
+    strip = stills.strip(long_way(width), 4, 1000)
     rows = 4 // columns
-    assert strip.shape[1] == columns * (1000 // columns) + (columns - 1) * animation.GAP
+    assert strip.shape[1] == columns * (1000 // columns) + (columns - 1) * stills.GAP
     # Between pictures, and nowhere else, there are white lines from side to side.
     white = np.all(strip == 255, axis=(1, 2))
-    assert np.sum(white) == (rows - 1) * animation.GAP
+    assert np.sum(white) == (rows - 1) * stills.GAP
 
 
 def test_a_strip_shows_instants_between_which_the_way_is_equal() -> None:
     frames = long_way(3.0).frames
     hurried = [*frames[:2], *frames[2::6]]
-    times = [frame.time for frame in animation._evenly_moved(hurried, 4)]
+    times = [frame.time for frame in stills.evenly_moved(hurried, 4)]
     assert times[0] == 0.0
     assert times[-1] == hurried[-1].time
     np.testing.assert_allclose(np.diff(times), 0.8 / 3, atol=0.25)  # steps of 0.24 s are all there are
 
 
 def test_a_strip_is_a_small_png(tmp_path: Path) -> None:
-    film.write_strip(filmed(), tmp_path / "s.png")
+    stills.write_strip(filmed(), tmp_path / "s.png")
     assert (tmp_path / "s.png").stat().st_size < 60_000
     with Image.open(tmp_path / "s.png") as image:
         assert near(np.asarray(image.convert("RGB")), VERMILION).sum() > 50  # the arrows keep their colour

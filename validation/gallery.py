@@ -129,7 +129,7 @@ def comment(path: Path) -> str:
 
 def draw(one: Entry, name: str) -> Path:
     """Write the picture of a config as a PNG of few colours; its path."""
-    from granular_contact.report.figures.film import write_strip
+    from validation.stills import write_strip
 
     path = FIGURES / f"gallery_{name}.png"
     write_strip(one.results, path, PANELS, WIDTH)

@@ -15,9 +15,9 @@ from granular_contact import Results, load, simulate
 from granular_contact.bed.space.heights import Heights
 from granular_contact.errors import SceneError
 from granular_contact.kernels.ground import tangent_plane
-from granular_contact.report.figures.space import ground_of, parted
 from granular_contact.results.motion import Motion
 from granular_contact.scene import build
+from validation.stills_in_space import ground_of, parted
 
 RISE = (0.12, -0.07)
 

@@ -7,7 +7,6 @@ series   panels, events, hinges     panels over time, what is marked in them, wh
 picture  outlines, views            edges and depths; windows on the plane
          mechanism                  their figure
 film     stage, animation, film     a view to scale, pictures on it, GIF and MP4
-         space                      pictures of a run in space
 studies  histories, media, laws     models and media compared, a law
          overview, slip, sensitivity, ensembles, search, fits    sweeps, wheels, Sobol indices, seeds, searches, fits
 """

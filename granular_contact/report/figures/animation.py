@@ -40,14 +40,14 @@ Picture = NDArray[np.uint8]
 
 DPI = 100
 STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
-HEAD, SHAFT, LEAST_ARROW, GAP = 12.0, 4.0, 2.0, 8  # px
+HEAD, SHAFT, LEAST_ARROW = 12.0, 4.0, 2.0  # px
 LONGEST_TRACE = 1.0  # of the width
 FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 
 
 def pictures(results: Results) -> Iterator[Picture]:
     """A picture (height, width, 3) of each frame."""
-    return _Film(results, stage_of(results)).pictures(results.frames)
+    return Film(results, stage_of(results)).pictures(results.frames)
 
 
 def still(results: Results, wide: float, width: int = WIDTH) -> Picture:
@@ -57,46 +57,10 @@ def still(results: Results, wide: float, width: int = WIDTH) -> Picture:
     scale = width / wide
     left, bottom = 0.5 * (low + high) - 0.5 * np.array([width, height]) / scale
     stage = Stage(float(left), float(bottom), scale, width, height)
-    return next(_Film(results, stage, words=False).pictures(results.frames))
+    return next(Film(results, stage, words=False).pictures(results.frames))
 
 
-def strip(results: Results, count: int, width: int) -> Picture:
-    """Pictures of `count` (even) frames as one, about so many px wide; the wider the stage, the fewer in a row.
-
-    From each to the next the mechanism moves equally far, which seldom takes equally long.
-    """
-    low, high = bounds(results.frames)
-    ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
-    in_row = count if ratio < 2.0 else 2 if ratio < 9.0 else 1
-    stage = stage_of(results, width // in_row, 0.6 if in_row == count else 0.2)
-    shown = list(_Film(results, stage, words=False).pictures(_evenly_moved(results.frames, count)))
-    rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
-    return _joined(rows, axis=0)
-
-
-def _joined(shown: list[Picture], axis: int) -> Picture:
-    """Pictures beside (1) or under each other (0), with gaps between them."""
-    height, width, _ = shown[0].shape
-    gap = np.full((height, GAP, 3) if axis else (GAP, width, 3), 255, np.uint8)
-    return np.concatenate([part for one in shown for part in (gap, one)][1:], axis=axis)
-
-
-def _evenly_moved(frames: Sequence[Snapshot], count: int) -> list[Snapshot]:
-    """Frames between which the mechanism moves about equally far, chosen near large forces."""
-    points = np.array([np.concatenate([outline.points for outline in frame.outlines]) for frame in frames])
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
-    path = np.concatenate([[0.0], np.cumsum(steps)])
-    push = np.array([sum(float(np.linalg.norm(force.force)) for force in frame.forces) for frame in frames])
-    share = path[-1] / (count - 1)
-    picked = [0]
-    for k in range(1, count - 1):
-        near = np.flatnonzero(np.abs(path - k * share) <= share / 4)
-        closest = int(np.argmin(np.abs(path - k * share)))
-        picked.append(int(near[np.argmax(push[near])]) if push[near].any() else closest)
-    return [frames[i] for i in (*picked, len(frames) - 1)]
-
-
-class _Film:
+class Film:
     """A figure whose moving artists are drawn over a copy of the ones that stand still."""
 
     def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:

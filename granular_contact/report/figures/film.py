@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from granular_contact.report.figures.animation import STEEL, STEEL_EDGE, TRACE, Picture, pictures, strip
+from granular_contact.report.figures.animation import STEEL, STEEL_EDGE, TRACE, Picture, pictures
 from granular_contact.report.figures.style import INK, VERMILION
 from granular_contact.results import Results
 from granular_contact.results.frames import RATE
@@ -35,39 +35,21 @@ def write(results: Results, file: Path) -> None:
 def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
     """All pictures with one palette, so that each needs to contain only changes."""
     kept = list(film)
-    palette = _palette(kept)
-    frames = (Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in kept)
+    colours = palette(kept)
+    frames = (Image.fromarray(one).quantize(palette=colours, dither=Image.Dither.NONE) for one in kept)
     durations = [1000 // RATE] * (count - 1) + [LAST]
     next(frames).save(file, save_all=True, append_images=frames, duration=durations, loop=0, disposal=1)
 
 
-def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200) -> None:
-    """Write some of the frames of `results` into one PNG of few colours, see `animation.strip` and `space.strip`.
-
-    Raises
-    ------
-    OSError
-        The disk refuses.
-    """
-    if results.motion is not None and results.motion.in_space:
-        from granular_contact.report.figures import space
-
-        picture = space.strip(results, count, width)
-    else:
-        picture = strip(results, count, width)
-    shown = Image.fromarray(picture).quantize(palette=_palette([picture]), dither=Image.Dither.NONE)
-    shown.save(file, optimize=True)
-
-
-def _palette(kept: list[Picture]) -> Image.Image:
+def palette(kept: list[Picture]) -> Image.Image:
     """The colours of the style, and those chosen from pictures of the whole film."""
     some = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
     found = Image.fromarray(np.concatenate(some)).quantize(COLOURS, dither=Image.Dither.NONE)
     ours = [int(colour[i : i + 2], 16) for colour in OURS for i in (1, 3, 5)]
     colours = ours + (found.getpalette() or [])[: 3 * COLOURS]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(colours + colours[:3] * (256 - len(colours) // 3))
-    return palette
+    made = Image.new("P", (1, 1))
+    made.putpalette(colours + colours[:3] * (256 - len(colours) // 3))
+    return made
 
 
 def ffmpeg() -> str | None:

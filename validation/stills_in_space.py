@@ -1,4 +1,4 @@
-"""Stills of a run in space: the mechanism from the right and a little above, on the surface of the sand."""
+"""Instants of a run in space: the mechanism from the right and a little above, on the surface of the sand."""
 
 from __future__ import annotations
 
