@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from granular_contact.config.csv_table import Table, number, read_table
 from granular_contact.config.messages import unknown
 from granular_contact.config.references import shown
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, set_key
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, dotted, rewritten, under
+from granular_contact.config.tree import Path as TreePath
 from granular_contact.errors import Fault
 
 KEYS = ("drives", "signals")  # of a scenario, below which files may be named
@@ -21,27 +23,18 @@ def with_columns(root: Node, folder: Path, faults: list[Fault]) -> Node:
 
     Paths start from `folder`; in what stands in no file, as in `--set`, from the working folder.
     """
-    if not isinstance(root, Mapping):
-        return root
+
+    def change(node: Mapping, path: TreePath) -> Node | None:
+        kind = child(node, "type")
+        is_csv = isinstance(kind, Scalar) and kind.value == "csv"
+        return _table(node, path, folder, faults) if is_csv else None
+
     for key in KEYS:
-        held = root.nodes.get(key)
-        if held is not None:
-            root = set_key(root, key, _replaced(held, (key,), folder, faults), root.keys[key])
+        root = under(root, key, partial(rewritten, change=change, path=(key,)))
     return root
 
 
-def _replaced(node: Node, path: tuple[str, ...], folder: Path, faults: list[Fault]) -> Node:
-    if not isinstance(node, Mapping):
-        return node
-    kind = child(node, "type")
-    if isinstance(kind, Scalar) and kind.value == "csv":
-        return _table(node, path, folder, faults)
-    for key, below in node.nodes.items():
-        node = set_key(node, key, _replaced(below, (*path, key), folder, faults), node.keys[key])
-    return node
-
-
-def _table(node: Mapping, path: tuple[str, ...], folder: Path, faults: list[Fault]) -> Node:
+def _table(node: Mapping, path: TreePath, folder: Path, faults: list[Fault]) -> Node:
     """A csv signal as a table; unchanged if its keys are faulty, which the schema reports."""
     file, column = (_text(node, key) for key in ("file", "column"))
     time_column = "time_s" if "time_column" not in node.nodes else _text(node, "time_column")
@@ -75,7 +68,7 @@ def numbers_of(at: Position, values: list[float]) -> Items:
 
 
 def _read(
-    file: Path, names: tuple[str, str], at: Position, path: tuple[str, ...], faults: list[Fault]
+    file: Path, names: tuple[str, str], at: Position, path: TreePath, faults: list[Fault]
 ) -> tuple[list[float], list[float]] | None:
     """Times and values of a column, or None with faults."""
     found_faults = list[Fault]()
@@ -87,11 +80,11 @@ def _read(
         if isinstance(found, tuple):
             return found
         found_faults = found
-    faults += [one if one.key else replace(one, key=".".join(path[:-1])) for one in found_faults]
+    faults += [one if one.key else replace(one, key=dotted(path[:-1])) for one in found_faults]
     return None
 
 
-def table_named(file: Path, at: Position, path: tuple[str, ...], faults: list[Fault]) -> Table | None:
+def table_named(file: Path, at: Position, path: TreePath, faults: list[Fault]) -> Table | None:
     """Table of a file; where it can't be read, the line that names it is at fault."""
     found = list[Fault]()
     table = read_table(shown(file), found)

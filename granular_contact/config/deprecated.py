@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from granular_contact.config import tree
 from granular_contact.config.schema.deprecated import SUCCESSORS, successor
 
-Path = tuple[str, ...]
 
-
-def renewed(node: tree.Node, notices: list[str]) -> tree.Node:
+def renewed(root: tree.Node, notices: list[str]) -> tree.Node:
     """The tree without keys that an old or new name of the same thing overrides; a notice for each old key left."""
-    return _within(node, (), notices)
 
+    def change(node: tree.Mapping, path: tree.Path) -> tree.Node | None:
+        known = SUCCESSORS.get(str(tree.plain(node.nodes["type"])), {}) if "type" in node.nodes else {}
+        for old, new in known.items():
+            if old in node.nodes and new in node.nodes and (covered := _covered(node, old, new)) is not None:
+                node = tree.drop_key(node, covered)
+            if old in node.nodes:
+                notices.append(_notice((*path, old), node.nodes[old], node.keys[old], new))
+        return node if known else None
 
-def _within(node: tree.Node, path: Path, notices: list[str]) -> tree.Node:
-    if isinstance(node, tree.Items):
-        items = tuple(_within(one, (*path, str(i)), notices) for i, one in enumerate(node.nodes))
-        return tree.Items(node.position, items)
-    if not isinstance(node, tree.Mapping) or path[:1] not in ((), ("model",)):
-        return node
-    nodes = {key: _within(one, (*path, key), notices) for key, one in node.nodes.items()}
-    known = SUCCESSORS.get(str(tree.plain(nodes["type"])), {}) if "type" in nodes else {}
-    for old, new in known.items():
-        if old not in nodes:
-            continue
-        if new in nodes and (covered := _covered(node, old, new)) is not None:
-            del nodes[covered]
-        if old in nodes:
-            notices.append(_notice((*path, old), nodes[old], node.keys[old], new))
-    return tree.Mapping(node.position, nodes, {key: node.keys[key] for key in nodes})
+    return tree.under(root, "model", partial(tree.rewritten, change=change, path=("model",)))
 
 
 def _covered(node: tree.Mapping, old: str, new: str) -> str | None:
@@ -39,11 +31,11 @@ def _covered(node: tree.Mapping, old: str, new: str) -> str | None:
     return new if over[old] > over[new] else old
 
 
-def _notice(path: Path, node: tree.Node, at: tree.Position, new: str) -> str:
+def _notice(path: tree.Path, node: tree.Node, at: tree.Position, new: str) -> str:
     value, instead = tree.plain(node), new
     if isinstance(value, int | float) and not isinstance(value, bool):
-        found = successor(path[-1], float(value))
+        found = successor(str(path[-1]), float(value))
         shown = f"[{found[0]:.6g}, {found[1]:.6g}]" if isinstance(found, list) else f"{found:g}"
         instead = f"{new}: {shown}"
     place = at.file if at.line is None else f"{at.file}:{at.line}"
-    return f"{place}: {'.'.join(path)}: is counter-clockwise; write {instead}, as all angles are clockwise now"
+    return f"{place}: {tree.dotted(path)}: is counter-clockwise; write {instead}, as all angles are clockwise now"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
+from pathlib import Path as FilePath
 
 from granular_contact.config.schema.scenario import Scenario
-from granular_contact.config.tree import Items, Mapping, Node, Scalar, child, set_key
+from granular_contact.config.tree import Mapping, Node, Path, Scalar, child, rewritten, set_key, under
 
 IN_SPACE = "in_space"
 
@@ -25,30 +26,19 @@ def scenario_class(root: Node) -> type[Scenario]:
     return SpatialScenario
 
 
-def with_paths(root: Node, folder: Path) -> Node:
+def with_paths(root: Node, folder: FilePath) -> Node:
     """The tree with meshes and maps of heights by their full paths; these start from the folder of the file that names
     them, those of an override from `folder`.
     """
-    if not is_in_space(root):
-        return root
-    for key in ("model", "bed"):
-        held = child(root, key)
-        if isinstance(held, Mapping) and isinstance(root, Mapping):
-            root = set_key(root, key, _placed(held, folder), root.keys[key])
+
+    def change(node: Mapping, _: Path) -> Node | None:
+        held = node.nodes.get("file")
+        if not (isinstance(held, Scalar) and isinstance(held.value, str) and held.value):
+            return None
+        base = FilePath(held.position.file).parent if held.position.line is not None else folder
+        path = str((base / held.value).resolve())
+        return set_key(node, "file", Scalar(held.position, path, path), node.keys["file"])
+
+    for key in ("model", "bed") if is_in_space(root) else ():
+        root = under(root, key, partial(rewritten, change=change, path=(key,)))
     return root
-
-
-def _placed(node: Node, folder: Path) -> Node:
-    if isinstance(node, Items):
-        return Items(node.position, tuple(_placed(one, folder) for one in node.nodes))
-    if not isinstance(node, Mapping):
-        return node
-    for key, held in node.nodes.items():
-        if key != "file":
-            node = set_key(node, key, _placed(held, folder), node.keys[key])
-        elif isinstance(held, Scalar) and isinstance(held.value, str) and held.value:
-            at = held.position
-            base = Path(at.file).parent if at.line is not None else folder
-            path = str((base / held.value).resolve())
-            node = set_key(node, key, Scalar(at, path, path), node.keys[key])
-    return node

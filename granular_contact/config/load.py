@@ -248,10 +248,10 @@ class Template:
         before = len(faults)
         node = setting.apply(self._root, references, faults)
         resolver = Resolver(self._path, faults)
-        node = _under(node, "model", partial(resolver.resolve, library=MODELS))
+        node = tree.under(node, "model", partial(resolver.resolve, library=MODELS))
         medium = partial(resolver.resolve, library=MEDIA)
-        node = _under(node, "medium", partial(_each, change=medium))
-        node = _under(node, "bed", lambda bed: _under(bed, "layers", partial(_each, change=_in_layer(medium))))
+        node = tree.under(node, "medium", partial(_each, change=medium))
+        node = tree.under(node, "bed", lambda bed: tree.under(bed, "layers", partial(_each, change=_in_layer(medium))))
         if len(faults) == before:
             if len(self._resolved) == _MOST_KEPT:
                 self._resolved.clear()
@@ -315,19 +315,14 @@ def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
     """`node` with the provenance of its media corrected where overrides changed numbers, see `config.provenance`."""
 
     def media(one: tree.Node, held: tree.Node | None) -> tree.Node:
-        return one if held is None else _under(one, "medium", partial(restated_each, tree.child(held, "medium")))
+        return one if held is None else tree.under(one, "medium", partial(restated_each, tree.child(held, "medium")))
 
     held, _ = tree.find(before, ("bed", "layers"))
     if isinstance(held, tree.Items):
-        node = _under(node, "bed", lambda bed: _under(bed, "layers", lambda layers: _paired(layers, held, media)))
+        node = tree.under(
+            node, "bed", lambda bed: tree.under(bed, "layers", lambda layers: _paired(layers, held, media))
+        )
     return media(node, before)
-
-
-def _under(node: tree.Node, key: str, change: Change) -> tree.Node:
-    """`node` with what stands under a key changed, if it is there."""
-    if not isinstance(node, tree.Mapping) or key not in node.nodes:
-        return node
-    return tree.set_key(node, key, change(node.nodes[key]), node.keys[key])
 
 
 def _each(node: tree.Node, change: Change) -> tree.Node:
@@ -346,7 +341,7 @@ def _paired(node: tree.Node, held: tree.Items, change: Callable[[tree.Node, tree
 
 def _in_layer(change: Change) -> Change:
     """Changes the medium of a layer."""
-    return lambda layer: _under(layer, "medium", change)
+    return lambda layer: tree.under(layer, "medium", change)
 
 
 def load_medium(name: str, **values: Any) -> Medium:

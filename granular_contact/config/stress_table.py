@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import product
 from pathlib import Path
 
 from granular_contact.config.columns import numbers_of, table_named
 from granular_contact.config.csv_table import Table, few, form_faults, number
 from granular_contact.config.messages import unknown
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Scalar, child, set_key
+from granular_contact.config.tree import Broken, Mapping, Node, Scalar, child, dotted, rewritten, under
+from granular_contact.config.tree import Path as TreePath
 from granular_contact.errors import Fault
 from granular_contact.laws.table import MOST_DRIVING, axis_faults, driving, power
 
@@ -19,40 +21,29 @@ Rows = dict[tuple[float, float, float], tuple[float, float]]
 
 def with_tables(root: Node, folder: Path, faults: list[Fault]) -> Node:
     """The tree of a scenario with every file of a law `table` replaced by its numbers; paths as of `with_columns`."""
-    if not isinstance(root, Mapping):
-        return root
-    for key in ("medium", "bed"):
-        held = root.nodes.get(key)
-        if held is not None:
-            root = set_key(root, key, _replaced(held, key, folder, faults), root.keys[key])
-    return root
 
-
-def _replaced(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
-    if isinstance(node, Items):
-        return Items(
-            node.position, tuple(_replaced(one, f"{key}.{i}", folder, faults) for i, one in enumerate(node.nodes))
-        )
-    if not isinstance(node, Mapping):
-        return node
-    law, file = child(node, "law"), child(node, "file")
-    if isinstance(law, Scalar) and law.value == "table" and isinstance(file, Scalar) and isinstance(file.value, str):
-        start = folder if file.position.line is not None else Path()
-        found = _read(start / file.value, faults, file, f"{key}.file")
+    def change(node: Mapping, path: TreePath) -> Node | None:
+        law, file = child(node, "law"), child(node, "file")
+        named = isinstance(file, Scalar) and isinstance(file.value, str)
+        if not (named and isinstance(law, Scalar) and law.value == "table"):
+            return None
+        assert isinstance(file, Scalar)
+        found = _read(folder, faults, file, dotted((*path, "file")))
         if found is None:
             return Broken(node.position)
         nodes = {name: one for name, one in node.nodes.items() if name != "file"}
         nodes |= {name: numbers_of(file.position, values) for name, values in found.items()}
         return Mapping(node.position, nodes, {name: node.keys.get(name, file.position) for name in nodes})
-    for name, below in node.nodes.items():
-        if name in ("layers", "medium"):
-            node = set_key(node, name, _replaced(below, f"{key}.{name}", folder, faults), node.keys[name])
-    return node
+
+    for key in ("medium", "bed"):
+        root = under(root, key, partial(rewritten, change=change, path=(key,)))
+    return root
 
 
-def _read(file: Path, faults: list[Fault], named: Scalar, key: str) -> dict[str, list[float]] | None:
+def _read(folder: Path, faults: list[Fault], named: Scalar, key: str) -> dict[str, list[float]] | None:
     """Axes and stresses of a file; None, with faults."""
-    table = table_named(file, named.position, (key,), faults)
+    start = folder if named.position.line is not None else Path()
+    table = table_named(start / str(named.value), named.position, (key,), faults)
     if table is None:
         return None
     own_faults = form_faults(table)

@@ -6,7 +6,7 @@ identity, so that shared ones can be distinguished from equal ones.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -142,6 +142,29 @@ def key_position(node: Node, path: Path) -> Position:
 def set_key(node: Mapping, key: str, value: Node, position: Position) -> Mapping:
     """A copy of `node` in which `key`, written at `position`, holds `value`."""
     return Mapping(node.position, {**node.nodes, key: value}, {**node.keys, key: position})
+
+
+def under(node: Node, key: str, change: Callable[[Node], Node]) -> Node:
+    """`node` with what stands under a key changed, if it is there."""
+    if not isinstance(node, Mapping) or key not in node.nodes:
+        return node
+    return set_key(node, key, change(node.nodes[key]), node.keys[key])
+
+
+def rewritten(node: Node, change: Callable[[Mapping, Path], Node | None], path: Path) -> Node:
+    """`node`, which stands at `path`, with other parts where `change` gives them.
+
+    change: asked of each mapping, with its path; what it gives stands there, and where it gives None the parts of the
+    mapping are gone through. A list of scalars has no such parts.
+    """
+    if isinstance(node, Items) and node.nodes and not isinstance(node.nodes[0], Scalar):
+        return Items(node.position, tuple(rewritten(one, change, (*path, i)) for i, one in enumerate(node.nodes)))
+    if not isinstance(node, Mapping):
+        return node
+    if (made := change(node, path)) is not None:
+        return made
+    parts = {key: rewritten(below, change, (*path, key)) for key, below in node.nodes.items()}
+    return Mapping(node.position, parts, node.keys)
 
 
 def drop_key(node: Mapping, key: str) -> Mapping:

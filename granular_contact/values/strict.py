@@ -156,6 +156,11 @@ class Tagged:
         return core_schema.tagged_union_schema(choices, discriminator=self.key)
 
 
+def by_type(*classes: type[Strict]) -> dict[str, type[Strict]]:
+    """Classes by the one value that their field `type` may have."""
+    return {get_args(one.model_fields["type"].annotation)[0]: one for one in classes}
+
+
 ONE, MANY = "one", "list"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from granular_contact.config.schema.signals import Buehler, Signal
-from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, by_type
 
 
 def _exactly_one(drive: Strict, names: tuple[str, ...]) -> Faults:
@@ -163,14 +163,7 @@ def _gains(drive: Strict, gain: str, rate_gain: str, *, by_rate: bool) -> Faults
         yield (needed,), "got 0 or nothing, so the drive would do nothing; allowed is a number above 0"
 
 
-DRIVES: dict[str, type[Strict]] = {
-    "torque": Torque,
-    "force": Force,
-    "motion": Motion,
-    "pd": HingeControl,
-    "pd_slider": SliderControl,
-    "external": External,
-}
+DRIVES = by_type(Torque, Force, Motion, HingeControl, SliderControl, External)
 AnyDrive = Torque | Force | Motion | HingeControl | SliderControl | External
 Drive = Annotated[AnyDrive, Tagged("type", DRIVES)]
 # Key of the signal -> type of joint that has such a coordinate.

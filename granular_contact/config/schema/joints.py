@@ -17,7 +17,7 @@ from pydantic import AfterValidator, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from granular_contact.config.schema.deprecated import Renewed
-from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, refusal
+from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, by_type, refusal
 
 # The words of robotics for types of joints, and ours.
 SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
@@ -177,12 +177,13 @@ class Free(_Ends):
             yield ("parent",), f"got {self.parent!r}; a free joint has the parent ground"
 
 
-def by_name(**types: type[Strict]) -> dict[str, type[Strict]]:
+def by_name(*classes: type[Strict]) -> dict[str, type[Strict]]:
     """Classes by both names of each type."""
+    types = by_type(*classes)
     return types | {synonym: types[name] for synonym, name in (SYNONYMS | IN_SPACE).items() if name in types}
 
 
-JOINTS = by_name(hinge=Hinge, weld=Weld, slider=Slider, free=Free)
+JOINTS = by_name(Hinge, Weld, Slider, Free)
 Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
-CLOSURES = by_name(hinge=HingeClosure, weld=Weld, slider=SliderClosure)
+CLOSURES = by_name(HingeClosure, Weld, SliderClosure)
 Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]

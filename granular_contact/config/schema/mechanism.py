@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from granular_contact.config.schema.shapes import Shape, section_faults
-from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Tagged
+from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Tagged, by_type
 
 _MASS = ("mass_kg", "inertia_kg_m2", "center_of_mass_m")
 
@@ -84,5 +84,5 @@ class Link(Strict):
         return section_faults(self.diameter_m, self.width_m, self.thickness_m)
 
 
-BODIES: dict[str, type[Strict]] = {"rigid": Rigid, "link": Link}
+BODIES = by_type(Rigid, Link)
 Body = Annotated[Rigid | Link, Tagged("type", BODIES)]

@@ -19,14 +19,14 @@ from granular_contact.config.schema.signals import Signal
 from granular_contact.config.schema.wheel import WheelRun, wheel_faults
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.values.strict import Faults, Positive, Strict, Tagged, Text
+from granular_contact.values.strict import Faults, Positive, Strict, Tagged, Text, by_type
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from granular_contact.config.given import Changes
 
-FRICTIONS: dict[str, type[Strict]] = {"elastoplastic": Elastoplastic, "smooth": Smooth}
+FRICTIONS = by_type(Elastoplastic, Smooth)
 Friction = Annotated[Elastoplastic | Smooth, Tagged("type", FRICTIONS)]
 
 

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
-from granular_contact.values.strict import Faults, Listed, Point, Positive, Strict, Tagged
+from granular_contact.values.strict import Faults, Listed, Point, Positive, Strict, Tagged, by_type
 
 SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
 
@@ -215,15 +215,7 @@ def outline_faults(corners: Sequence[tuple[float, float]]) -> Faults:
         yield ("points_m",), words
 
 
-SHAPES: dict[str, type[PlanarShape]] = {
-    "disc": DiscShape,
-    "wheel": WheelShape,
-    "sphere": SphereShape,
-    "cylinder": CylinderShape,
-    "plate": PlateShape,
-    "arc": ArcShape,
-    "polyline": PolylineShape,
-    "polygon": PolygonShape,
-    "foot": FootShape,
-}
+SHAPES = by_type(
+    *(DiscShape, WheelShape, SphereShape, CylinderShape, PlateShape, ArcShape, PolylineShape, PolygonShape, FootShape)
+)
 Shape = Annotated[PlanarShape, Tagged("type", SHAPES)]

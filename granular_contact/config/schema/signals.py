@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, Text
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, Text, by_type
 
 
 class Constant(Strict):
@@ -99,15 +99,7 @@ class Shared(Strict):
     """Phase ahead of the shared signal, which must be periodic; 360 is one period."""
 
 
-SIGNALS: dict[str, type[Strict]] = {
-    "constant": Constant,
-    "sine": Sine,
-    "ramp": Ramp,
-    "buehler": Buehler,
-    "csv": Csv,
-    "table": Table,
-    "shared": Shared,
-}
+SIGNALS = by_type(Constant, Sine, Ramp, Buehler, Csv, Table, Shared)
 
 
 def _spelled_out(value: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from granular_contact.config.schema.mechanism import mass_faults
 from granular_contact.config.schema.space.shapes import SpatialShape
 from granular_contact.config.schema.space.turned import Point3
-from granular_contact.values.strict import Faults, Listed, Positive, Strict, Tagged
+from granular_contact.values.strict import Faults, Listed, Positive, Strict, Tagged, by_type
 
 ROUND_OFF = 1e-6  # of the greatest moment of inertia: what files round away
 
@@ -74,5 +74,5 @@ class SpatialLink(Strict):
     """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal."""
 
 
-BODIES: dict[str, type[Strict]] = {"rigid": SpatialRigid, "link": SpatialLink}
+BODIES = by_type(SpatialRigid, SpatialLink)
 SpatialBody = Annotated[SpatialRigid | SpatialLink, Tagged("type", BODIES)]

@@ -115,13 +115,9 @@ class SpatialFree(_Ends):
             yield ("parent",), f"got {self.parent!r}; a free joint has the parent ground"
 
 
-JOINTS: dict[str, type[Strict]] = by_name(
-    hinge=SpatialHinge, weld=SpatialWeld, slider=SpatialSlider, ball=Ball, free=SpatialFree
-)
+JOINTS = by_name(SpatialHinge, SpatialWeld, SpatialSlider, Ball, SpatialFree)
 AnyJoint = SpatialHinge | SpatialWeld | SpatialSlider | Ball | SpatialFree
 SpatialJoint = Annotated[AnyJoint, Tagged("type", JOINTS)]
-CLOSURES: dict[str, type[Strict]] = by_name(
-    hinge=SpatialHingeClosure, weld=SpatialWeld, slider=SpatialSliderClosure, ball=Ball
-)
+CLOSURES = by_name(SpatialHingeClosure, SpatialWeld, SpatialSliderClosure, Ball)
 AnyClosure = SpatialHingeClosure | SpatialWeld | SpatialSliderClosure | Ball
 SpatialClosure = Annotated[AnyClosure, Tagged("type", CLOSURES)]

@@ -8,7 +8,18 @@ from pydantic import AfterValidator, Field
 
 from granular_contact.config.schema.shapes import corner_faults, opening_faults, outline_faults
 from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
-from granular_contact.values.strict import Faults, Listed, OneOrMore, Point, Positive, Strict, Tagged, Text, refusal
+from granular_contact.values.strict import (
+    Faults,
+    Listed,
+    OneOrMore,
+    Point,
+    Positive,
+    Strict,
+    Tagged,
+    Text,
+    by_type,
+    refusal,
+)
 
 Pair = Annotated[tuple[Positive, Positive], Listed]
 Triple = Annotated[tuple[Positive, Positive, Positive], Listed]
@@ -168,28 +179,8 @@ class SpatialMesh(_Shape):
             yield ("thickness_m",), f"got {self.thickness_m:g}, but thin is false: allowed is nothing"
 
 
-SHAPES: dict[str, type[Strict]] = {
-    "box": SpatialBox,
-    "cylinder": SpatialCylinder,
-    "capsule": SpatialCapsule,
-    "sphere": SpatialSphere,
-    "cone": SpatialCone,
-    "plate": SpatialPlate,
-    "arc": SpatialArc,
-    "polygon": SpatialPolygon,
-    "bar": SpatialBar,
-    "mesh": SpatialMesh,
-}
-AnyShape = (
-    SpatialBox
-    | SpatialCylinder
-    | SpatialCapsule
-    | SpatialSphere
-    | SpatialCone
-    | SpatialPlate
-    | SpatialArc
-    | SpatialPolygon
-    | SpatialBar
-    | SpatialMesh
+SHAPES = by_type(
+    *(SpatialBox, SpatialCylinder, SpatialCapsule, SpatialSphere, SpatialCone, SpatialPlate, SpatialArc),
+    *(SpatialPolygon, SpatialBar, SpatialMesh),
 )
-SpatialShape = Annotated[AnyShape, Tagged("type", SHAPES)]
+SpatialShape = Annotated[_Shape | SpatialBar, Tagged("type", SHAPES)]
