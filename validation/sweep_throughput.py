@@ -14,9 +14,9 @@ A second table has the same impacts of reduced models in this process, by CPU ti
 alone with its key numbers, and marched together by one compiled call; on one thread and on two. --together prints that
 table alone. A loop of additions, timed in between, tells how fast the machine was: the last column counts in it.
 
---alone has the parts of one run in a warm process. --beside has the sweeps of reduced models by the code of another
-checkout of this repository too, in turn, on two workers: how many times as many for the same CPU time, with starting,
-checking and writing in it. Either prints no more than that.
+--alone has the parts of one run in a warm process. --beside has the sweeps by the code of another checkout of this
+repository too, in turn, on two workers: how many times as many for the same CPU time, with starting, checking and
+writing in it. Either prints no more than that.
 """
 
 from __future__ import annotations
@@ -360,7 +360,7 @@ def main() -> int:
         print(markdown(HEAD_ALONE, of_one_run(20)))
         return 0
     if chosen.beside is not None:
-        several = [measure_beside(m, COUNTS[m] // share, repeats, chosen.beside) for m in COUNTS if "reduced" in m]
+        several = [measure_beside(m, count // share, repeats, chosen.beside) for m, count in COUNTS.items()]
         print(f"{machine('exudyn', 'numba', 'scipy')}; least of {repeats} after a warm-up\n")
         print(markdown(HEAD_BESIDE, [row for rows in several for row in rows]))
         return 0
