@@ -103,7 +103,7 @@ def _show(found: Fit) -> None:
         print_table("correlation", [names[j].key[-1] for j in shared], lines)
     print()
     for column in found.goodness.columns:
-        kind = "given" if column.given else "estimated"
+        kind = "given" if column.noise_given else "estimated"
         print(f"noise of {column.column}: {column.noise:.3g} ({kind}, {column.rows} values)")
     if (grains := found.scatter) is not None:
         say(

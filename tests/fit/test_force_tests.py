@@ -19,8 +19,7 @@ from granular_contact.errors import ConfigError
 from granular_contact.laws.rft import GENERIC
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit
-from granular_contact.studies.fit.columns import plain
-from granular_contact.studies.fit.force_columns import recognise
+from granular_contact.studies.fit.columns import OF_FORCE_TESTS, plain, recognise
 
 RFT = "medium={law: rft, zeta: 0.9}"
 DEPTH = np.linspace(0.5e-3, 0.04, 40)
@@ -43,7 +42,7 @@ START = "set: {medium: {law: rft, zeta: 0.3}}\n"
 )
 def test_units_may_stand_in_brackets(header: str, name: str) -> None:
     assert plain(header) == name
-    assert recognise(header) == recognise(name)
+    assert recognise(header, OF_FORCE_TESTS) == recognise(name, OF_FORCE_TESTS)
 
 
 def test_a_table_that_is_no_force_test_for_a_name_says_what_one_has(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ def test_noise_is_found(recovered) -> None:
     # A standard deviation of 200 values is known to 1 in sqrt(400): 5 %; three of these.
     for column in recovered.goodness.columns:
         assert column.noise == pytest.approx(NOISE, rel=0.15)
-        assert not column.given
+        assert not column.noise_given
 
 
 def test_the_beam_of_the_engine_fits_as_well(tmp_path: Path) -> None:

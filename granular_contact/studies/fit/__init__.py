@@ -1,12 +1,12 @@
 """Coefficients from measurements: configs and data of many runs -> parameters, their errors, and warnings about them.
 
-specification, sections, request    a fit file, or the command line in its place -> what is asked for
+specification, request             a fit file, or the command line in its place -> what is asked for
 columns, measurements              names and units of what was measured; CSV files
-force_columns, force_tests, force_checks   the same of force tests: tables of forces against depth or speed
+force_tests, force_checks          the same of force tests: tables of forces against depth or speed
 law_alone                          a force test by the law, without a run
 parameters                         keys of a config -> start, bounds and scale
 prepare, checks                    all of it read and checked -> Problem
-problem, responses                    parameters -> curves of every run
+problem, responses                 parameters -> curves of every run
 jacobian, noise, solve             least squares from many starts, weighted by the noise that is left
 uncertainty, goodness, diagnostics errors, what can't be distinguished; whether residuals are noise; other checks
 scatter                            scatter of grains, separated from noise and coefficients in force tests

@@ -1,4 +1,7 @@
-"""Names of measured columns -> columns of the time series: a quantity, and its unit at the end of the name."""
+"""Names of measured columns -> columns of ours: a quantity, and its unit at the end of the name.
+
+Of a run these are columns of its time series, of a force test what was prescribed and what was measured.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +15,35 @@ UNITS = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
     "deg": {"deg": 1.0, "rad": math.degrees(1.0)},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "m_s": {"m_s": 1.0, "cm_s": 1e-2, "mm_s": 1e-3},
+    "rad_s": {"rad_s": 1.0, "deg_s": math.radians(1.0), "rpm": 2.0 * math.pi / 60.0},
     "N": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
-    "Nm": {"Nm": 1.0, "Nmm": 1e-3, "mNm": 1e-3},
+    "Nm": {"Nm": 1.0, "Nmm": 1e-3, "mNm": 1e-3, "kNm": 1e3},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
 }
 OBSERVED = ("deg", "m")
 BY_NAME = ("N", "Nm")  # what is compared where the fit says which column it is: every run's own table has forces
 # What the other columns of a run hold, by the end of their names.
 KINDS = {"_rad_s": "a rate", "_m_s": "a speed", "_Nm": "a moment", "_N": "a force", "_J": "an energy", "_W": "a power"}
+
+# Columns of a force test.
+GIVEN = DEPTH, SPEED, RATE, PATH = "depth_m", "speed_m_s", "rate_rad_s", "path_length_m"
+FORCE, VERTICAL, HORIZONTAL = "force_N", "vertical_force_N", "horizontal_force_N"
+TORQUE, PRESSURE = "torque_Nm", "pressure_Pa"
+SIGNS = {
+    FORCE: "against the motion",
+    VERTICAL: "upward, on the body",
+    HORIZONTAL: "to the right, on the body",
+    TORQUE: "against the turning, or clockwise on a body that does not turn",
+    PRESSURE: "the force against the motion over area_m2",
+}
+OF_FORCE_TESTS = (*GIVEN, *SIGNS)
+# Names of earlier versions, which are still read, and those that replace them.
+SUCCESSORS = {f"way_{unit}": f"path_length_{unit}" for unit in UNITS["m"]}
+
 # A header as tables have them, with its unit in brackets; signs that units are written with and names here are not.
 _IN_BRACKETS = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*[(\[]\s*([^()\[\]]*[^()\[\]\s])\s*[)\]]\s*")
-_SIGNS = str.maketrans({"/": "_", " ": None, ".": None, "*": None, "\u00b7": None, "\u00b0": "deg", "\u00b5": "u"})
+_MARKS = str.maketrans({"/": "_", " ": None, ".": None, "*": None, "\u00b7": None, "\u00b0": "deg", "\u00b5": "u"})
 
 
 def plain(header: str) -> str:
@@ -29,7 +51,7 @@ def plain(header: str) -> str:
     parts = _IN_BRACKETS.fullmatch(header)
     if parts is None:
         return header
-    return f"{'_'.join(parts[1].lower().split())}_{parts[2].translate(_SIGNS)}"
+    return f"{'_'.join(parts[1].lower().split())}_{parts[2].translate(_MARKS)}"
 
 
 def observables(columns: Iterable[str]) -> list[str]:
@@ -47,23 +69,28 @@ def kind(column: str) -> str:
     return next((words for end, words in KINDS.items() if column.endswith(end)), "neither an angle nor a length")
 
 
+def _unit(column: str) -> str:
+    """The unit at the end of a column of ours: m_s of speed_m_s."""
+    return max((unit for unit in UNITS if column.endswith(f"_{unit}")), key=len)
+
+
+def spellings(known: Iterable[str]) -> dict[str, tuple[str, float]]:
+    """Every name by which the `known` columns may be measured: which of them it is, and the factor to its unit."""
+    return {
+        f"{column.removesuffix(base)}{unit}": (column, factor)
+        for column in known
+        for base in [_unit(column)]
+        for unit, factor in UNITS[base].items()
+    }
+
+
 def recognise(name: str, known: Iterable[str]) -> tuple[str, float] | None:
     """Which of the `known` columns the measured `name` is, and the factor to its unit; None if it is none of them."""
-    stem, _, unit = plain(name).rpartition("_")
-    for column in known:
-        own, _, base = column.rpartition("_")
-        if own == stem and unit in UNITS.get(base, ()):
-            return column, UNITS[base][unit]
-    return None
-
-
-def spellings(known: Iterable[str]) -> list[str]:
-    """Every name by which the `known` columns may be measured."""
-    parts = [column.rpartition("_") for column in known]
-    return [f"{stem}_{unit}" for stem, _, base in parts for unit in UNITS[base]]
+    name = plain(name)
+    return spellings(known).get(SUCCESSORS.get(name, name))
 
 
 def in_words(known: Iterable[str]) -> str:
     """The known columns with the units that each may have, as `tip_x_m (cm, mm, um)`."""
-    parts = [(column, column.rpartition("_")[2]) for column in known]
-    return ", ".join(f"{c} ({', '.join(u for u in UNITS[b] if u != b)})" if b in UNITS else c for c, b in parts)
+    units = ((column, _unit(column)) for column in known)
+    return ", ".join(f"{column} ({', '.join(one for one in UNITS[own] if one != own)})" for column, own in units)

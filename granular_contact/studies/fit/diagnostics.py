@@ -61,20 +61,10 @@ def _small(problem: Problem, f: Sequence[Vector]) -> Iterator[str]:
     """Columns whose residuals are far smaller than the noise that was given."""
     for name, given in problem.noise.items():
         if given is not None:
-            own = _of_column(problem, f, name)
+            own = np.concatenate(problem.by_column(f)[name])
             total, rms = float(np.sum(own**2)), float(np.sqrt(np.mean(own**2)))
             if rms < SMALL_RESIDUAL and chi2.cdf(total, max(len(own) - len(problem.parameters), 1)) < LEAST_PROBABILITY:
                 yield f"residuals of {name} are {rms:.2g} of the noise that was given, {given:.3g}: is its unit right?"
-
-
-def _of_column(problem: Problem, f: Sequence[Vector], name: str) -> Vector:
-    """Values of one column of all runs."""
-    held = [
-        one[:, run.measured.columns.index(name)]
-        for run, one in zip(problem.runs, f, strict=True)
-        if name in run.measured.columns
-    ]
-    return np.concatenate(held)
 
 
 def _rounded(problem: Problem, sigma: Vector) -> Iterator[str]:
@@ -98,11 +88,7 @@ def _mostly_rounding(step: float, size: float) -> bool:
 
 def _steps(problem: Problem) -> list[float]:
     """What each column is rounded to, at the coarsest; 0 if to nothing."""
-    measured = [run.measured for run in problem.runs]
-    return [
-        max(noise.rounding(one.values[:, one.columns.index(name)]) for one in measured if name in one.columns)
-        for name in problem.columns
-    ]
+    return [max(map(noise.rounding, series)) for series in problem.by_column().values()]
 
 
 def _dependent(problem: Problem, f: Sequence[Vector], tiny: NDArray[np.bool_]) -> Iterator[str]:

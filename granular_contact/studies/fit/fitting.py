@@ -109,21 +109,14 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
         judged, covariance = replace(solution, residuals=grains.white * grains.noise), grains.covariance
     known = uncertainty(problem, solution, covariance)
     times = [np.linspace(time[0], time[-1], BAND_POINTS) for time in problem.times()]
-    model = _split(problem, problem.model(solution.scaled, times), times)
-    width = _split(problem, band(known, jacobian(problem, solution.scaled, times)), times)
+    model = problem.split(problem.model(solution.scaled, times), times)
+    width = problem.split(band(known, jacobian(problem, solution.scaled, times)), times)
     return Fit(
         problem,
         solution,
         known,
         goodness(problem, judged),
-        tuple(_split(problem, solution.residuals, problem.times())),
+        tuple(problem.split(solution.residuals)),
         tuple(Curve(*one) for one in zip(times, model, width, strict=True)),
         grains,
     )
-
-
-def _split(problem: Problem, values: Vector, times: list[Vector]) -> list[Vector]:
-    """Values in a row as (n, columns) of each run."""
-    blocks = [(len(t), len(run.measured.columns)) for run, t in zip(problem.runs, times, strict=True)]
-    ends = np.cumsum([n * m for n, m in blocks])[:-1]
-    return [part.reshape(shape) for part, shape in zip(np.split(values, ends), blocks, strict=True)]

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from granular_contact.config.csv_table import few
 from granular_contact.errors import Fault
-from granular_contact.studies.fit import force_columns as columns
-from granular_contact.studies.fit import noise
+from granular_contact.studies.fit import columns, noise
 from granular_contact.studies.fit.measurements import Measured
 
 Vector = NDArray[np.float64]
@@ -61,7 +60,7 @@ def _of_column(held: Measured, name: str, data: Vector, model: Vector) -> Iterat
         odd = int(np.argmax(np.abs(data) * (data * model < 0.0)))
         words = (
             f"got {data[odd]:.4g}, but the law gives {model[odd]:+.3g}: {name} is positive "
-            f"{columns.WORDS[name]}; turn its sign in the table, or check force_test: {{direction: ...}}"
+            f"{columns.SIGNS[name]}; turn its sign in the table, or check force_test: {{direction: ...}}"
         )
         yield Fault(held.file, held.lines[odd], name, words)
 

@@ -13,10 +13,8 @@ from granular_contact.config.messages import unknown
 from granular_contact.config.schema.fit import DIRECTIONS, ForceTest
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
-from granular_contact.studies.fit import force_columns as columns
-from granular_contact.studies.fit.columns import TIME
-from granular_contact.studies.fit.columns import recognise as recognise_motion
-from granular_contact.studies.fit.force_columns import DEPTH, PRESSURE
+from granular_contact.studies.fit import columns
+from granular_contact.studies.fit.columns import DEPTH, OF_FORCE_TESTS, PRESSURE, SIGNS, TIME, in_words, recognise
 from granular_contact.studies.fit.measurements import Chosen, Measured, mapped_columns, numbers_of, twice
 
 Vector = NDArray[np.float64]
@@ -33,8 +31,9 @@ def angle_of(test: ForceTest) -> float:
 
 def meant(table: Table, mapping: Mapping[str, tuple[str, Position]]) -> bool:
     """Whether a table is one of a force test by its columns: it has forces, and no times."""
-    names = list(mapping) or list(table.header)
-    return columns.tells_forces(names) and not any(recognise_motion(name, [TIME]) for name in names)
+    hits = [recognise(name, [TIME, *SIGNS]) for name in mapping or table.header]
+    means = {hit[0] for hit in hits if hit is not None}
+    return bool(means) and TIME not in means
 
 
 def rows_of(table: Table, rows: Mapping[str, tuple[float, Position]], faults: list[Fault]) -> Table:
@@ -95,7 +94,7 @@ def _measured(
     unused: list[str],
     notes: list[str],
 ) -> Measured:
-    names = tuple(column for column in values if columns.is_measured(column))
+    names = tuple(column for column in values if column in SIGNS)
     count = int(kept.sum())
     constants = {DEPTH: test.depth_m, columns.SPEED: test.speed_m_s, columns.RATE: test.rate_rad_s}
     given = {name: np.full(count, value) for name, value in constants.items() if value is not None}
@@ -123,28 +122,27 @@ def _named(table: Table, faults: list[Fault]) -> Chosen:
     """Columns by their own names; others are left out, unless they look like a misspelt one."""
     found: Chosen = {}
     for name in table.header:
-        hit = columns.recognise(name)
+        hit = recognise(name, OF_FORCE_TESTS)
         if hit is not None:
             found[name] = hit
-        elif near := get_close_matches(name, columns.spellings(), 1, cutoff=0.85):
+        elif near := get_close_matches(name, columns.spellings(OF_FORCE_TESTS), 1, cutoff=0.85):
             faults.append(Fault(table.file, table.header_line, name, f"unknown column; did you mean {near[0]}?"))
     return found
 
 
 def _mapped(table: Table, mapping: Mapping[str, tuple[str, Position]], faults: list[Fault]) -> Chosen:
-    known = columns.in_words((*columns.GIVEN, *columns.MEASURED))
-    words = f"is no column of a force test; allowed are {known}"
-    return mapped_columns(table, mapping, columns.recognise, lambda _: words, faults)
+    words = f"is no column of a force test; allowed are {in_words(OF_FORCE_TESTS)}"
+    return mapped_columns(table, mapping, OF_FORCE_TESTS, lambda _: words, faults)
 
 
 def _complete(table: Table, chosen: Chosen, test: ForceTest, faults: list[Fault]) -> None:
     """Faults of what is missing, or there twice."""
     names, line = [column for column, _ in chosen.values()], table.header_line
-    if not any(map(columns.is_measured, names)):
-        words = f"has no force, torque or pressure; allowed are {columns.in_words(columns.MEASURED)}"
+    if not SIGNS.keys() & set(names):
+        words = f"has no force, torque or pressure; allowed are {in_words(SIGNS)}"
         faults.append(Fault(table.file, line, "", words))
     if DEPTH not in names and test.depth_m is None:
-        words = f"has no column of depths; allowed is {columns.in_words(['depth'])}, or force_test: {{depth_m: ...}}"
+        words = f"has no column of depths; allowed is {in_words([DEPTH])}, or force_test: {{depth_m: ...}}"
         faults.append(Fault(table.file, line, "", words))
     if PRESSURE in names and test.area_m2 is None:
         words = "is a pressure, of an area that is not said: force_test: {area_m2: ...}"

@@ -7,7 +7,7 @@ data themselves change by from row to row. Residuals as small as the errors of t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -30,18 +30,18 @@ MOST_LAGS = 10
 
 @dataclass(frozen=True)
 class ColumnFit:
-    """One column over all runs: noise as used, whether it was given, rows, rms of the residuals, roughness of the data.
+    """One column over all runs, as fit.json has it: noise as used, whether it was given, rows, rms of the residuals.
 
-    reduced_chi_square: of the residuals in units of the given noise; None where it was estimated from them.
-    durbin_watson: 2 for independent residuals, towards 0 for correlated ones.
+    row_to_row_noise: roughness of the data. reduced_chi_square: of the residuals in units of the given noise; None
+    where it was estimated from them. durbin_watson: 2 for independent residuals, towards 0 for correlated ones.
     """
 
     column: str
     noise: float
-    given: bool
+    noise_given: bool
     rows: int
-    rms: float
-    roughness: float | None
+    residual_rms: float
+    row_to_row_noise: float | None
     reduced_chi_square: float | None
     durbin_watson: float
 
@@ -69,15 +69,15 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
     """Judge residuals by their size, where that can be known, and by their order."""
     free, degrees = len(problem.parameters), degrees_of_freedom(problem)
     f = solution.residuals / solution.sigma[problem.column_of()]
-    columns = tuple(_columns(problem, solution, f))
     tiny = noise.at_floor(problem, solution.sigma)
-    named = zip(_series(problem, f), _names(problem), strict=True)
     unordered = tiny | rounded(problem, solution.sigma)
-    series = [one for one, name in named if not unordered[problem.columns.index(name)]]
+    blocks = problem.split(f)
+    by_column = problem.by_column(blocks)
+    columns = tuple(_columns(problem, solution, by_column))
+    series = [one for held, no in zip(by_column.values(), unordered, strict=True) if not no for one in held]
     probability = ljung_box(series, free)
     considered = [one for one, small in zip(columns, tiny, strict=True) if not small]
     inside = f[np.abs(f) <= OUTLIER]
-    blocks = _blocks(problem, f)
     words = [*_size_words(considered, free), *_order_words(probability, series)]
     return Goodness(
         status="misfit" if words else "fits",
@@ -92,40 +92,19 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
     )
 
 
-def _blocks(problem: Problem, f: Vector) -> list[Vector]:
-    """Residuals (n, columns) of each run."""
-    ends = np.cumsum([run.measured.values.size for run in problem.runs])[:-1]
-    parts = zip(np.split(f, ends), problem.runs, strict=True)
-    return [part.reshape(run.measured.values.shape) for part, run in parts]
-
-
-def _series(problem: Problem, f: Vector) -> Iterator[Vector]:
-    """Residuals of one column of one run after another, in order of time."""
-    for block in _blocks(problem, f):
-        yield from block.T
-
-
-def _names(problem: Problem) -> list[str]:
-    """Columns of `_series`."""
-    return [name for run in problem.runs for name in run.measured.columns]
-
-
-def _columns(problem: Problem, solution: Solution, f: Vector) -> Iterator[ColumnFit]:
+def _columns(problem: Problem, solution: Solution, series: Mapping[str, Sequence[Vector]]) -> Iterator[ColumnFit]:
     column = problem.column_of()
-    share = min(len(problem.parameters) / len(f), 0.5)
-    series = dict[str, list[Vector]]()
-    for name, values in zip(_names(problem), _series(problem, f), strict=True):
-        series.setdefault(name, []).append(values)
+    share = min(len(problem.parameters) / len(column), 0.5)
     for k, (name, given) in enumerate(problem.noise.items()):
         own = solution.residuals[column == k]
         known = None if given is None else float(np.sum((own / given) ** 2) / (len(own) * (1.0 - share)))
         yield ColumnFit(
             column=name,
             noise=float(solution.sigma[k]),
-            given=given is not None,
+            noise_given=given is not None,
             rows=len(own),
-            rms=float(np.sqrt(np.mean(own**2))),
-            roughness=noise.roughness_of(problem, name),
+            residual_rms=float(np.sqrt(np.mean(own**2))),
+            row_to_row_noise=noise.roughness_of(problem, name),
             reduced_chi_square=known,
             durbin_watson=_durbin_watson(series[name]),
         )
@@ -162,15 +141,9 @@ def _size_words(columns: Sequence[ColumnFit], free: int) -> Iterator[str]:
             if chi2.sf(one.reduced_chi_square * degrees, degrees) < LEAST_PROBABILITY:
                 times = np.sqrt(one.reduced_chi_square)
                 yield f"residuals of {one.column} are {times:.3g} times the noise that was given, {one.noise:.3g}"
-        elif one.roughness is not None and one.noise > LARGE_RESIDUAL * one.roughness:
-            yield (
-                f"residuals of {one.column} ({one.noise:.3g}) are {_times(one.noise, one.roughness)} what the data "
-                "scatter from row to row"
-            )
-
-
-def _times(large: float, small: float) -> str:
-    return f"{large / small:.2g} times" if small > 0.0 else "more than"
+        elif (rough := one.row_to_row_noise) is not None and one.noise > LARGE_RESIDUAL * rough:
+            times = f"{one.noise / rough:.2g} times" if rough > 0.0 else "more than"
+            yield f"residuals of {one.column} ({one.noise:.3g}) are {times} what the data scatter from row to row"
 
 
 def _order_words(probability: float, series: Sequence[Vector]) -> Iterator[str]:

@@ -24,7 +24,7 @@ from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.scatter import Scatter
 from granular_contact.scene import build
-from granular_contact.studies.fit import force_columns as columns
+from granular_contact.studies.fit import columns
 from granular_contact.studies.fit.force_tests import angle_of
 from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.responses import Key, ModelFailed, Simulator
@@ -74,7 +74,7 @@ def motion_of(given: Mapping[str, Vector], test: ForceTest) -> Motion:
 def measured(
     body: SteadyBody, motion: Motion, layers: Sequence[Layer] | None = None, scatter: Scatter | None = None
 ) -> dict[str, Vector]:
-    """Forces (n,) of a steady motion, by the names of columns; see `force_columns.WORDS` for their signs."""
+    """Forces (n,) of a steady motion, by the names of columns; see `columns.SIGNS` for their signs."""
     velocity = motion.speed[:, None] * motion.along
     force = body.force(motion.depth, velocity, -motion.rate, layers, scatter)
     turning = np.where(motion.rate == 0.0, 1.0, -np.sign(motion.rate))

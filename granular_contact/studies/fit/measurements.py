@@ -115,7 +115,7 @@ def _mapped(
     found = mapped_columns(
         table,
         mapping,
-        lambda name: recognise(name, [TIME, *known]),
+        [TIME, *known],
         lambda name: f"{_why_not(name, others)}; {_nearest(name, (*known, TIME))}",
         faults,
     )
@@ -126,17 +126,17 @@ def _mapped(
 def mapped_columns(
     table: Table,
     mapping: Mapping[str, tuple[str, Position]],
-    recognised: Callable[[str], tuple[str, float] | None],
+    known: Sequence[str],
     why_not: Callable[[str], str],
     faults: list[Fault],
 ) -> Chosen:
     """Columns of a table by their headers, as `columns` of a fit file names them.
 
-    recognised: what a name means, None for nothing that can be fitted; why_not: the words for that.
+    known: columns that can be fitted; why_not: the words for a name that means none of them.
     """
     found: Chosen = {}
     for name, (header, at) in mapping.items():
-        hit = recognised(name)
+        hit = recognise(name, known)
         if hit is None:
             faults.append(at.fault(("columns", name), why_not(name)))
         elif header not in table.header:
@@ -160,7 +160,7 @@ def _why_not(name: str, others: Sequence[str]) -> str:
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
-    names = spellings(known)
+    names = list(spellings(known))
     folded = {one.casefold(): one for one in names}
     hint = unknown(folded.get(name.casefold(), name), names)
     return hint if hint.startswith("did") else f"allowed are {in_words(known)}"

@@ -71,22 +71,15 @@ def rounding(values: Vector) -> float:
 
 def roughness_of(problem: Problem, column: str) -> float | None:
     """The same of all runs together; None where no run has enough rows."""
-    found, rows = [], []
-    for run in problem.runs:
-        if column in run.measured.columns:
-            one = roughness(run.measured.values[:, run.measured.columns.index(column)])
-            if one is not None:
-                found.append(one)
-                rows.append(len(run.measured.time))
-    return float(np.sqrt(np.average(np.square(found), weights=rows))) if found else None
+    found = [(roughness(one), len(one)) for one in problem.by_column()[column]]
+    known = np.array([(size**2, rows) for size, rows in found if size is not None])
+    return float(np.sqrt(np.average(known[:, 0], weights=known[:, 1]))) if len(known) else None
 
 
 def floors(problem: Problem) -> Vector:
     """Noise (columns,) below which the errors of the computation dominate."""
-    data, column = problem.data(), problem.column_of()
-    return np.array(
-        [max(RELATIVE_FLOOR * float(np.ptp(data[column == k])), 1e-12) for k in range(len(problem.columns))]
-    )
+    ranges = [float(np.ptp(np.concatenate(series))) for series in problem.by_column().values()]
+    return np.maximum(RELATIVE_FLOOR * np.array(ranges), 1e-12)
 
 
 def at_floor(problem: Problem, sigma: Vector) -> NDArray[np.bool_]:

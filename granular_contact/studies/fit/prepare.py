@@ -17,7 +17,6 @@ from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.scene import build
 from granular_contact.studies.fit import checks, force_checks, force_tests
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
-from granular_contact.studies.fit.force_columns import recognise as recognise_force
 from granular_contact.studies.fit.law_alone import DEPTH_OFFSET, FORCE_OFFSET, LawAlone, known_zero, motion_of, zeros_of
 from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
@@ -245,8 +244,7 @@ def _force_test(
 def _noise(request: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:
     said: dict[str, str] = {}
     for name, (value, at) in request.noise.items():
-        own = recognise_force(name)
-        hit = own if own is not None and own[0] in columns else recognise(name, columns)
+        hit = recognise(name, columns)
         if hit is None:
             faults.append(at.fault(("noise", name), f"no data have such a column; allowed are {in_words(columns)}"))
         elif hit[0] in said:

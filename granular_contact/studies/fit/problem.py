@@ -108,11 +108,8 @@ class Problem:
     @property
     def bounds(self) -> tuple[Vector, Vector]:
         """Lower and upper bounds, scaled."""
-        low, high = ([p.scaled(b) for p, b in zip(self.parameters, side, strict=True)] for side in self._sides())
-        return np.array(low), np.array(high)
-
-    def _sides(self) -> tuple[list[float], list[float]]:
-        return [p.low for p in self.parameters], [p.high for p in self.parameters]
+        low, high = np.array([(p.scaled(p.low), p.scaled(p.high)) for p in self.parameters]).T
+        return low, high
 
     def values(self, scaled: Vector) -> Vector:
         """Parameters (parameters,) from what solvers see."""
@@ -125,6 +122,21 @@ class Problem:
     def data(self) -> Vector:
         """All measured values in a row: run by run, instant by instant."""
         return np.concatenate([run.measured.values.ravel() for run in self.runs])
+
+    def split(self, values: Vector, times: Sequence[Vector] | None = None) -> list[Vector]:
+        """Values in the order of `data`, or of `model` at these times, as (n, columns) of each run."""
+        counts = [len(time) for time in (self.times() if times is None else times)]
+        shapes = [(n, len(run.measured.columns)) for n, run in zip(counts, self.runs, strict=True)]
+        parts = np.split(values, np.cumsum([n * m for n, m in shapes])[:-1])
+        return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
+
+    def by_column(self, blocks: Sequence[Vector] | None = None) -> dict[str, list[Vector]]:
+        """Series (n,) of each column in one run after another, of blocks (n, columns) of all runs or of the data."""
+        found: dict[str, list[Vector]] = {name: [] for name in self.columns}
+        for run, block in zip(self.runs, blocks or [run.measured.values for run in self.runs], strict=True):
+            for name, series in zip(run.measured.columns, block.T, strict=True):
+                found[name].append(series)
+        return found
 
     def model(self, scaled: Vector, times: Sequence[Vector]) -> Vector:
         """The model at times of each run, in the order of `data`; raises ModelFailed."""

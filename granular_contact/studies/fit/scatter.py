@@ -23,7 +23,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 
 from granular_contact.errors import Fault
-from granular_contact.studies.fit.force_columns import PATH
+from granular_contact.studies.fit.columns import PATH
 from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.law_alone import LawAlone
 from granular_contact.studies.fit.measurements import Measured

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, yaml_text
+from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, write_table, yaml_text
 from granular_contact.results.summary import versions
+from granular_contact.studies.fit.columns import DEPTH, RATE, SPEED
 from granular_contact.studies.fit.fitting import Fit
-from granular_contact.studies.fit.force_columns import DEPTH, RATE, SPEED
 from granular_contact.studies.fit.goodness import Goodness
 from granular_contact.studies.fit.law_alone import LawAlone
 from granular_contact.studies.fit.medium import media
@@ -20,6 +20,7 @@ from granular_contact.studies.fit.problem import MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.uncertainty import Estimate
 
 SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
+HEAD = ("run", "column", "time_s", "data", "model", "residual_over_noise")
 
 
 def write(fit: Fit, directory: Path, figures: bool = True) -> None:
@@ -34,8 +35,8 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
         (folder / SUMMARY).write_text(json_text(summary(fit)), encoding="utf-8")
         for name, found in media(fit, f"{PROGRAM} {version()}").items():
             (folder / name).write_text(_header(fit, name) + yaml_text(found), encoding="utf-8")
-        with (folder / RESIDUALS).open("w", encoding="utf-8") as file:
-            file.writelines(_residual_lines(fit))
+        prescribed = list(dict.fromkeys(name for run in fit.problem.runs for name in run.measured.given))
+        write_table(folder / RESIDUALS, [*HEAD, *prescribed], _residual_rows(fit, prescribed))
         if figures:
             from granular_contact.report.figures.fits import draw
 
@@ -109,16 +110,7 @@ def _goodness(good: Goodness) -> dict[str, Any]:
         "outlier_share": good.outliers,
         "reduced_chi_square_without_outliers": good.without_outliers,
         "columns": {
-            one.column: {
-                "noise": one.noise,
-                "noise_given": one.given,
-                "rows": one.rows,
-                "residual_rms": one.rms,
-                "row_to_row_noise": one.roughness,
-                "reduced_chi_square": one.reduced_chi_square,
-                "durbin_watson": one.durbin_watson,
-            }
-            for one in good.columns
+            one.column: {key: value for key, value in vars(one).items() if key != "column"} for one in good.columns
         },
     }
 
@@ -150,25 +142,21 @@ def _force_test(run: MeasuredRun) -> dict[str, Any]:
     return {"force_test": model.test.model_dump(exclude_defaults=True) | {"prescribed": spans}}
 
 
-def _residual_lines(fit: Fit) -> Iterator[str]:
-    """One line for each measured value: run, column, time, data, model, residual in units of the noise.
+def _residual_rows(fit: Fit, prescribed: list[str]) -> Iterator[list[Any]]:
+    """One row for each measured value: run, column, time, data, model, residual in units of the noise.
 
     In force tests what was prescribed stands behind it, and there is no time.
     """
-    prescribed = list(dict.fromkeys(name for run in fit.problem.runs for name in run.measured.given))
-    yield f"{','.join(['run,column,time_s,data,model,residual_over_noise', *prescribed])}\n"
     sigma = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True))
     for run, residuals in zip(fit.problem.runs, fit.residuals, strict=True):
-        name = run.name if not set(run.name) & set(',"\n') else '"' + run.name.replace('"', '""') + '"'
-        held = run.measured
-        given = [held.given.get(one) for one in prescribed]
+        held, blank = run.measured, [""] * len(residuals)
+        clock = blank if held.given else held.time.tolist()
+        given = [held.given[one].tolist() if one in held.given else blank for one in prescribed]
         for k, column in enumerate(held.columns):
-            rows = np.column_stack([held.time, held.values[:, k], residuals[:, k]]).tolist()
-            for i, (time, data, residual) in enumerate(rows):
-                clock = "" if held.given else repr(time)
-                more = "".join("," if one is None else f",{float(one[i])!r}" for one in given)
-                scaled = f"{residual / sigma[column]:.4f}{more}"
-                yield f"{name},{column},{clock},{data!r},{data - residual!r},{scaled}\n"
+            data, rest = held.values[:, k], residuals[:, k]
+            scaled = [f"{x:.4f}" for x in rest / sigma[column]]
+            for cells in zip(clock, data.tolist(), (data - rest).tolist(), scaled, *given, strict=True):
+                yield [run.name, column, *cells]
 
 
 def figure_data(fit: Fit) -> Any:
