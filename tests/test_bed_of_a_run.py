@@ -200,7 +200,7 @@ def test_a_run_that_never_came_up_to_the_range_is_told() -> None:
 
 def test_nothing_is_said_of_a_bed_that_was_not_left() -> None:
     scene = scene_of("pendulum", "bed={depth_m: 0.05, container_x_m: [-1, 1]}")
-    reach = Reach(1.0, 0.01, -0.15, 0.1, 0.3, (("round", 0.00635),))
+    reach = Reach(1.0, 0.01, -0.15, (0.1,), (0.3,), (("round", 0.00635),))
     assert list(warnings(scene, reach, None, None)) == []
 
 
@@ -263,7 +263,7 @@ def test_a_medium_that_takes_nothing_of_the_mechanism_is_refused() -> None:
 def test_a_medium_is_judged_by_what_it_met() -> None:
     bar = "{type: cylinder, start_m: [0, 0], end_m: [0, 0.01], diameter_m: 0.00635}"
     scene = scene_of(PLATE.replace("shapes: [", f"shapes: [{bar}, "), "medium=[poppy_seeds_loose, play_sand]")
-    reach = Reach(1.0, 0.01, -0.15, 0.1, 0.3, (("flat", 0.05), ("round", 0.00635)))
+    reach = Reach(1.0, 0.01, -0.15, (0.1,), (0.3,), (("flat", 0.05), ("round", 0.00635)))
     assert list(warnings(scene, reach, None, None)) == []
     (warning,) = warnings(scene, replace(reach, sizes=(*reach.sizes, ("round", 0.0127))), None, None)
     assert "size 0.0127 m is 2.00 times the greatest stated" in warning
@@ -322,9 +322,9 @@ def test_a_slope_that_ran_into_its_floor_is_told() -> None:
     scene = scene_of(PLATE, "bed={slope_deg: 10, height_m: 0, depth_m: 0.05}")
     # The slope comes to the floor at 0.05 m / tan 10 deg to the left.
     end = -0.05 / math.tan(math.radians(10))
-    reach = Reach(1.0, 0.01, -0.01, end + 0.001, 0.1, (("flat", 0.05),))
+    reach = Reach(1.0, 0.01, -0.01, (end + 0.001,), (0.1,), (("flat", 0.05),))
     assert list(warnings(scene, reach, None, None)) == []
-    (warning,) = warnings(scene, replace(reach, left=end - 0.1), None, None)
+    (warning,) = warnings(scene, replace(reach, least=(end - 0.1,)), None, None)
     assert f"{0.1 * math.tan(math.radians(10)):.4g} m below the floor" in warning
 
 

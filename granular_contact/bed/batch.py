@@ -44,15 +44,15 @@ class Batch:
         # The type is said, or numpy compares the records of every two lines field by field.
         self.geometry = np.concatenate([line.stations for line in lines], dtype=lines[0].stations.dtype)
         self.records = np.concatenate(list(records), dtype=records[0].dtype)
-        sizes = [(len(line.stations), len(line.coordinates)) for line in lines]
+        sizes = [(len(line.stations), len(line.body.coordinates)) for line in lines]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), COLUMNS if paths else 2))
         self.work = kernels.work(self.ends, self.anchors)
         self._forces = self.work[1][len(self.work[1]) - kernels.KEPT * len(lines) :]  # those found last
         self.proximity = np.zeros((len(lines), 3))
         self.active = np.ones(len(lines), dtype=bool)
-        self.entries = sum(len(line.coordinates) ** 2 for line in lines)  # most that a tangent has
-        coordinates = np.concatenate([line.coordinates for line in lines])
+        self.entries = sum(len(line.body.coordinates) ** 2 for line in lines)  # most that a tangent has
+        coordinates = np.concatenate([np.asarray(line.body.coordinates, np.int64) for line in lines])
         self.places = np.column_stack([coordinates, coordinates])
         spatial = self.ends[:-1][self.geometry["kind"][self.ends[:-1, 0]] == SPATIAL, 1]
         self._euler = spatial[:, None] + np.arange(3, 7)  # places of the Euler parameters of spatial bodies
@@ -93,7 +93,7 @@ class Batch:
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and width (m) of the lines that were ever immersed."""
         ever = [line for line, depth in zip(self.lines, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0]
-        return {(line.body, line.kind, float(line.record["width"][0])) for line in ever}
+        return {(line.body.name, line.kind, float(line.record["width"][0])) for line in ever}
 
     def forget(self) -> None:
         """Forces found so far are those of another state, of which kernels cannot know."""

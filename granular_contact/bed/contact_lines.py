@@ -38,12 +38,11 @@ class Body:
 class ContactLine:
     """Stations along a line on one body, between which the medium acts on straight or round strips.
 
-    body: its name; coordinates (m,): as of `Body`; stations (n,): records of `kernels.kinematics`, whose type says how
-    coordinates move them; kind: what the media meet there; record (1,): of `kernels.law`.
+    stations (n,): records of `kernels.kinematics`, whose type says how coordinates move them; kind: what the media meet
+    there; record (1,): of `kernels.law`.
     """
 
-    body: str
-    coordinates: NDArray[np.int64]
+    body: Body
     stations: NDArray[np.void]
     kind: Kind
     record: NDArray[np.void]
@@ -137,7 +136,7 @@ def beam(
         stations = kinematics.cable_stations(np.array(lengths[start:stop]), each)
         place = float(np.sum(lengths[:start]))
         record = _record(kind, {"width": size, "cap": free_end and stop == len(lengths), "place": place})
-        made.append(ContactLine(name, np.ravel(nodes[start : stop + 1]), stations, kind, record))
+        made.append(ContactLine(Body(name, np.ravel(nodes[start : stop + 1])), stations, kind, record))
     return made
 
 
@@ -166,12 +165,12 @@ def _along(
 
 
 def _on(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, Any]) -> ContactLine:
-    places = np.asarray(body.coordinates, np.int64)
-    if len(places) == spatial.SIZE:
+    size = len(body.coordinates)
+    if size == spatial.SIZE:
         stations = kinematics.in_space(stations)
-    elif len(places) != 3:
-        raise _fault(f"{body.name} has {len(places)} coordinates; allowed are 3, or {spatial.SIZE} in space")
-    return ContactLine(body.name, places, stations, kind, _record(kind, fields))
+    elif size != 3:
+        raise _fault(f"{body.name} has {size} coordinates; allowed are 3, or {spatial.SIZE} in space")
+    return ContactLine(body, stations, kind, _record(kind, fields))
 
 
 def _record(kind: Kind, fields: dict[str, Any]) -> NDArray[np.void]:

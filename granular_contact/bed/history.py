@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels.law import TERMS
-from granular_contact.kernels.lines import COARSER, DEPTH, FIRST, LEFT, LOWEST, RIGHT, SPEED, TIME
+from granular_contact.kernels.lines import DEPTH, LEFT, LOWEST, SPEED, TIME
 from granular_contact.laws.kinds import Kind
+from granular_contact.results.energy import accumulate
 
 Vector = NDArray[np.float64]
-H = TypeVar("H", bound="Entries")
+REACHED = LEFT  # first of the columns of how far it reaches; those before are the same in the plane and in space
+SPACE = 6  # numbers of a wrench in space
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entries:
+class LoadHistory:
     """What a load did at each accepted step, the start included; all its arrays have a row a step.
 
     time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
     floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
-    negative above the surface; of what is immersed speed (n,) m/s of the fastest and lowest (n,) m, the height of the
-    lowest point, infinite while nothing is; terms (n, terms, size): for each of `term_names` its resultant force (N)
-    and its moment about the world origin (N m); bodies (n, bodies, size): the same of all terms together, for each of
-    `body_names`; immersed: body, kind and width (m) of all that ever was.
+    negative above the surface, in space a bound while all is far above; of what is immersed speed (n,) m/s of the
+    fastest and lowest (n,) m, the height of the lowest point (in space along `up`), infinite while nothing is; reached
+    m, infinite likewise: the least and the greatest x (n, 2), in space the least x and y and then the greatest, frame
+    of the bed, (n, 4), or (n, 0) unless the load watches it.
+
+    terms (n, terms, size): for each of `term_names` its resultant force (N) and its moment about the world origin
+    (N m); bodies (n, bodies, size): the same of all terms together, for each of `body_names`. In the plane the size is
+    3, x, y and the moment, right-handed about z, so counter-clockwise (tables of runs have it clockwise); in space 6.
+
+    coarser (n, 4): by how much the power (W), the resultant x, y (N) and its moment about the world origin (N m) would
+    change with strips of twice the length; in space, where there are facets, (n, 0). immersed: body, kind and width (m)
+    of all that ever was.
     """
 
     time: Vector
@@ -37,17 +47,19 @@ class Entries:
     depth: Vector
     speed: Vector
     lowest: Vector
+    reached: Vector
     terms: Vector
     bodies: Vector
+    coarser: Vector
     term_names: tuple[str, ...]
     body_names: tuple[str, ...]
     immersed: frozenset[tuple[str, Kind, float]] = frozenset()
 
-    def at_end(self: H) -> H:
+    def at_end(self) -> LoadHistory:
         """The last entry alone, if there is one."""
         return replace(self, **self._rows(slice(-1, None)))
 
-    def since(self: H, start: float) -> H:
+    def since(self, start: float) -> LoadHistory:
         """The entries from a time (s) on, with works counted from there."""
         first = int(np.searchsorted(self.time, start))
         if first == 0:
@@ -59,22 +71,31 @@ class Entries:
         return {name: values[rows] for name, values in vars(self).items() if isinstance(values, np.ndarray)}
 
 
-class Table(ABC, Generic[H]):
-    """Rows that grow: first columns as in `blank`, then the power of each medium, its terms, and bodies.
+class HistoryTable:
+    """Rows that grow: first columns as in `kernels.lines`, then the power of each medium, its terms, and bodies.
 
-    blank: a row before anything is added to it; length: number of rows. Wrenches have 3 in the plane, 6 in space.
+    In space there is nothing of strips among the first, and how far it reaches only if that is watched. blank: a row
+    before anything is added to it; length: number of rows.
     """
 
     def __init__(
-        self, first: Vector, size: int, terms: Sequence[int], names: Sequence[str], bodies: Sequence[str], floor: bool
+        self,
+        terms: Sequence[int] = (),
+        term_names: Sequence[str] = (),
+        bodies: Sequence[str] = (),
+        floor: bool = False,
+        size: int = 3,
+        reached: Sequence[float] = (math.inf, -math.inf),
     ) -> None:
-        """First columns of a blank row, size of a wrench, terms of each medium, their names, names of bodies.
+        """Terms of each medium, their names, names of bodies; floor: whether the last medium is the floor's contact.
 
-        floor: whether the last medium is the floor's contact.
+        size: numbers of a wrench; reached: how far it reaches while nothing is immersed.
         """
         self.media, self._size, self._terms, self._floor = len(terms), size, tuple(terms), floor
-        self._names = tuple(names), tuple(bodies)
-        self._first = len(first)
+        self._names = tuple(term_names), tuple(bodies)
+        first = np.concatenate([np.zeros(REACHED), reached, np.zeros(0 if size == SPACE else 4)])
+        first[[DEPTH, LOWEST]] = -np.inf, np.inf
+        self._coarser, self._first = REACHED + len(reached), len(first)
         self._first_term = self._first + self.media
         self._first_body = self._first_term + size * TERMS * self.media
         self.blank = np.concatenate([first, np.zeros(self._first_body - self._first + size * len(bodies))])
@@ -127,17 +148,17 @@ class Table(ABC, Generic[H]):
             self._rows = np.zeros((2 * self.length, len(self.blank)))
         self._rows[: self.length], self._summed = rows, summed
 
-    def last(self) -> H:
+    def last(self) -> LoadHistory:
         """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
         if self._work is not None or self.length < 3:
             return self.history().at_end()
         first, before = self._summed
         rows = self._rows[first : self.length]
-        work = before + integral(self._power(rows), rows[:, TIME])
+        work = before + accumulate(rows[:, TIME], self._power(rows))
         self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
         return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
 
-    def history(self) -> H:
+    def history(self) -> LoadHistory:
         """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
         return self._read(self._rows[: self.length].copy())
 
@@ -146,72 +167,27 @@ class Table(ABC, Generic[H]):
         power: Vector = rows[:, self._first : self._first_term - self._floor].sum(axis=1)
         return power
 
-    @abstractmethod
-    def _read(self, rows: Vector) -> H:
-        """Rows by their names."""
-
-    def _common(self, rows: Vector) -> dict[str, Any]:
-        """What is read in the plane and in space alike."""
+    def _read(self, rows: Vector) -> LoadHistory:
         time, power = rows[:, TIME], self._power(rows)
         floor = rows[:, self._first_term - self._floor : self._first_term].sum(axis=1)
         used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
         terms = rows[:, self._first_term : self._first_body].reshape(len(rows), TERMS * self.media, self._size)
-        return {
-            "time": time,
-            "work": integral(power, time) if self._work is None else self._work,
-            "power": power,
-            "floor_work": integral(floor, time),
-            "terms": terms[:, used],
-            "bodies": rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), self._size),
-            "term_names": self._names[0],
-            "body_names": self._names[1],
-        }
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoadHistory(Entries):
-    """As `Entries`, in the plane: of 3 numbers are x, y and the moment, right-handed about z, so counter-clockwise
-    (tables of runs have it clockwise).
-
-    left, right (n,) m: the extreme x of the immersed stations, infinite while none is immersed; coarser (n, 4): by how
-    much the power (W), the resultant x, y (N) and its moment about the world origin (N m) would change with strips of
-    twice the length.
-    """
-
-    left: Vector
-    right: Vector
-    coarser: Vector
-
-
-class HistoryTable(Table[LoadHistory]):
-    """Rows with the first columns of `kernels.lines`, then the power of each medium, its terms, and bodies."""
-
-    def __init__(
-        self, terms: Sequence[int] = (), term_names: Sequence[str] = (), bodies: Sequence[str] = (), floor: bool = False
-    ) -> None:
-        """Terms of each medium, their names, names of bodies; floor: whether the last medium is the floor's contact."""
-        first = np.zeros(FIRST)
-        first[[DEPTH, LOWEST, LEFT, RIGHT]] = -np.inf, np.inf, np.inf, -np.inf
-        super().__init__(first, 3, terms, term_names, bodies, floor)
+        return LoadHistory(
+            time=time,
+            work=accumulate(time, power) if self._work is None else self._work,
+            power=power,
+            floor_work=accumulate(time, floor),
+            depth=rows[:, DEPTH],
+            speed=rows[:, SPEED],
+            lowest=rows[:, LOWEST],
+            reached=rows[:, REACHED : self._coarser],
+            terms=terms[:, used],
+            bodies=rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), self._size),
+            coarser=rows[:, self._coarser : self._first],
+            term_names=self._names[0],
+            body_names=self._names[1],
+        )
 
     def adopt(self, rows: Vector, work: Vector) -> None:
         """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
         self._rows, self._work, self.length = rows, work, len(rows)
-
-    def _read(self, rows: Vector) -> LoadHistory:
-        return LoadHistory(
-            **self._common(rows),
-            depth=rows[:, DEPTH],
-            coarser=rows[:, COARSER : COARSER + 4],
-            speed=rows[:, SPEED],
-            lowest=rows[:, LOWEST],
-            left=rows[:, LEFT],
-            right=rows[:, RIGHT],
-        )
-
-
-def integral(power: Vector, time: Vector) -> Vector:
-    """Work (n,) J done since the first row by a power (n,) W."""
-    steps = 0.5 * np.diff(time) * (power[1:] + power[:-1])
-    work: Vector = np.cumsum(np.concatenate([np.zeros(min(len(time), 1)), steps]))
-    return work

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,23 +72,27 @@ class GranularLoad:
         end_cap: bool = False,
         floor: Floor | None = None,
     ) -> None:
-        self.layers = layers_of(medium, form)
-        self.media = tuple(layer.medium for layer in self.layers)
-        self.records = records_of(self.layers, static, gravity)
-        self.profile = profile_of(surface, slope)
-        self.floor, self.gravity = floor_of(floor), abs(gravity)
+        self._take(layers_of(medium, form), static, gravity, floor)
+        self.profile, self.gravity = profile_of(surface, slope), abs(gravity)
         self.resultant, self.end_cap = form == "resultant", end_cap
-        self.lines: list[ContactLine] = []
         self._added = 0  # shapes so far
-        self.batches: list[Batch] = []
-        self._leaning: list[Batch] = []  # those with bodies that may lean out of the plane
-        self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
-        self.active = False  # whether anything may touch the surface in this step
-        self.table = self._new_table()  # rows of the history
         # `force` as compiled, without what it returns: for whoever calls it in each iteration of a solve.
         self.add_forces: Callable[[Vector, Vector, Vector], None] = _nothing
         self._compiled: _Compiled | None = None
         self._sand = np.zeros((0, 0), np.int64)  # where the arrays of all batches are, see `planar_sand`
+
+    def _take(
+        self, layers: tuple[Layer, ...], static: Elastoplastic | Smooth | None, gravity: float, floor: Floor | None
+    ) -> None:
+        """What a load of any kind begins with."""
+        self.layers, self.media = layers, tuple(layer.medium for layer in layers)
+        self.records, self.floor = records_of(layers, static, gravity), floor_of(floor)
+        self.lines: list[Any] = []  # `ContactLine`; of a load in space `Elements`
+        self.batches: list[Any] = []  # `Batch`, in space `SpatialBatch`
+        self._leaning: list[Batch] = []  # those with bodies that may lean out of the plane
+        self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
+        self.active = False  # whether anything may touch the surface in this step
+        self.table = self._new_table()  # rows of the history
 
     # ---- what the medium acts on ----
 
@@ -128,7 +132,7 @@ class GranularLoad:
         for index, kinds, profile, medium, layer in self._meetings():
             acting = [line for line in self.lines if line.kind in kinds]
             if acting:
-                columns = [self.table.columns(index, line.body) for line in acting]
+                columns = [self.table.columns(index, line.body.name) for line in acting]
                 records, paths = (
                     [_in(layer, line, self.gravity) for line in acting],
                     layer is not None and layer.medium.needs_path_length,
@@ -145,12 +149,12 @@ class GranularLoad:
         for i, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
             yield i, layer.medium.takes, self.profile, record, layer
 
-    def _new_table(self) -> HistoryTable:
+    def _new_table(self, **of_rows: Any) -> HistoryTable:
         terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
         if self.floor is not None:
             terms, names = [*terms, 1], (*names, FLOOR_TERM)
-        bodies = tuple(dict.fromkeys(line.body for line in self.lines))
-        return HistoryTable(terms, names, bodies, self.floor is not None)
+        bodies = tuple(dict.fromkeys(line.body.name for line in self.lines))
+        return HistoryTable(terms, names, bodies, self.floor is not None, **of_rows)
 
     def renew(self, layers: Sequence[Layer], static: Elastoplastic | Smooth, gravity: float) -> bool:
         """Take other coefficients of the same laws in the same layers; False, with nothing done, if these are others.

@@ -139,7 +139,7 @@ def _copy(line: ContactLine, places: NDArray[np.int64], away: float) -> ContactL
     if away:
         record = record.copy()
         record["place"] += away
-    return replace(line, coordinates=places, record=record)
+    return replace(line, body=Body(line.body.name, places), record=record)
 
 
 def _mobilised(layer: Layer, scatter: Scatter | None) -> Layer:

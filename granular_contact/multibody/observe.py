@@ -35,7 +35,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
         found = observed(motion, forces, depths, all_depths(motion, depths))
         found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
         found["more"] |= wheel_numbers(trajectory.time, wheels)
-        return Observation(**found, reach=_reach(motion))
+        return Observation(**found)
 
 
 def forces_of(trajectory: Trajectory) -> dict[str, Vector]:
@@ -70,6 +70,7 @@ def observed(
         "stop": lambda touch: stop(motion, touch),
         "outlines": motion.outlines,
         "pictures": lambda at: pictures(lambda sampled: type(motion)(system, sampled).outlines, trajectory, at),
+        "reach": _reach(motion),
         "more": key_numbers(motion, driven, by_body, depths),
         "accuracy": accuracy(motion, driven),
     }
@@ -80,12 +81,13 @@ def _reach(motion: Kinematics) -> Reach | None:
     load = motion.trajectory.load
     if load is None:
         return None
+    axes = load.reached.shape[1] // 2
     return Reach(
         speed=float(load.speed.max()),
         depth=float(load.depth.max()),
         lowest=float(load.lowest.min()),
-        left=float(load.left.min()),
-        right=float(load.right.max()),
+        least=tuple(load.reached[:, :axes].min(axis=0).tolist()),
+        greatest=tuple(load.reached[:, axes:].max(axis=0).tolist()),
         sizes=tuple(sorted({(kind, width) for _, kind, width in load.immersed})),
     )
 

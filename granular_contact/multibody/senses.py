@@ -215,7 +215,7 @@ def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:
         return []
     found = []
     for batch in load.batches:
-        body = np.array([load.table.bodies.index(line.body) for line in batch.lines])
+        body = np.array([load.table.bodies.index(line.body.name) for line in batch.lines])
         order = np.argsort(body, kind="stable")
         bodies, starts = np.unique(body[order], return_index=True)
         found.append((order, starts, bodies))

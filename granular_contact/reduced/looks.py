@@ -65,7 +65,7 @@ def _reach(model: Model, found: list[list[float]]) -> Reach | None:
         speed=max(one[kernels.SPEED] for one in found),
         depth=max(one[kernels.DEEPEST] for one in found),
         lowest=min(one[kernels.LOWEST] for one in found),
-        left=min(one[kernels.LEFT] for one in found),
-        right=max(one[kernels.RIGHT] for one in found),
+        least=(min(one[kernels.LEFT] for one in found),),
+        greatest=(max(one[kernels.RIGHT] for one in found),),
         sizes=tuple(sorted({("round", bar.diameter) for bar, one in pairs if one[kernels.DEEPEST] > 0.0})),
     )

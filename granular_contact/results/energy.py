@@ -74,8 +74,8 @@ def key_numbers(series: dict[str, Vector], least: float) -> dict[str, float]:
 
 
 def accumulate(time: Vector, rate: Vector) -> Vector:
-    """Trapezoidal integral of a rate from the first instant on, (instants,)."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))])
+    """Trapezoidal integral of a rate from the first instant on, (instants,); of no instants nothing."""
+    return np.concatenate([np.zeros(min(len(time), 1)), np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))])
 
 
 def work(time: Vector, force: Vector, rate: Vector) -> Vector:

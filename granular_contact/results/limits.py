@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -18,19 +17,18 @@ LEAST_START_DEPTH = 1e-6  # m: a depth at the start that is reported
 
 @dataclass(frozen=True)
 class Reach:
-    """Extremes of all that was immersed: speed (m/s), depth, height of the lowest point, least and greatest x (m).
+    """Extremes of all that was immersed: speed (m/s), depth, height of the lowest point, least and greatest places (m).
 
-    sizes: kinds, with diameters and widths (m), of what was immersed; beside: in space the least and the greatest y
-    (m). In space x and y are found for a bed with a container alone.
+    Places are x, in space x and y; there they are found for a bed with a container alone, and else nothing. sizes:
+    kinds, with diameters and widths (m), of what was immersed.
     """
 
     speed: float
     depth: float
     lowest: float
-    left: float
-    right: float
+    least: tuple[float, ...]
+    greatest: tuple[float, ...]
     sizes: tuple[tuple[Kind, float], ...]
-    beside: tuple[float, float] = (math.inf, -math.inf)
 
 
 def warnings(scene: Scene, reach: Reach | None, start: float | None, deepest: float | None) -> Iterator[str]:
@@ -59,8 +57,7 @@ def _left(bed: Bed, reach: Reach, in_space: bool) -> Iterator[str]:
         if not in_space:
             yield from _bare_floor(bed, bed.floor, reach)
     for wall, axis, place, sign in bed.walls:
-        least, greatest = ((reach.left, reach.right), reach.beside)[axis]
-        beyond = place - least if sign < 0.0 else greatest - place
+        beyond = place - reach.least[axis] if sign < 0.0 else reach.greatest[axis] - place
         if beyond > ROUND_OFF:
             yield f"the {wall} wall of the container was passed by {beyond:.4g} m; it carries nothing"
 
@@ -74,7 +71,7 @@ def _floor(floor: Floor, reach: Reach) -> Iterator[str]:
 
 def _bare_floor(bed: Bed, floor: Floor, reach: Reach) -> Iterator[str]:
     """Of a slope, which runs into a level floor sooner or later."""
-    for x in (reach.left, reach.right):
+    for x in (reach.least[0], reach.greatest[0]):
         below = floor.height - float(bed.height(np.array([x]))[0])
         if below > ROUND_OFF:
             yield f"the surface is {below:.4g} m below the floor at x = {x:.4g} m, where the run got"

@@ -474,9 +474,9 @@ def test_long_beams_have_one_free_end() -> None:
     bed.add_cables(elements, 0.01)
     lines = bed.load.lines
     assert len(lines) > 1
-    last = max(line.coordinates[-1] for line in lines)
-    assert [line.coordinates[-1] == last for line in lines] == [bool(line.record["cap"][0]) for line in lines]
-    assert sum(len(line.coordinates) // 4 - 1 for line in lines) == 30
+    last = max(line.body.coordinates[-1] for line in lines)
+    assert [line.body.coordinates[-1] == last for line in lines] == [bool(line.record["cap"][0]) for line in lines]
+    assert sum(len(line.body.coordinates) // 4 - 1 for line in lines) == 30
     bound = GranularBed(made.mbs, SAND, 0.0, end_cap=True)
     bound.add_cables(elements, 0.01, free_end=False)
     assert not any(line.record["cap"][0] for line in bound.load.lines)

@@ -23,5 +23,5 @@ shapes      primitives and meshes -> triangles, bars, balls; a new shape is a cl
 triangles   cutting triangles; rows of facets, in clusters (what is wrong with a mesh, and mesh files: `geometry`)
 batch       all elements of a kind in one medium, in one compiled call
 heights     a surface given by a map of heights
-load, history   as in `bed`, with vectors in space
+load        as in `bed`, with vectors in space
 """

@@ -25,7 +25,7 @@ class SpatialBatch:
     """Elements of one kind in one medium, computed in one call.
 
     law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
-    (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.SpatialTable`. anchors
+    (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.HistoryTable`. anchors
     (rows, 3) m: the friction state, with `paths` more columns, see `kernels.space_law`; layer: depths (m) that the
     medium lies between, None if it fills the bed; active (clusters,): what may touch the surface in this step; poses,
     proximity: see `kernels.space_bodies`.

@@ -11,20 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed.contact_lines import Body
-from granular_contact.bed.given import floor_of, layers_of, records_of
+from granular_contact.bed.given import layers_of
+from granular_contact.bed.history import REACHED, SPACE, HistoryTable
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.space import elements
 from granular_contact.bed.space.batch import SpatialBatch
 from granular_contact.bed.space.heights import Heights
-from granular_contact.bed.space.history import FIRST, SpatialHistory, SpatialTable
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
 from granular_contact.errors import scene_error
 from granular_contact.kernels import facet_scatter
 from granular_contact.kernels.facets import SIDE
 from granular_contact.kernels.space_joining import kinds_of, owner_of
-from granular_contact.laws.floor import TERM as FLOOR_TERM
 from granular_contact.laws.floor import Floor, InSpace
-from granular_contact.laws.law import Law, term_names
+from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
@@ -72,15 +71,15 @@ class SpatialLoad(GranularLoad):
         watch: bool = False,
         spread: float = 1.0,
     ) -> None:
-        self.layers = layers_of(medium, "distributed")
-        self.media = tuple(layer.medium for layer in self.layers)
-        for one in self.media:
+        self.watch = watch
+        layers = layers_of(medium, "distributed")
+        for one in (layer.medium for layer in layers):
             if one.scatters and kinds(one) != ["surface"]:
                 words = "has scatter, which in space is for laws of surfaces; allowed is none"
                 raise ValueError(f"medium: {one.name} {words}")
             for key in one.lacking_in_space:
                 raise ValueError(f"medium: {one.name} has no {key}, but in space a number is needed there")
-        self.records = records_of(self.layers, static, gravity)
+        self._take(layers, static, gravity, floor)
         for record in self.records:
             record["pressed"] *= spread
         self.turn = turn_to(up)
@@ -88,13 +87,8 @@ class SpatialLoad(GranularLoad):
         if heights is not None:
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
-        self.floor, self.resultant, self.end_cap = floor_of(floor), False, end_cap
-        self.lines: list[Any] = []  # of `Elements`; under this name the door asks whether there is anything
-        self.batches: list[Any] = []
+        self.resultant, self.end_cap = False, end_cap
         self.met: list[Law | None] = []  # of each batch its medium, None of the floor's contact
-        self.time: float | None = None
-        self.active, self.watch = False, watch
-        self.table: Any = self._new_table()
 
     def add_shape(
         self,
@@ -187,12 +181,9 @@ class SpatialLoad(GranularLoad):
         self.batches.append(batch)
         self.met.append(medium)
 
-    def _new_table(self) -> Any:
-        terms, names = [len(medium.terms) for medium in self.media], term_names(self.media)
-        if self.floor is not None:
-            terms, names = [*terms, 1], (*names, FLOOR_TERM)
-        bodies = tuple(dict.fromkeys(one.body.name for one in self.lines))
-        return SpatialTable(terms, names, bodies, self.floor is not None, self.watch)
+    def _new_table(self, **of_rows: Any) -> HistoryTable:
+        reached = (math.inf, math.inf, -math.inf, -math.inf) if self.watch else ()
+        return super()._new_table(size=SPACE, reached=reached, **of_rows)
 
     def _start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         for batch in self.batches:
@@ -219,33 +210,16 @@ class SpatialLoad(GranularLoad):
         if self.watch:
             for batch, medium in zip(self.batches, self.met, strict=True):
                 if medium is not None:
-                    batch.reach(self.table.row[FIRST : FIRST + 4])
+                    batch.reach(self.table.row[REACHED : REACHED + 4])
 
     def update_active(self, step: float) -> bool:
         """As of `GranularLoad`."""
         self.active = any([batch.update_active(step) for batch in self.batches])
         return self.active
 
-    def leaning(self, q: Vector) -> float:  # noqa: ARG002
-        """As of `GranularLoad`: in space a body may lean."""
-        return 0.0
-
     def soonest(self) -> float:
         """As of `GranularLoad`."""
         return min((batch.soonest() for batch in self.batches), default=math.inf)
-
-    @property
-    def history(self) -> SpatialHistory:  # type: ignore[override]  # with vectors in space
-        """The steps accepted so far."""
-        immersed = frozenset(one for batch in self.batches for one in batch.immersed())
-        found: SpatialHistory = replace(self.table.history(), immersed=immersed)
-        return found
-
-    @property
-    def last(self) -> SpatialHistory:  # type: ignore[override]
-        """The last entry of the history."""
-        found: SpatialHistory = self.table.last()
-        return found
 
 
 def _two_sided(one: elements.Elements) -> elements.Elements:

@@ -17,7 +17,6 @@ from granular_contact.results import in_space, series
 from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
 from granular_contact.results.interpolation import Track, at_times
-from granular_contact.results.limits import Reach
 from granular_contact.results.motion import Motion, Part
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Vector
@@ -31,7 +30,7 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
         found["motion"] |= body_columns(motion, forces, depths)
         play = partial(moved, system, trajectory, forces)
-        return SpatialObservation(**found, reach=_reach(motion), moved=play)
+        return SpatialObservation(**found, moved=play)
 
 
 def body_columns(
@@ -48,20 +47,6 @@ def body_columns(
             if tracks := depths.get(body.name):
                 columns |= series.body_depth(name, np.max([track.values for track in tracks], axis=0))
     return columns
-
-
-def _reach(motion: SpatialKinematics) -> Reach | None:
-    """Extremes of what was immersed; None where nothing could meet the medium."""
-    load = motion.trajectory.load
-    if load is None:
-        return None
-    sizes = tuple(sorted({(kind, size) for _, kind, size in load.immersed}))
-    speed, depth, lowest = float(load.speed.max()), float(load.depth.max()), float(load.lowest.min())
-    reached: Vector = load.reached  # type: ignore[attr-defined]  # a history in space
-    if not reached.shape[1]:  # nobody asked
-        return Reach(speed, depth, lowest, 0.0, 0.0, sizes)
-    (left, right), (ahead, beside) = reached[:, :2].min(axis=0), reached[:, 2:].max(axis=0)
-    return Reach(speed, depth, lowest, float(left), float(ahead), sizes, (float(right), float(beside)))
 
 
 def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Vector], at: Vector) -> Motion:
