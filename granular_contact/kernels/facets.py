@@ -153,29 +153,13 @@ def static_facets(B, n, m):
 def own_facets(B, n, m):
     """Tractions of a law with a `force`; arguments and result as of `space_law.facets`."""
     for k in range(n):
-        (
-            B[GROWING, k],
-            B[GROWING + 1, k],
-            B[GROWING + 2, k],
-            B[CONSTANT, k],
-            B[CONSTANT + 1, k],
-            B[CONSTANT + 2, k],
-        ) = force(
-            B[Z, k],
-            B[N, k],
-            B[N + 1, k],
-            B[N + 2, k],
-            B[V, k],
-            B[V + 1, k],
-            B[V + 2, k],
-            B[E, k],
-            B[E + 1, k],
-            B[E + 2, k],
-            B[SPREAD, k],
-            B[ONE_SIDE, k],
-            B[SHEAR, k],
-            m,
+        nx, ny, nz = B[N, k], B[N + 1, k], B[N + 2, k]
+        vx, vy, vz, ex, ey, ez = B[V, k], B[V + 1, k], B[V + 2, k], B[E, k], B[E + 1, k], B[E + 2, k]
+        px, py, pz, sx, sy, sz = force(
+            B[Z, k], nx, ny, nz, vx, vy, vz, ex, ey, ez, B[SPREAD, k], B[ONE_SIDE, k], B[SHEAR, k], m
         )
+        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = px, py, pz
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = sx, sy, sz
 
 
 @part
@@ -255,18 +239,57 @@ def immersion(z, za, zb, ax, ay, az, bx, by, bz):
     cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
     if z + min(za, zb, zc) >= 0.0 and z > 0.0:
         k = 1.0 / (12.0 * z)
-        hx, hy, hz = (
-            k * (za * ax + zb * bx + zc * cx),
-            k * (za * ay + zb * by + zc * cy),
-            k * (za * az + zb * bz + zc * cz),
-        )
-        return 1.0, z, 0.0, 0.0, 0.0, hx, hy, hz
+        hx, hy = k * (za * ax + zb * bx + zc * cx), k * (za * ay + zb * by + zc * cy)
+        return 1.0, z, 0.0, 0.0, 0.0, hx, hy, k * (za * az + zb * bz + zc * cz)
     if z + max(za, zb, zc) <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
         z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
     )
     return share if mean > 0.0 else 0.0, mean, ox, oy, oz, hx, hy, hz
+
+
+@part(inline=True)
+def axes(pose):
+    """Axes of a body as seen from the bed, row by row (9,), as numbers that stay in registers."""
+    x, y, z = pose[0], pose[1], pose[2]
+    return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
+
+
+@part(inline=True)
+def turned(R, x, y, z):
+    """A vector (3,) of the frame of a body in that of the bed; R: its `axes`."""
+    return R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z
+
+
+@part(inline=True)
+def seen(R, x, y, z):
+    """A vector (3,) of the frame of the bed in that of a body; R: its `axes`."""
+    return R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z, R[2] * x + R[5] * y + R[8] * z
+
+
+@part(inline=True)
+def spread_along(elements, i, q):
+    """By how much n . v differs along a facet, row i: t (3,) with t . d, t = n x w, and the most at a corner.
+
+    q (3,): angular velocity, as seen from the body.
+    """
+    cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
+    tx, ty, tz = cy * q[2] - cz * q[1], cz * q[0] - cx * q[2], cx * q[1] - cy * q[0]
+    za = tx * elements[i, 8] + ty * elements[i, 9] + tz * elements[i, 10]
+    zb = tx * elements[i, 11] + ty * elements[i, 12] + tz * elements[i, 13]
+    return tx, ty, tz, max(abs(za), abs(zb), abs(za + zb))
+
+
+@part(inline=True)
+def below_surface(elements, i, z, d, medium):
+    """As `immersion`, of a facet, row i, whose depth grows by d (3,) as seen from the body; that in the layer."""
+    ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
+    bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
+    za, zb = d[0] * ax + d[1] * ay + d[2] * az, d[0] * bx + d[1] * by + d[2] * bz
+    if medium.layered:
+        return law.in_layer(z, za, zb, ax, ay, az, bx, by, bz, medium)
+    return immersion(z, za, zb, ax, ay, az, bx, by, bz)
 
 
 @part
@@ -276,79 +299,63 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
     `space_law.forces`.
     """
-    r00, r01, r02 = pose[0, 0], pose[0, 1], pose[0, 2]
-    r10, r11, r12 = pose[1, 0], pose[1, 1], pose[1, 2]
-    r20, r21, r22 = pose[2, 0], pose[2, 1], pose[2, 2]
-    x0, y0, z0 = pose[3, 0], pose[3, 1], pose[3, 2]
-    v0, v1, v2 = pose[4, 0], pose[4, 1], pose[4, 2]
-    w0, w1, w2 = pose[5, 0], pose[5, 1], pose[5, 2]
-    height, risex, risey, steep = ground[0], ground[1], ground[2], ground[3]
+    R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
+    v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
     # Seen from the body: how the depth grows, velocity and angular velocity.
-    dx, dy, dz = risex * r00 + risey * r10 - r20, risex * r01 + risey * r11 - r21, risex * r02 + risey * r12 - r22
-    p0, p1, p2 = r00 * v0 + r10 * v1 + r20 * v2, r01 * v0 + r11 * v1 + r21 * v2, r02 * v0 + r12 * v1 + r22 * v2
-    q0, q1, q2 = r00 * w0 + r10 * w1 + r20 * w2, r01 * w0 + r11 * w1 + r21 * w2, r02 * w0 + r12 * w1 + r22 * w2
-    depth = height + risex * x0 + risey * y0 - z0  # of the reference point
+    d, p, q = seen(R, ground[1], ground[2], -1.0), seen(R, v[0], v[1], v[2]), seen(R, w[0], w[1], w[2])
+    depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
     n, last, grainy, sheared = 0, elements.shape[0], facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
     for i in range(first, elements.shape[0]):
         if n == LANES:
             last = i
             break
         bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
-        z = depth + dx * bx + dy * by + dz * bz
+        z = depth + d[0] * bx + d[1] * by + d[2] * bz
         if z + elements[i, 3] * steep <= 0.0:
             continue
         cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
-        ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
-        fx, fy, fz = elements[i, 11], elements[i, 12], elements[i, 13]
-        # Along the facet n . v differs by t . d, t = n x w.
-        tx, ty, tz = cy * q2 - cz * q1, cz * q0 - cx * q2, cx * q1 - cy * q0
-        za, zb = tx * ax + ty * ay + tz * az, tx * fx + ty * fy + tz * fz
-        spread = max(abs(za), abs(zb), abs(za + zb))
-        rx, ry, rz = (
-            r00 * bx + r01 * by + r02 * bz,
-            r10 * bx + r11 * by + r12 * bz,
-            r20 * bx + r21 * by + r22 * bz,
-        )
-        nx, ny, nz = (
-            r00 * cx + r01 * cy + r02 * cz,
-            r10 * cx + r11 * cy + r12 * cz,
-            r20 * cx + r21 * cy + r22 * cz,
-        )
-        ex, ey, ez = x0 + rx - anchors[i, 0], y0 + ry - anchors[i, 1], z0 + rz - anchors[i, 2]
-        side = elements[i, SIDE]
-        trails = cx * p0 + cy * p1 + cz * p2 + tx * bx + ty * by + tz * bz <= -spread
-        if side != 0.0 and trails and nx * ex + ny * ey + nz * ez <= 0.0:
+        tx, ty, tz, spread = spread_along(elements, i, q)
+        r, normal = turned(R, bx, by, bz), turned(R, cx, cy, cz)
+        e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
+        trails = cx * p[0] + cy * p[1] + cz * p[2] + tx * bx + ty * by + tz * bz <= -spread
+        if elements[i, SIDE] != 0.0 and trails and normal[0] * e[0] + normal[1] * e[1] + normal[2] * e[2] <= 0.0:
             continue  # nothing that it is led by, neither motion nor bristle
-        za, zb = dx * ax + dy * ay + dz * az, dx * fx + dy * fy + dz * fz
-        if medium.layered:
-            share, mean, ox, oy, oz, hx, hy, hz = law.in_layer(z, za, zb, ax, ay, az, fx, fy, fz, medium)
-        else:
-            share, mean, ox, oy, oz, hx, hy, hz = immersion(z, za, zb, ax, ay, az, fx, fy, fz)
-        if share <= 0.0:
+        below = below_surface(elements, i, z, d, medium)
+        if below[0] <= 0.0:
             continue
-        B[Z, n], B[SPREAD, n], B[ONE_SIDE, n], B[SHEAR, n] = mean, spread, side, np.inf
-        B[N, n], B[N + 1, n], B[N + 2, n] = nx, ny, nz
-        B[V, n], B[V + 1, n], B[V + 2, n] = v0 + w1 * rz - w2 * ry, v1 + w2 * rx - w0 * rz, v2 + w0 * ry - w1 * rx
-        B[E, n], B[E + 1, n], B[E + 2, n] = ex, ey, ez
-        B[AREA, n], B[FIRST, n], B[SECOND, n], B[CENTRE, n], B[ROW, n] = elements[i, 7] * share, 1.0, 1.0, z, i
-        B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = (
-            rx + r00 * hx + r01 * hy + r02 * hz,
-            ry + r10 * hx + r11 * hy + r12 * hz,
-            rz + r20 * hx + r21 * hy + r22 * hz,
-        )
-        B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = (
-            rx + r00 * ox + r01 * oy + r02 * oz,
-            ry + r10 * ox + r11 * oy + r12 * oz,
-            rz + r20 * ox + r21 * oy + r22 * oz,
-        )
+        B[SPREAD, n], B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = spread, elements[i, SIDE], z, i
+        B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
+        note_motion(B, n, r, normal, v, w, e)
+        note_immersion(B, n, R, r, below)
         if sheared:
-            B[SHEAR, n] = anchors[i, anchors.shape[1] - 1] + math.sqrt(along_square(ex, ey, ez, nx, ny, nz))
+            slid = along_square(e[0], e[1], e[2], normal[0], normal[1], normal[2])
+            B[SHEAR, n] = anchors[i, anchors.shape[1] - 1] + math.sqrt(slid)
         if grainy:
-            facet_scatter.note(B, n, NOTED, anchors, i, x0 + rx, y0 + ry, z0 + rz)
+            facet_scatter.note(B, n, NOTED, anchors, i, x0 + r[0], y0 + r[1], z0 + r[2])
         n += 1
     if grainy:
         facet_scatter.factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
     return last, n
+
+
+@part(inline=True)
+def note_motion(B, n, r, normal, v, w, e):
+    """Fill normal, velocity and stretch of the bristle of a facet at r (3,) m from the reference point of its body."""
+    B[N, n], B[N + 1, n], B[N + 2, n] = normal
+    B[V, n] = v[0] + w[1] * r[2] - w[2] * r[1]
+    B[V + 1, n] = v[1] + w[2] * r[0] - w[0] * r[2]
+    B[V + 2, n] = v[2] + w[0] * r[1] - w[1] * r[0]
+    B[E, n], B[E + 1, n], B[E + 2, n] = e
+
+
+@part(inline=True)
+def note_immersion(B, n, R, r, below):
+    """Fill the mean depth and where the terms act, of a facet at r (3,) m; below: as of `immersion`."""
+    _, mean, ox, oy, oz, hx, hy, hz = below
+    x, y, z = turned(R, hx, hy, hz)
+    B[Z, n], B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = mean, r[0] + x, r[1] + y, r[2] + z
+    x, y, z = turned(R, ox, oy, oz)
+    B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = r[0] + x, r[1] + y, r[2] + z
 
 
 @part
@@ -385,16 +392,12 @@ def add_up(B, n, W):
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets."""
-    R, x, v, w = pose, pose[3], pose[4], pose[5]
-    dx = ground[1] * R[0, 0] + ground[2] * R[1, 0] - R[2, 0]
-    dy = ground[1] * R[0, 1] + ground[2] * R[1, 1] - R[2, 1]
-    dz = ground[1] * R[0, 2] + ground[2] * R[1, 2] - R[2, 2]
+    R, x, v, w = axes(pose), pose[3], pose[4], pose[5]
+    dx, dy, dz = seen(R, ground[1], ground[2], -1.0)
     grainy, sheared = facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
     for i in range(elements.shape[0]):
         E = elements[i]
-        rx = R[0, 0] * E[0] + R[0, 1] * E[1] + R[0, 2] * E[2]
-        ry = R[1, 0] * E[0] + R[1, 1] * E[1] + R[1, 2] * E[2]
-        rz = R[2, 0] * E[0] + R[2, 1] * E[1] + R[2, 2] * E[2]
+        rx, ry, rz = turned(R, E[0], E[1], E[2])
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
         za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
@@ -408,10 +411,6 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
             px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
         if sheared:
-            nx, ny, nz = (
-                R[0, 0] * E[4] + R[0, 1] * E[5] + R[0, 2] * E[6],
-                R[1, 0] * E[4] + R[1, 1] * E[5] + R[1, 2] * E[6],
-                R[2, 0] * E[4] + R[2, 1] * E[5] + R[2, 2] * E[6],
-            )
+            nx, ny, nz = turned(R, E[4], E[5], E[6])
             count_shear(anchors, i, px, py, pz, nx, ny, nz, deepest > 0.0)
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz

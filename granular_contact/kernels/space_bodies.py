@@ -50,14 +50,8 @@ def turning(q, size, R, G):
         G[1, 0], G[1, 1], G[1, 2], G[1, 3] = -2.0 * c, 2.0 * d, 2.0 * a, -2.0 * b
         G[2, 0], G[2, 1], G[2, 2], G[2, 3] = -2.0 * d, -2.0 * c, 2.0 * b, 2.0 * a
         return
-    sa, ca, sb, cb, sc, cc = (
-        math.sin(q[3]),
-        math.cos(q[3]),
-        math.sin(q[4]),
-        math.cos(q[4]),
-        math.sin(q[5]),
-        math.cos(q[5]),
-    )
+    sa, ca, sb, cb = math.sin(q[3]), math.cos(q[3]), math.sin(q[4]), math.cos(q[4])
+    sc, cc = math.sin(q[5]), math.cos(q[5])
     R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
     R[1, 0], R[1, 1], R[1, 2] = ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb
     R[2, 0], R[2, 1], R[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
@@ -146,23 +140,9 @@ def acts(body, active):
 
 @kernel
 def tangent(
-    system_q,
-    system_v,
-    reference,
-    places,
-    bodies,
-    turn,
-    clusters,
-    elements,
-    anchors,
-    active,
-    ground,
-    medium,
-    fq,
-    fv,
-    triplets,
-    count,
-):
+    system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, fq, fv,
+    triplets, count,
+):  # fmt: skip
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
     By differences, as `lines.tangent`.
@@ -195,23 +175,9 @@ def tangent(
 
 @kernel
 def accept(
-    system_q,
-    system_v,
-    reference,
-    places,
-    bodies,
-    turn,
-    clusters,
-    elements,
-    anchors,
-    active,
-    ground,
-    medium,
-    poses,
-    proximity,
-    row,
-    columns,
-):
+    system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, poses,
+    proximity, row, columns,
+):  # fmt: skip
     """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
 
     poses (bodies, 6, 3) and proximity (bodies, 3) are filled. columns (bodies, 3): where the power of the medium, its
@@ -219,31 +185,40 @@ def accept(
     (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time.
     """
     q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
-    seen, plane = room1(3), room1(4)
     for b in range(bodies.shape[0]):
         body, pose = bodies[b], poses[b]
         at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
         law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
         bound(body, pose, ground, proximity[b])
-        seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
-        for c in range(body.first, body.last):
-            if active[c]:
-                s, e = clusters[c].first, clusters[c].last
-                below(clusters[c], pose, ground, plane)
-                law.follow(rows(elements, s, e - s), rows(anchors, s, e - s), clusters[c], pose, plane, medium[0], seen)
-        if not acts(body, active):
-            seen[law.DEPTH] = proximity[b, DEEPEST]
-        proximity[b, EVER] = max(proximity[b, EVER], seen[law.DEPTH])
-        row[1] = max(row[1], seen[law.DEPTH])
-        row[2] = max(row[2], seen[law.SPEED])
-        row[3] = min(row[3], seen[law.LOWEST])
+        follow(body, clusters, elements, anchors, active, ground, medium[0], pose, proximity[b], row)
         power, terms, of_body = columns[b]
         for term in range(TERMS):
             for i in range(3):
                 row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
             write(W[term], turn, q, row[terms + 6 * term : terms + 6 * term + 6])
             write(W[term], turn, q, row[of_body : of_body + 6])
+
+
+@part
+def follow(body, clusters, elements, anchors, active, ground, medium, pose, near, row):
+    """Let the anchors of a body's active clusters follow; what was seen of it goes into a history row.
+
+    near (3,): its proximity, of which `DEEPEST` is the depth where nothing is active.
+    """
+    seen, plane, some = room1(3), room1(4), False
+    seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
+    for c in range(body.first, body.last):
+        if active[c]:
+            s, e = clusters[c].first, clusters[c].last
+            below(clusters[c], pose, ground, plane)
+            law.follow(rows(elements, s, e - s), rows(anchors, s, e - s), clusters[c], pose, plane, medium, seen)
+            some = True
+    depth = seen[law.DEPTH] if some else near[DEEPEST]
+    near[EVER] = max(near[EVER], depth)
+    row[1] = max(row[1], depth)
+    row[2] = max(row[2], seen[law.SPEED])
+    row[3] = min(row[3], seen[law.LOWEST])
 
 
 @part

@@ -96,39 +96,19 @@ def _in_frames(joint, last, R, x, G, v, slope):
     """`coordinate`, once the frames of both bodies are known."""
     clear(slope)
     a, by_turn, n = room1(3), room2(2, 3), joint.parent  # the axis; by what w_P and w_C count
-    P, C = joint.parent_turn, joint.child_turn
+    P = joint.parent_turn
     for i in range(3):
         a[i] = R[0, i, 0] * P[0, 2] + R[0, i, 1] * P[1, 2] + R[0, i, 2] * P[2, 2]
     if joint.kind == HINGE:
-        sine = cosine = 0.0
-        for i in range(3):
-            u = R[1, i, 0] * C[0, 0] + R[1, i, 1] * C[1, 0] + R[1, i, 2] * C[2, 0]
-            cosine += u * (R[0, i, 0] * P[0, 0] + R[0, i, 1] * P[1, 0] + R[0, i, 2] * P[2, 0])
-            sine += u * (R[0, i, 0] * P[0, 1] + R[0, i, 1] * P[1, 1] + R[0, i, 2] * P[2, 1])
-            by_turn[0, i], by_turn[1, i] = -a[i], a[i]
-        s = math.atan2(sine, cosine)
+        s = _turn_of(joint, R)
         s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
     elif joint.kind == BALL:
         s = _from_home(joint, R, a)
+    else:
+        s = _slide(joint, R, x, a, by_turn, slope)
+    if joint.kind == HINGE or joint.kind == BALL:
         for i in range(3):
             by_turn[0, i], by_turn[1, i] = -a[i], a[i]
-    else:
-        d, arm, s = room1(3), room1(3), 0.0  # from the parent's node to the joint's point on the child
-        for i in range(3):
-            arm[i], on_parent = 0.0, 0.0
-            for j in range(3):
-                arm[i] += R[1, i, j] * joint.child_point[j]
-                on_parent += R[0, i, j] * joint.parent_point[j]
-            d[i] = x[1, i] + arm[i] - x[0, i]
-            s += a[i] * (d[i] - on_parent)
-        # The arm of the parent turns with it as the axis does: w . (a x (d - arm_P)) - a . (w x arm_P) = w . (a x d).
-        for i in range(3):
-            j, k = (i + 1) % 3, (i + 2) % 3
-            by_turn[0, i] = a[j] * d[k] - a[k] * d[j]
-            by_turn[1, i] = arm[j] * a[k] - arm[k] * a[j]
-            if n > 0:
-                slope[i] = -a[i]
-            slope[n + i] = a[i]
     last[0] = s
     rate = 0.0
     for i in range(3):
@@ -139,6 +119,39 @@ def _in_frames(joint, last, R, x, G, v, slope):
     for i in range(n + joint.child):
         rate += slope[i] * v[i]
     return s, rate
+
+
+@part
+def _turn_of(joint, R):
+    """Angle (rad, -pi to pi) about the axis of a hinge from the parent's x to the child's."""
+    P, C, sine, cosine = joint.parent_turn, joint.child_turn, 0.0, 0.0
+    for i in range(3):
+        u = R[1, i, 0] * C[0, 0] + R[1, i, 1] * C[1, 0] + R[1, i, 2] * C[2, 0]
+        cosine += u * (R[0, i, 0] * P[0, 0] + R[0, i, 1] * P[1, 0] + R[0, i, 2] * P[2, 0])
+        sine += u * (R[0, i, 0] * P[0, 1] + R[0, i, 1] * P[1, 1] + R[0, i, 2] * P[2, 1])
+    return math.atan2(sine, cosine)
+
+
+@part
+def _slide(joint, R, x, a, by_turn, slope):
+    """How far (m) a slider has slid; by_turn, and slope by the places of the nodes, are filled."""
+    d, arm, s, n = room1(3), room1(3), 0.0, joint.parent  # d: from the parent's node to the joint's point on the child
+    for i in range(3):
+        arm[i], on_parent = 0.0, 0.0
+        for j in range(3):
+            arm[i] += R[1, i, j] * joint.child_point[j]
+            on_parent += R[0, i, j] * joint.parent_point[j]
+        d[i] = x[1, i] + arm[i] - x[0, i]
+        s += a[i] * (d[i] - on_parent)
+    # The arm of the parent turns with it as the axis does: w . (a x (d - arm_P)) - a . (w x arm_P) = w . (a x d).
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        by_turn[0, i] = a[j] * d[k] - a[k] * d[j]
+        by_turn[1, i] = arm[j] * a[k] - arm[k] * a[j]
+        if n > 0:
+            slope[i] = -a[i]
+        slope[n + i] = a[i]
+    return s
 
 
 @part
