@@ -17,7 +17,7 @@ from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
-from granular_contact.scene.loops import closed, redundant
+from granular_contact.scene.loops import PlanarLoops, closed, redundant
 from granular_contact.scene.minimal_support import check_minimal
 from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
@@ -180,7 +180,7 @@ def _laid_out(
     """
     model, angle = scenario.model, turned(scenario.initial.impact_angle_deg or 0.0)
     begun = start(scenario, driven, speed, faults)
-    states = closed(scenario, begun, angle, faults)
+    states = closed(PlanarLoops(model, angle), begun, faults)
     if not faults:
         faults += redundant(model, states, angle, driven)
     if faults:

@@ -69,7 +69,7 @@ def coordinate(
 ) -> tuple[float, float]:
     """Coordinate of a hinge or slider at the start, and its rate; of a closure from the bodies that it joins."""
     if name in states:
-        return float(states[name].value[0]), float(states[name].rate[0])
+        return states[name].coordinate, float(states[name].rates[0])
     parent, child = (layout.frames[body] for body in (joint.parent, joint.child))
     motions = layout.pose.twists[joint.parent], layout.pose.twists[joint.child]
     if isinstance(joint, schema.SliderClosure):

@@ -15,6 +15,7 @@ from granular_contact.config import schema
 from granular_contact.scene.types import InitialMotion, Vector, WorkspaceBound, rotation, turned
 
 GROUND = "ground"
+SIZES = {"hinge": 1, "slider": 1, "free": 3, "weld": 0}  # degrees of freedom of joints
 ZERO = np.zeros(2)
 
 
@@ -53,7 +54,20 @@ class JointState:
     """Coordinates of a joint and their rates, (k,) each: rad clockwise, or m; of a free joint x, y and the angle."""
 
     value: Vector
-    rate: Vector
+    rates: Vector
+
+    @property
+    def coordinate(self) -> float:
+        """Of a hinge or slider."""
+        return float(self.value[0])
+
+    def at(self, coordinate: float) -> JointState:
+        """The same of a hinge or slider at another coordinate."""
+        return JointState(np.array([coordinate]), self.rates)
+
+    def displaced(self, change: Vector) -> JointState:
+        """The state after a small displacement (k,)."""
+        return JointState(self.value + change, self.rates)
 
 
 def point(xy: tuple[float, float]) -> Vector:
@@ -66,11 +80,6 @@ def direction(joint: schema.SliderClosure) -> Vector:
     axis = point(joint.axis)
     unit: Vector = axis / math.hypot(*axis)
     return unit
-
-
-def degrees_of_freedom(joint: schema.Joint) -> int:
-    """Number of coordinates of a joint."""
-    return {"hinge": 1, "slider": 1, "free": 3}.get(joint.type, 0)
 
 
 def joints_outward(model: Any) -> Iterator[tuple[str, Any]]:
@@ -118,9 +127,9 @@ def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> t
     if isinstance(joint, schema.Slider):
         axis = rotation(parent.angle) @ direction(joint)
         pin = pin + state.value[0] * axis
-        return pin, parent.angle + turned(joint.home_deg), Twist(state.rate[0] * axis, 0.0)
-    shift, speed = (state.value[:2], state.rate[:2]) if isinstance(joint, schema.Free) else (ZERO, ZERO)
-    pin, rate = pin + shift, -float(state.rate[-1])
+        return pin, parent.angle + turned(joint.home_deg), Twist(state.rates[0] * axis, 0.0)
+    shift, speed = (state.value[:2], state.rates[:2]) if isinstance(joint, schema.Free) else (ZERO, ZERO)
+    pin, rate = pin + shift, -float(state.rates[-1])
     return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)
 
 

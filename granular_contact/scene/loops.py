@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
-from granular_contact.scene.layout import JointState, Pose, direction, is_rigid, point, pose
-from granular_contact.scene.start import Start
+from granular_contact.scene.layout import SIZES, JointState, Pose, direction, is_rigid, point, pose
+from granular_contact.scene.start import Start, home
 from granular_contact.scene.types import Drive, Vector, rotation, turned
 
 Mask = NDArray[np.bool_]
@@ -22,115 +24,137 @@ _CONTINUATION_STEPS = 8  # in which a loop is led from home to where the run wan
 
 
 class Loops:
-    """The loops of a model, as equations C(x) = 0 of the coordinates x of its tree of joints."""
+    """The loops of a model, as equations of the states of its tree of joints; in the plane `PlanarLoops`.
 
-    def __init__(self, model: schema.Model, ground_angle: float) -> None:
-        self.model, self.ground_angle = model, ground_angle
-        self.joints = [name for name, joint in model.all_joints.items() if not isinstance(joint, schema.Weld)]
-        self.sizes = [3 if isinstance(model.all_joints[name], schema.Free) else 1 for name in self.joints]
+    sizes: degrees of freedom by type of joint. States are those of the layout, in the plane or in space.
+    """
 
-    def states(self, x: Vector, rates: Vector) -> dict[str, JointState]:
-        """Joint states of coordinates (n,) and their rates (n,)."""
-        if not self.joints:
-            return {}
-        ends = np.cumsum(self.sizes)[:-1]
-        split = zip(self.joints, np.split(x, ends), np.split(rates, ends), strict=True)
-        return {name: JointState(value, rate) for name, value, rate in split}
+    def __init__(self, model: Any, sizes: Mapping[str, int]) -> None:
+        self.model = model
+        self.joints = {name: joint for name, joint in model.all_joints.items() if joint.type != "weld"}
+        ends = np.cumsum([0, *(sizes[joint.type] for joint in self.joints.values())])
+        self.places = {name: slice(a, b) for name, a, b in zip(self.joints, ends, ends[1:], strict=False)}
+        self.size = int(ends[-1])
 
-    def vector(self, states: Mapping[str, JointState]) -> tuple[Vector, Vector]:
-        """Coordinates (n,) and their rates (n,) of joint states."""
-        values = [states[name].value for name in self.joints]
-        rates = [states[name].rate for name in self.joints]
-        return np.concatenate([np.zeros(0), *values]), np.concatenate([np.zeros(0), *rates])
+    def pose(self, states: Mapping[str, Any]) -> Any:
+        """Pose of the mechanism."""
+        raise NotImplementedError
+
+    def gaps(self, name: str, placed: Any) -> Vector:
+        """Residual of a closure (m, rad)."""
+        raise NotImplementedError
+
+    def gap_rates(self, name: str, placed: Any) -> Vector:
+        """Rates of a closed loop's residual."""
+        raise NotImplementedError
+
+    def apart(self, name: str, gap: Vector) -> tuple[float, float]:
+        """Distance (m) and angle (rad) in the residual of a closure."""
+        raise NotImplementedError
 
     def mask(self, names: frozenset[str]) -> Mask:
-        """Which coordinates (n,) belong to these joints."""
-        return np.repeat(np.array([name in names for name in self.joints], dtype=bool), self.sizes)
+        """Which degrees of freedom (size,) belong to these joints."""
+        found = np.zeros(self.size, bool)
+        for name in names:
+            found[self.places[name]] = True
+        return found
 
-    def at(self, x: Vector, rates: Vector) -> Pose:
+    def rates(self, states: Mapping[str, Any]) -> Vector:
+        """Rates (size,) of the joints."""
+        return np.concatenate([np.zeros(0), *(states[name].rates for name in self.joints)])
+
+    def moving(self, states: Mapping[str, Any], rates: Vector) -> dict[str, Any]:
+        """The same states with other rates (size,)."""
+        return {name: replace(states[name], rates=rates[at]) for name, at in self.places.items()}
+
+    def jacobian(self, states: Mapping[str, Any]) -> dict[str, Vector]:
+        """Constraint Jacobian (rows, size) of every closure, in a closed pose."""
+        still = self.pose(states)
+        slopes = {name: np.zeros((len(self.gaps(name, still)), self.size)) for name in self.model.closures}
+        for i, unit in enumerate(np.eye(self.size)):
+            placed = self.pose(self.moving(states, unit))
+            for name, slope in slopes.items():
+                slope[:, i] = self.gap_rates(name, placed)
+        return slopes
+
+    def close(self, states: dict[str, Any], movable: Mask) -> dict[str, Any]:
+        """States near these that close all loops, or as far as Newton's method gets; only the movable change."""
+        for _ in range(20 if movable.any() else 0):
+            placed = self.pose(states)
+            gap = np.concatenate([self.gaps(name, placed) for name in self.model.closures])
+            if np.abs(gap).max() < 1e-14:
+                break
+            slope = np.concatenate(list(self.jacobian(states).values()))[:, movable]
+            change = np.zeros(self.size)
+            change[movable] = -np.linalg.lstsq(slope, gap, rcond=1e-10)[0]
+            states = {name: states[name].displaced(change[at]) for name, at in self.places.items()}
+        return states
+
+
+class PlanarLoops(Loops):
+    """The loops of a model in the plane; what is welded to the ground is turned by ground_angle (rad)."""
+
+    def __init__(self, model: schema.Model, ground_angle: float) -> None:
+        super().__init__(model, SIZES)
+        self.ground_angle = ground_angle
+
+    def pose(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
-        return pose(self.model, self.states(x, rates), self.ground_angle)
+        return pose(self.model, states, self.ground_angle)
 
     def gaps(self, name: str, placed: Pose) -> Vector:
         """Residual of the closure of one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
         joint = self.model.closures[name]
         parent, child = placed.frames[joint.parent], placed.frames[joint.child]
         gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
-        if isinstance(joint, schema.HingeClosure):
-            return gap
-        turn = child.angle - parent.angle - turned(joint.home_deg)
-        turn -= 2.0 * math.pi * round(turn / (2.0 * math.pi))
-        if isinstance(joint, schema.SliderClosure):
-            return np.array([_across(joint, parent.angle) @ gap, turn])
-        return np.array([*gap, turn])
+        turn = child.angle - parent.angle - turned(getattr(joint, "home_deg", 0.0))
+        return _held(joint, parent.angle, gap, turn - 2.0 * math.pi * round(turn / (2.0 * math.pi)))
 
     def gap_rates(self, name: str, placed: Pose) -> Vector:
         """Velocity residual of a closed loop."""
         joint = self.model.closures[name]
         parent, child = placed.twists[joint.parent], placed.twists[joint.child]
         pin = placed.frames[joint.child].world(point(joint.child_point_m))
-        gap = child.at(pin) - parent.at(pin)
-        if isinstance(joint, schema.HingeClosure):
-            return gap
-        turn = child.rate - parent.rate
-        if isinstance(joint, schema.SliderClosure):
-            return np.array([_across(joint, placed.frames[joint.parent].angle) @ gap, turn])
-        return np.array([*gap, turn])
+        return _held(joint, placed.frames[joint.parent].angle, child.at(pin) - parent.at(pin), child.rate - parent.rate)
 
-    def all_gaps(self, x: Vector) -> Vector:
-        """All gaps (m,)."""
-        placed = self.at(x, np.zeros_like(x))
-        return np.concatenate([self.gaps(name, placed) for name in self.model.closures])
-
-    def jacobian(self, x: Vector) -> dict[str, Vector]:
-        """Constraint Jacobian of every closure, (rows, n) each, in a closed pose."""
-        still = self.at(x, np.zeros_like(x))
-        slopes = {name: np.zeros((len(self.gaps(name, still)), len(x))) for name in self.model.closures}
-        for i, unit in enumerate(np.eye(len(x))):
-            moving = self.at(x, unit)
-            for name, slope in slopes.items():
-                slope[:, i] = self.gap_rates(name, moving)
-        return slopes
-
-    def close(self, x: Vector, movable: Mask) -> Vector:
-        """Coordinates near x that close all loops, or as far as Newton's method gets; only the movable (n,) change."""
-        if not movable.any():
-            return x
-        for _ in range(20):
-            gap = self.all_gaps(x)
-            if np.abs(gap).max() < 1e-14:
-                break
-            slope = np.concatenate(list(self.jacobian(x).values()))[:, movable]
-            x = x.copy()
-            x[movable] -= np.linalg.lstsq(slope, gap, rcond=1e-10)[0]
-        return x
+    def apart(self, name: str, gap: Vector) -> tuple[float, float]:
+        """Distance (m) and angle (rad) in the residual of a closure."""
+        if isinstance(self.model.closures[name], schema.HingeClosure):
+            return float(np.linalg.norm(gap)), 0.0
+        return float(np.linalg.norm(gap[:-1])), abs(float(gap[-1]))
 
 
-def _across(joint: schema.SliderClosure, angle: float) -> Vector:
-    along = rotation(angle) @ direction(joint)
-    return np.array([-along[1], along[0]])
+def _held(joint: schema.Closure, angle: float, gap: Vector, turn: float) -> Vector:
+    """What a closure holds of a gap (2,) and a turn; angle (rad): of its parent."""
+    if isinstance(joint, schema.HingeClosure):
+        return gap
+    if isinstance(joint, schema.SliderClosure):
+        along = rotation(angle) @ direction(joint)
+        return np.array([np.array([-along[1], along[0]]) @ gap, turn])
+    return np.array([*gap, turn])
 
 
-def closed(scenario: schema.Scenario, begun: Start, ground_angle: float, faults: list[Fault]) -> dict[str, JointState]:
+def closed(loops: Loops, begun: Start, faults: list[Fault]) -> dict[str, Any]:
     """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended."""
-    model = scenario.model
-    if not model.closures:
+    if not loops.model.closures:
         return begun.states
-    loops = Loops(model, ground_angle)
-    target, rates = loops.vector(begun.states)
-    home = _home(loops, begun)
-    faults += _open(loops, home, "at home")
+    moving = {name: joint for name, joint in loops.joints.items() if joint.type in ("hinge", "slider")}
+    states = begun.states | {name: begun.states[name].at(home(joint)) for name, joint in moving.items()}
+    faults += _open(loops, states, "at home")
     if faults:
         return begun.states
-    placed = loops.mask(begun.placed)
-    x = loops.close(home, np.ones(len(home), dtype=bool))
-    if placed.any():
-        first = x
-        for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:]:
-            x = np.where(placed, first + share * (target - first), x)
-            x = loops.close(x, ~placed)
-        faults += _open(loops, x, "at the start")
-    return loops.states(x, dependent_rates(loops.jacobian(x), loops.mask(begun.moved), rates, faults))
+    states = loops.close(states, np.ones(loops.size, dtype=bool))
+    if begun.placed:
+        free = ~loops.mask(begun.placed)
+        first = {name: states[name].coordinate for name in begun.placed & moving.keys()}
+        states |= {name: begun.states[name] for name in begun.placed - moving.keys()}
+        for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:] if first else (1.0,):
+            for name, at in first.items():
+                states[name] = states[name].at(at + float(share) * (begun.states[name].coordinate - at))
+            states = loops.close(states, free)
+        faults += _open(loops, states, "at the start")
+    given = loops.mask(begun.moved), loops.rates(begun.states)
+    return loops.moving(states, dependent_rates(loops.jacobian(states), *given, faults))
 
 
 def dependent_rates(jacobian: Mapping[str, Vector], moved: Mask, rates: Vector, faults: list[Fault]) -> Vector:
@@ -146,34 +170,16 @@ def dependent_rates(jacobian: Mapping[str, Vector], moved: Mask, rates: Vector, 
     return rates
 
 
-def _home(loops: Loops, begun: Start) -> Vector:
-    """Reference coordinates, in which the loops have to close; free bodies are where the run has them."""
-    home = []
-    for name in loops.joints:
-        joint = loops.model.all_joints[name]
-        if isinstance(joint, schema.Hinge):
-            home.append(math.radians(joint.home_deg))
-        elif isinstance(joint, schema.Slider):
-            home.append(joint.home_m)
-        else:
-            home += begun.states[name].value.tolist()
-    return np.array(home)
-
-
-def _open(loops: Loops, x: Vector, when: str) -> list[Fault]:
+def _open(loops: Loops, states: Mapping[str, Any], when: str) -> list[Fault]:
     """A fault for every loop that does not close."""
-    faults = []
-    placed = loops.at(x, np.zeros_like(x))
+    faults, placed = [], loops.pose(states)
     for name, joint in loops.model.closures.items():
-        gap = loops.gaps(name, placed)
-        turn = 0.0 if isinstance(joint, schema.HingeClosure) else abs(float(gap[-1]))
-        distance = float(np.linalg.norm(gap if isinstance(joint, schema.HingeClosure) else gap[:-1]))
+        distance, turn = loops.apart(name, loops.gaps(name, placed))
         if distance > LARGEST_GAP or turn > LARGEST_TILT:
             words = f"the loop does not close {when}: {joint.parent} and {joint.child} are {distance:.4g} m"
             words += f" and {math.degrees(turn):.4g} deg" if turn > LARGEST_TILT else ""
-            words += f" apart there; allowed are {LARGEST_GAP:g} m" + (
-                f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""
-            )
+            words += f" apart there; allowed are {LARGEST_GAP:g} m"
+            words += f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""
             faults.append(scene_fault(f"model.closures.{name}", words))
     return faults
 
@@ -187,14 +193,12 @@ def redundant(
     """
     if not model.closures:
         return []
-    loops = Loops(model, ground_angle)
-    x, _ = loops.vector(states)
-    rows = {("closures", name): slope for name, slope in loops.jacobian(x).items() if not _gives_way(model, name)}
-    begins = dict(zip(loops.joints, np.cumsum([0, *loops.sizes]), strict=False))
+    loops = PlanarLoops(model, ground_angle)
+    rows = {("closures", name): slope for name, slope in loops.jacobian(states).items() if not _gives_way(model, name)}
     for drive in drives:
-        if drive.kind == "motion" and drive.joint in begins:
-            rows["drives", drive.joint] = np.eye(len(x))[[begins[drive.joint]]]
-    held, rank, faults = np.zeros((0, len(x))), 0, []
+        if drive.kind == "motion" and drive.joint in loops.places:
+            rows["drives", drive.joint] = np.eye(loops.size)[loops.places[drive.joint]]
+    held, rank, faults = np.zeros((0, loops.size)), 0, []
     scale = max((float(np.abs(slope).max(initial=0.0)) for slope in rows.values()), default=1.0)
     for (kind, name), slope in rows.items():
         tried = np.vstack([held, slope])

@@ -47,14 +47,19 @@ def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: fl
             follows = JointState(np.array([drive.signal.value(0.0)]), np.array([drive.signal.rate(0.0)]))
             faults += _gaps(name, joint, state, follows, has_place, has_rate)
             state, has_place, has_rate = follows, True, True
-            if initial.settle and state.rate[0] != 0.0:
-                faults.append(settling_fault(name, float(state.rate[0])))
+            if initial.settle and state.rates[0] != 0.0:
+                faults.append(settling_fault(name, float(state.rates[0])))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
-            state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rate), True
+            state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rates), True
         states[name] = state
         placed |= {name} if has_place or isinstance(joint, schema.Free) else set()
         moved |= {name} if has_rate or isinstance(joint, schema.Free) else set()
     return Start(states, frozenset(placed), frozenset(moved))
+
+
+def home(joint: Any) -> float:
+    """Coordinate (rad, m) of a hinge or slider, in the plane or in space, in the reference configuration."""
+    return math.radians(joint.home_deg) if joint.type == "hinge" else float(joint.home_m)
 
 
 def settling_fault(name: str, rate: float) -> Fault:
@@ -90,7 +95,7 @@ def _gaps(
     keys = ("angle_deg", "rate_rad_s") if hinge else ("position_m", "speed_m_s")
     asked = (
         (has_place, keys[0], unit, float(state.value[0]), float(follows.value[0])),
-        (has_rate, keys[1], 1.0, float(state.rate[0]), float(follows.rate[0])),
+        (has_rate, keys[1], 1.0, float(state.rates[0]), float(follows.rates[0])),
     )
     for given, key, factor, got, expected in asked:
         if given and abs(got - expected) > AGREEMENT:

@@ -15,11 +15,12 @@ from granular_contact.scene.bed import places
 from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
+from granular_contact.scene.loops import closed
 from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, rigid_body
 from granular_contact.scene.space.joints import joints_of, on_ground
 from granular_contact.scene.space.layout import pose
-from granular_contact.scene.space.loops import closed, needed
+from granular_contact.scene.space.loops import SpatialLoops, needed
 from granular_contact.scene.space.start import start
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.steps import steps
@@ -39,7 +40,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     model = scenario.model
     solver = steps(scenario)
     driven = drives(scenario, solver, faults)
-    states = closed(scenario, start(scenario, driven, faults), faults)
+    states = closed(SpatialLoops(model), start(scenario, driven, faults), faults)
     held = needed(model, states, driven, faults) if not faults else {}
     met = {kind for medium, *_ in places(scenario) for kind in kinds(medium)}
     made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults, notes)

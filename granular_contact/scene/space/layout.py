@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -55,6 +55,17 @@ class JointState:
     coordinate: float = 0.0
     position: Vector = field(default_factory=lambda: ZERO)
     turn: Vector = field(default_factory=lambda: np.eye(3))
+
+    def at(self, coordinate: float) -> JointState:
+        """The same of a hinge or slider at another coordinate."""
+        return replace(self, coordinate=coordinate)
+
+    def displaced(self, change: Vector) -> JointState:
+        """The state after a small displacement, as rates over a unit of time."""
+        if len(change) == 1:
+            return self.at(self.coordinate + float(change[0]))
+        position = self.position + change[:3] if len(change) == 6 else self.position
+        return replace(self, position=position, turn=rotations.of_vector(change[-3:]) @ self.turn)
 
 
 SIZES = {"hinge": 1, "slider": 1, "ball": 3, "free": 6, "weld": 0}  # degrees of freedom

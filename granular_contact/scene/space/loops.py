@@ -14,13 +14,11 @@ import numpy as np
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
-from granular_contact.scene.loops import LARGEST_GAP, LARGEST_TILT, RANK_TOLERANCE, Mask, dependent_rates
+from granular_contact.scene.loops import RANK_TOLERANCE, Loops
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
 from granular_contact.scene.space.shapes import orientation
-from granular_contact.scene.space.start import home
 from granular_contact.scene.space.types import Vector
-from granular_contact.scene.start import Start
 from granular_contact.scene.types import Drive
 
 # Displacements along the axes of the joint's frame, whose z is its axis, and rotations about them, that are held.
@@ -31,37 +29,17 @@ CONSTRAINED = {
     "ball": (True, True, True, False, False, False),
     "free": (False,) * 6,
 }
-_CONTINUATION_STEPS = 8  # in which a loop is led from home to where the run wants it
 
 
-class Loops:
-    """The loops of a model, as equations of the states of its tree of joints."""
+class SpatialLoops(Loops):
+    """The loops of a model in space."""
 
     def __init__(self, model: schema.SpatialModel) -> None:
-        self.model = model
-        self.joints = {name: joint for name, joint in model.all_joints.items() if joint.type != "weld"}
-        ends = np.cumsum([0, *(SIZES[joint.type] for joint in self.joints.values())])
-        self.places = {name: slice(a, b) for name, a, b in zip(self.joints, ends, ends[1:], strict=False)}
-        self.size = int(ends[-1])
+        super().__init__(model, SIZES)
 
-    def mask(self, names: frozenset[str]) -> Mask:
-        """Which degrees of freedom (size,) belong to these joints."""
-        found = np.zeros(self.size, bool)
-        for name in names:
-            found[self.places[name]] = True
-        return found
-
-    def rates(self, states: Mapping[str, JointState]) -> Vector:
-        """Rates (size,) of the joints."""
-        return np.concatenate([np.zeros(0), *(states[name].rates for name in self.joints)])
-
-    def moving(self, states: Mapping[str, JointState], rates: Vector) -> dict[str, JointState]:
-        """The same states with other rates (size,)."""
-        return {name: _with(states[name], rates[self.places[name]]) for name in self.joints}
-
-    def displaced(self, states: Mapping[str, JointState], change: Vector) -> dict[str, JointState]:
-        """States after small displacements (size,), as rates over a unit of time."""
-        return {name: _displaced(self.joints[name].type, states[name], change[at]) for name, at in self.places.items()}
+    def pose(self, states: Mapping[str, JointState]) -> Pose:
+        """Pose of the mechanism."""
+        return pose(self.model, states)
 
     def gaps(self, name: str, placed: Pose) -> Vector:
         """Residual (6,) of a closure along and about the axes of its frame: m, rad; what it leaves free is zero."""
@@ -80,27 +58,9 @@ class Loops:
         spin = placed.twists[joint.child].rate - placed.twists[joint.parent].rate
         return np.where(CONSTRAINED[joint.type], np.concatenate([frame.T @ apart, frame.T @ spin]), 0.0)
 
-    def jacobian(self, states: Mapping[str, JointState]) -> dict[str, Vector]:
-        """Constraint Jacobian (6, size) of every closure, in a closed pose."""
-        slopes = {name: np.zeros((6, self.size)) for name in self.model.closures}
-        for i, unit in enumerate(np.eye(self.size)):
-            placed = pose(self.model, self.moving(states, unit))
-            for name, slope in slopes.items():
-                slope[:, i] = self.gap_rates(name, placed)
-        return slopes
-
-    def close(self, states: dict[str, JointState], movable: Mask) -> dict[str, JointState]:
-        """States near these that close all loops, or as far as Newton's method gets; only the movable change."""
-        for _ in range(20 if movable.any() else 0):
-            placed = pose(self.model, states)
-            gap = np.concatenate([self.gaps(name, placed) for name in self.model.closures])
-            if np.abs(gap).max() < 1e-14:
-                break
-            slope = np.concatenate(list(self.jacobian(states).values()))[:, movable]
-            change = np.zeros(self.size)
-            change[movable] = -np.linalg.lstsq(slope, gap, rcond=1e-10)[0]
-            states = self.displaced(states, change)
-        return states
+    def apart(self, name: str, gap: Vector) -> tuple[float, float]:  # noqa: ARG002
+        """Distance (m) and angle (rad) in the residual of a closure."""
+        return float(np.linalg.norm(gap[:3])), float(np.linalg.norm(gap[3:]))
 
 
 def joint_frame(joint: AnyJoint | AnyClosure, placed: Pose) -> tuple[Vector, Vector]:
@@ -119,60 +79,6 @@ def _misaligned(joint: AnyClosure, turn: Vector) -> Vector:
     return sine * (math.atan2(size, float(z[2])) / size) if size > 0.0 else sine
 
 
-def _with(state: JointState, rates: Vector) -> JointState:
-    return JointState(rates, state.coordinate, state.position, state.turn)
-
-
-def _displaced(kind: str, state: JointState, change: Vector) -> JointState:
-    if kind in ("hinge", "slider"):
-        return JointState(state.rates, state.coordinate + float(change[0]), state.position, state.turn)
-    turn = rotations.of_vector(change[-3:]) @ state.turn
-    position = state.position + change[:3] if kind == "free" else state.position
-    return JointState(state.rates, state.coordinate, position, turn)
-
-
-def closed(scenario: schema.SpatialScenario, begun: Start, faults: list[Fault]) -> dict[str, JointState]:
-    """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended."""
-    model = scenario.model
-    if not model.closures:
-        return begun.states
-    loops = Loops(model)
-    states = dict(begun.states)
-    for name, joint in loops.joints.items():
-        if joint.type in ("hinge", "slider"):
-            states[name] = JointState(states[name].rates, home(joint))
-    faults += _open(loops, states, "at home")
-    if faults:
-        return begun.states
-    states = loops.close(states, np.ones(loops.size, dtype=bool))
-    placed = loops.mask(begun.placed)
-    led = [name for name in begun.placed if loops.joints[name].type in ("hinge", "slider")]
-    if led:
-        first = {name: states[name].coordinate for name in led}
-        for share in np.linspace(0.0, 1.0, _CONTINUATION_STEPS + 1)[1:]:
-            for name in led:
-                target = first[name] + float(share) * (begun.states[name].coordinate - first[name])
-                states[name] = JointState(states[name].rates, target)
-            states = loops.close(states, ~placed)
-        faults += _open(loops, states, "at the start")
-    given = loops.mask(begun.moved), loops.rates(begun.states)
-    return loops.moving(states, dependent_rates(loops.jacobian(states), *given, faults))
-
-
-def _open(loops: Loops, states: Mapping[str, JointState], when: str) -> list[Fault]:
-    """A fault for every loop that does not close."""
-    faults, placed = [], pose(loops.model, states)
-    for name, joint in loops.model.closures.items():
-        gap = loops.gaps(name, placed)
-        distance, turn = float(np.linalg.norm(gap[:3])), float(np.linalg.norm(gap[3:]))
-        if distance > LARGEST_GAP or turn > LARGEST_TILT:
-            words = f"the loop does not close {when}: {joint.parent} and {joint.child} are {distance:.4g} m and "
-            words += f"{math.degrees(turn):.4g} deg apart there; "
-            words += f"allowed are {LARGEST_GAP:g} m and {math.degrees(LARGEST_TILT):g} deg"
-            faults.append(scene_fault(f"model.closures.{name}", words))
-    return faults
-
-
 def needed(
     model: schema.SpatialModel, states: Mapping[str, JointState], drives: tuple[Drive, ...], faults: list[Fault]
 ) -> dict[str, tuple[bool, ...]]:
@@ -182,7 +88,7 @@ def needed(
     """
     if not model.closures:
         return {}
-    loops, found = Loops(model), {}
+    loops, found = SpatialLoops(model), {}
     held, rank = np.zeros((0, loops.size)), 0
     for name, slope in loops.jacobian(states).items():
         keep = [False] * 6

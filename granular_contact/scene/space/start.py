@@ -12,7 +12,7 @@ from granular_contact.config.schema.space.joints import AnyJoint
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.space.layout import JointState
 from granular_contact.scene.space.shapes import orientation
-from granular_contact.scene.start import AGREEMENT, Start, settling_fault
+from granular_contact.scene.start import AGREEMENT, Start, home, settling_fault
 from granular_contact.scene.types import Drive
 
 
@@ -41,13 +41,6 @@ def start(scenario: schema.SpatialScenario, drives: tuple[Drive, ...], faults: l
         placed |= {name} if has_place else set()
         moved |= {name} if has_rate else set()
     return Start(states, frozenset(placed), frozenset(moved))
-
-
-def home(joint: AnyJoint) -> float:
-    """Coordinate of a hinge (rad) or slider (m) in the reference configuration."""
-    if isinstance(joint, schema.SpatialHinge):
-        return math.radians(joint.home_deg)
-    return joint.home_m if isinstance(joint, schema.SpatialSlider) else 0.0
 
 
 def _said(joint: AnyJoint, said: schema.SpatialJointStart) -> JointState:
