@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
-from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -15,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from granular_contact.cli import many
 from granular_contact.cli.common import FAILED, FINE, add_set, complain, output_folder, print_table, read
-from granular_contact.cli.sweep_progress import progress
 
 if TYPE_CHECKING:
     from granular_contact.config import Sweep
@@ -44,22 +41,17 @@ def execute(chosen: argparse.Namespace) -> int:
 def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact.studies.ensemble import cases
     from granular_contact.studies.sweep import table
-    from granular_contact.studies.sweep.checkpoint import is_finished
 
     scenario, _ = read(chosen.file, chosen.set)
     sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
-    work = table.work_of(sweep)
-    if is_finished(work, folder) and not chosen.restart:
-        if not chosen.quiet:
-            print(f"{folder} holds all runs of this ensemble already; --restart runs them again")
-        return FINE
     return many.with_checkpoint(
         chosen,
-        work,
+        table.work_of(sweep),
         folder,
         pool,
         lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
         count=len(sweep.cases),
+        finished=lambda: FINE,
         interrupted=lambda checkpoint: table.write(sweep, _plain(checkpoint), checkpoint.folder),
     )
 
@@ -76,17 +68,14 @@ def _plain(checkpoint: Checkpoint) -> list[Row]:
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
     from granular_contact.studies.ensemble import observed, of_rows
     from granular_contact.studies.ensemble.writing import write
-    from granular_contact.studies.sweep import WorkerPoolError, run, table
+    from granular_contact.studies.sweep import run, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, function=observed)
     if sweep.base.output.figures:  # loaded while workers start
         Thread(target=import_module, args=("granular_contact.report.figures.ensembles",), daemon=True).start()
-    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
-        for _ in rows:
-            advance()
-    if missing := count - len(checkpoint.journal):
-        raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
+    for _ in many.each_row(chosen, rows, checkpoint, count):
+        pass
     table.write(sweep, _plain(checkpoint), checkpoint.folder)
     found = of_rows(checkpoint.journal)
     write(found, checkpoint.folder, figures=sweep.base.output.figures)

@@ -11,30 +11,14 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
-from granular_contact.cli import (
-    check,
-    compare,
-    compare_media,
-    ensemble,
-    examples,
-    fit,
-    media,
-    new,
-    optimise,
-    report,
-    run,
-    schema,
-    sweep,
-    validate,
-    warm,
-)
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
 from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
 
 COMMANDS = (
-    *(new, run, check, report, sweep, ensemble, optimise, compare, compare_media, fit),
-    *(media, examples, schema, warm, validate),
+    *("new", "run", "check", "report", "sweep", "ensemble", "optimise", "compare", "compare-media", "fit"),
+    *("media", "examples", "schema", "warm", "validate"),
 )
 
 
@@ -91,8 +75,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="store_true", help="print the versions of the program and of the engine")
     parser.set_defaults(command=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
-    for module in COMMANDS:
-        name = module.__name__.rpartition(".")[2].replace("_", "-")
+    for name in COMMANDS:
+        module = import_module(f"granular_contact.cli.{name.replace('-', '_')}")
         command = commands.add_parser(name, help=module.HELP)
         module.add_arguments(command)
         command.set_defaults(command=module.execute)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Generator
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import FAULTY_INPUT, INTERRUPTED, add_output, complain, reason, worker_count
+from granular_contact.cli.sweep_progress import progress
 from granular_contact.errors import ConfigError
 
 if TYPE_CHECKING:
-    from granular_contact.studies.sweep import WorkerPool
+    from granular_contact.studies.sweep import Row, WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
 
 
@@ -59,16 +62,22 @@ def with_checkpoint(
     act: Callable[[Checkpoint], int],
     *,
     count: int,
+    finished: Callable[[], int],
     interrupted: Callable[[Checkpoint], None],
     cases: bool = False,
 ) -> int:
     """Exit code of what is done in the work folder; what is finished is kept there, however it ends.
 
-    count: runs in all; interrupted: what is written besides after Ctrl-C; cases: whether cases have folders.
+    count: runs in all; finished: gives the exit code of work that is done already; interrupted: what is written besides
+    after Ctrl-C; cases: whether cases have folders.
     """
     from granular_contact.studies.sweep import WorkerPoolError
-    from granular_contact.studies.sweep.checkpoint import open_checkpoint
+    from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
 
+    if is_finished(work, folder, cases and not chosen.restart) and not chosen.restart:
+        if not chosen.quiet:
+            print(f"{folder} holds all {_noun(work)} of this {work.noun} already; --restart runs them again")
+        return finished()
     try:
         with open_checkpoint(work, folder, cases, chosen.restart) as checkpoint:
             try:
@@ -93,7 +102,26 @@ def with_checkpoint(
 
 def _kept(checkpoint: Checkpoint, count: int) -> str:
     """What unfinished work leaves, in words; empty if that is nothing."""
-    saved, what = len(checkpoint.journal), "cases" if checkpoint.work.kind == "sweep" else "runs"
+    saved = len(checkpoint.journal)
     if not saved:
         return ""
-    return f"{saved} of {count} {what} are kept in {checkpoint.folder}, and the same command goes on from there"
+    kept = f"{saved} of {count} {_noun(checkpoint.work)} are kept in {checkpoint.folder}"
+    return f"{kept}, and the same command goes on from there"
+
+
+def _noun(work: Contents) -> str:
+    return "cases" if work.kind == "sweep" else "runs"
+
+
+def each_row(
+    chosen: argparse.Namespace, rows: Generator[Row, None, None], checkpoint: Checkpoint, count: int
+) -> Generator[Row, None, None]:
+    """Rows of a sweep as they come, with a bar or lines on stderr; raises WorkerPoolError if not all are kept."""
+    from granular_contact.studies.sweep import WorkerPoolError
+
+    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
+        for row in rows:
+            yield row
+            advance()
+    if missing := count - len(checkpoint.journal):
+        raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")

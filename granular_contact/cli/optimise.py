@@ -44,21 +44,16 @@ def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> in
     from granular_contact import scene
     from granular_contact.config import load_optimise
     from granular_contact.studies.optimise.writing import work_of
-    from granular_contact.studies.sweep.checkpoint import is_finished
 
     study = load_optimise(chosen.file, probe=scene.build)
-    work = work_of(study)
-    if is_finished(work, folder) and not chosen.restart:
-        if not chosen.quiet:
-            print(f"{folder} holds all runs of this search already; --restart takes them again")
-        return _show(folder, folder, chosen.quiet)
     return many.with_checkpoint(
         chosen,
-        work,
+        work_of(study),
         folder,
         pool,
         lambda checkpoint: _run(chosen, study, pool, checkpoint, folder),
         count=study.file.evaluations,
+        finished=partial(_show, folder, folder, chosen.quiet),
         interrupted=lambda _: None,
     )
 

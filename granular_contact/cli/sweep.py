@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import sys
 import time
 from collections.abc import Iterable, Sequence
 from contextlib import closing
@@ -24,7 +23,6 @@ from granular_contact.cli.common import (
     say,
     there,
 )
-from granular_contact.cli.sweep_progress import progress
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
@@ -72,54 +70,47 @@ def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> in
     from granular_contact.config import load_sweep
     from granular_contact.scene.again import Builder
     from granular_contact.studies.sweep import table
-    from granular_contact.studies.sweep.checkpoint import is_finished
     from granular_contact.studies.sweep.runner import faults
 
     sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
-    work = table.work_of(sweep)
-    if is_finished(work, folder, chosen.plots and not chosen.restart) and not chosen.restart:
-        return _nothing_to_do(folder, chosen.quiet)
     return many.with_checkpoint(
         chosen,
-        work,
+        table.work_of(sweep),
         folder,
         pool,
         lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
         count=len(sweep.cases),
+        finished=partial(_failed_before, folder),
         interrupted=lambda checkpoint: table.write(sweep, checkpoint.journal, checkpoint.folder),
         cases=chosen.plots,
     )
 
 
-def _nothing_to_do(folder: Path, quiet: bool) -> int:
+def _failed_before(folder: Path) -> int:
+    """Exit code of a sweep that is done already."""
     from granular_contact.report import TABLE
     from granular_contact.results import FINISHED
 
     with (folder / TABLE).open(encoding="utf-8", newline="") as file:
         failed = sum(row["status"] not in FINISHED for row in csv.DictReader(file))
-    if not quiet:
-        print(f"{folder} holds all cases of this sweep already; --restart runs them again")
     if failed:
         complain(f"{failed} cases failed; saved in {folder}")
     return FAILED if failed else FINE
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
-    from granular_contact.studies.sweep import WorkerPoolError, run, sensitivity, slip, table
+    from granular_contact.studies.sweep import run, sensitivity, slip, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     if checkpoint.done and not chosen.quiet:
         print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} cases are there", flush=True)
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, cases_folder=checkpoint.cases)
     asked = False
-    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
-        for row in rows:
+    with closing(many.each_row(chosen, rows, checkpoint, count)) as coming:
+        for row in coming:
             if sweep.sample is not None and not asked and not row.failed:
                 _ask_for_outputs(sweep.sample, row, chosen.file)
                 asked = True
-            advance()
-    if missing := count - len(checkpoint.journal):
-        raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
     table.write(sweep, checkpoint.journal, checkpoint.folder)
     slip.write(sweep, checkpoint.journal, checkpoint.folder)
     found = sensitivity.of_sweep(sweep, checkpoint.journal)

@@ -250,8 +250,9 @@ class Template:
         resolver = Resolver(self._path, faults)
         node = tree.under(node, "model", partial(resolver.resolve, library=MODELS))
         medium = partial(resolver.resolve, library=MEDIA)
+        layers = partial(_each, change=partial(tree.under, key="medium", change=medium))
         node = tree.under(node, "medium", partial(_each, change=medium))
-        node = tree.under(node, "bed", lambda bed: tree.under(bed, "layers", partial(_each, change=_in_layer(medium))))
+        node = tree.under(node, "bed", partial(tree.under, key="layers", change=layers))
         if len(faults) == before:
             if len(self._resolved) == _MOST_KEPT:
                 self._resolved.clear()
@@ -337,11 +338,6 @@ def _paired(node: tree.Node, held: tree.Items, change: Callable[[tree.Node, tree
     if not isinstance(node, tree.Items) or len(node.nodes) != len(held.nodes):
         return node
     return tree.Items(node.position, tuple(map(change, node.nodes, held.nodes)))
-
-
-def _in_layer(change: Change) -> Change:
-    """Changes the medium of a layer."""
-    return lambda layer: tree.under(layer, "medium", change)
 
 
 def load_medium(name: str, **values: Any) -> Medium:

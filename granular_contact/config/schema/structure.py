@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from granular_contact.config.schema.chain import names
@@ -58,7 +58,8 @@ def structure_faults(
         False if `joints` lacks some whose ends could not be read; a body without a joint is then no fault.
     """
     closures = closures or {}
-    faults = [fault for kind, given in _kinds(bodies, joints, closures) for fault in _name_faults(kind, given)]
+    kinds = {"bodies": bodies, "joints": joints, "closures": closures}
+    faults = [fault for kind, given in kinds.items() for fault in _name_faults(kind, given)]
     faults += _twice("closures", closures, joints, "joint")
     all_bodies, all_joints = dict.fromkeys(bodies), dict(joints)
     if chain is not None:
@@ -81,10 +82,6 @@ def structure_faults(
     words = "no joint has {} as its child; each body is the child of one joint"
     faults += [(("bodies", body), words.format(body)) for body in bodies if complete and body not in joints_of]
     return faults + _cycle_faults({child: names[0] for child, names in joints_of.items()}, joints, all_joints)
-
-
-def _kinds(*names: Collection[str]) -> Iterator[tuple[str, Collection[str]]]:
-    return zip(("bodies", "joints", "closures"), names, strict=True)
 
 
 def _twice(kind: str, names: Collection[str], others: Collection[str], what: str) -> list[LocalFault]:
