@@ -56,18 +56,13 @@ def assembled(system: AnySystem) -> AnySystem:
 def _attach(system: AnySystem) -> AnySystem:
     mbs, bed, weights = system.mbs, system.bed, gravity_loads(system)
     overlay = Overlay(mbs) if bed is None else bed.overlay
-    joints = None
-    if system.loads:
-        from granular_contact.multibody.joint_loads import JointLoads
-
-        joints = JointActions(mbs, JointLoads(list(system.loads.values()), overlay), system.turning)
-    elif system.turning:
-        joints = JointActions(mbs, None, system.turning)
+    act = system.loads or system.turning
+    joints = JointActions(overlay, list(system.loads.values()), system.turning) if act else None
     if bed is not None:
         bed.attach(weights, joints)
     elif joints is not None:
         overlay.coordinates(*_any_node(system))  # what has a place in the overlay is asked for forces
-        joints.attach(overlay, weights)
+        joints.attach(weights)
     elif weights:
         overlay.attach(weights)
     return replace(system, joints=joints)

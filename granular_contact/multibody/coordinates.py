@@ -6,7 +6,7 @@ Used with engine coordinates: without reference values.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,10 +31,11 @@ class End:
     reference: Numbers
     point: Numbers
     angle: float = 0.0
-    size: int = field(init=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "size", len(self.reference))
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.reference)
 
 
 class Coordinate:

@@ -102,9 +102,7 @@ def _coordinate(system: System, joint: Joint, *, whole: bool = False) -> Coordin
     from granular_contact.multibody.coordinates import Coordinate
 
     ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
-    made = Coordinate(joint, *(_end(system, *end, whole=whole) for end in ends))
-    system.turning_ends.append(made)
-    return made
+    return Coordinate(joint, *(_end(system, *end, whole=whole) for end in ends))
 
 
 def _end(system: System, body: str | None, point: Vector, *, whole: bool) -> End:
@@ -150,11 +148,13 @@ def _add_turning(system: System, joint: Joint, drive: Drive) -> int:
 def _add_motion(system: System, joint: Joint, drive: Drive) -> int:
     """Constraint s(q) = signal(t)."""
     s = _coordinate(system, joint, whole=True)  # as markers of nodes have them
-    return add_constraint(system.mbs, s, _nodes(system, joint), drive)
+    return add_constraint(system, s, _nodes(system, joint), drive)
 
 
-def add_constraint(mbs: Any, s: Coordinate, nodes: list[int], drive: Drive) -> int:
+def add_constraint(system: System, s: Coordinate, nodes: list[int], drive: Drive) -> int:
     """Constraint of a coordinate to a signal; nodes: of parent and child, without the ground's."""
+    system.turns.append(s.last_angles)
+    mbs = system.mbs
     sizes = [int(s.record[end][0]) for end in ("parent", "child")]
     if len(nodes) == 1:
         nodes = [mbs.AddNode(items.NodePointGround()), *nodes]

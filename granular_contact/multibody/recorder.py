@@ -36,7 +36,8 @@ class Recorder:
         self.motions = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
         self.multipliers: list[Vector] = []  # of prescribed motions
         self.accelerations: list[Vector] = []  # that belong to them
-        self.external = {name: load for name, load in system.loads.items() if load.set_to is not None}
+        set_from_outside = {drive.joint for drive in system.scene.drives if drive.sets}
+        self.external = {name: load for name, load in system.loads.items() if name in set_from_outside}
         self.set_to: list[list[float]] = []
         self.resting_since: float | None = None
         self.reason = ""
@@ -70,7 +71,7 @@ class Recorder:
             self.multipliers.append(self.views.multipliers[self.motions])
             self.accelerations.append(self.views.a.copy())
         if self.external:
-            self.set_to.append([load.set_to or 0.0 for load in self.external.values()])
+            self.set_to.append([load.set_to for load in self.external.values()])
         system = self.system
         if system.joints is not None:
             system.joints.accept(q, v)

@@ -109,7 +109,7 @@ class Senses:
         for i, (body, places) in enumerate(((joint.parent, first), (joint.child, second))):
             if body in self.system.links:
                 self._turning.append((made.last_angles[i : i + 1], places))
-        self.system.turning_ends.append(made)
+        self.system.turns.append(made.last_angles)
         return made, first + second
 
     def _link(self, name: str) -> tuple[Vector, Root, list[int]]:
@@ -122,7 +122,7 @@ class Senses:
             shares.append(mass @ along / (along @ mass @ along))
         root, places = Root(np.array([self.system.scene.body(name).motion.angle])), self._places(name, np.zeros(2))
         self._turning.append((root.last_angles, places))
-        self.system.turning_ends.append(root)
+        self.system.turns.append(root.last_angles)
         return np.array(shares), root, places
 
     def _rigid_hinges(self, joints: list[Joint]) -> tuple[Vector, Vector]:

@@ -6,6 +6,7 @@ acceleration of the scheme, the choice of steps, and the Jacobian that Newton's 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -29,9 +30,9 @@ class SolveState:
     """Of the engine, of what follows its steps, and of the granular load.
 
     time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
-    constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints,
-    last_angles: what drives and ends of joints follow. recorded, control: fields of the recorder and of the choice of
-    steps. iterations: of `predictor`. bed: None without one.
+    constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints: as
+    `System.held`. recorded, control: fields of the recorder and of the choice of steps. iterations: of `predictor`.
+    bed: None without one.
     """
 
     time: float
@@ -44,9 +45,8 @@ class SolveState:
     outdated: bool
     place: Place | None
     counts: tuple[int, ...]
-    joints: tuple[tuple[float, float | None], ...]
+    joints: tuple[Vector, ...]
     first_anchors: tuple[float, ...]
-    last_angles: tuple[float, ...]
     recorded: dict[str, Any]
     control: dict[str, Any] | None
     iterations: tuple[NDArray[Any], ...]
@@ -83,9 +83,8 @@ class Keeper:
             outdated=solver.conv.jacobianUpdateRequested,
             place=self.tangent.place,
             counts=tuple(getattr(solver.it, name) for name in COUNTS),
-            joints=_joint_states(system),
+            joints=tuple(array.copy() for array in system.held),
             first_anchors=tuple(load.first_anchor for load in system.loads.values()),
-            last_angles=_last_angles(system),
             recorded=self.recorder.kept(),
             control=None if control is None else control.kept(),
             iterations=() if self.predictor is None else self.predictor.kept,
@@ -106,10 +105,12 @@ class Keeper:
         self._set_engine(kept, data)
         for name, count in zip(COUNTS, kept.counts, strict=True):
             setattr(solver.it, name, count)
-        _set_joints(system, kept.joints)
+        for array, old in zip(system.held, kept.joints, strict=True):
+            array[:] = old
+        if system.joints is not None:
+            system.joints.time = math.nan  # what drives want is asked for anew
         for load, anchor in zip(system.loads.values(), kept.first_anchors, strict=True):
             load.first_anchor = anchor
-        _set_last_angles(system, kept.last_angles)
         recorder.restore(kept.recorded)
         if recorder.control is not None and kept.control is not None:
             recorder.control.restore(kept.control)
@@ -134,26 +135,3 @@ class Keeper:
         it = self.solver.it
         it.currentTime, it.currentStepSize = kept.time, kept.step
         self.solver.conv.jacobianUpdateRequested = kept.outdated
-
-
-def _joint_states(system: System) -> tuple[tuple[float, float | None], ...]:
-    """Anchor of each joint's friction, and what its drive is set to from outside."""
-    return tuple((load.anchor, load.set_to) for load in system.loads.values())
-
-
-def _set_joints(system: System, states: tuple[tuple[float, float | None], ...]) -> None:
-    """Bring joints to such states."""
-    for load, (anchor, set_to) in zip(system.loads.values(), states, strict=True):
-        load.anchor, load.set_to = anchor, set_to
-
-
-def _last_angles(system: System) -> tuple[float, ...]:
-    """Angles (rad) by which the ends of joints count the turns of flexible links."""
-    return tuple(float(angle) for one in system.turning_ends for angle in one.last_angles)
-
-
-def _set_last_angles(system: System, angles: tuple[float, ...]) -> None:
-    """Bring ends to such angles."""
-    left = iter(angles)
-    for one in system.turning_ends:
-        one.last_angles[:] = [next(left) for _ in one.last_angles]

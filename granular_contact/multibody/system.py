@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,14 +17,6 @@ if TYPE_CHECKING:
     from granular_contact.multibody.joint_actions import JointActions, Turning
     from granular_contact.multibody.joint_loads import JointLoad
     from granular_contact.multibody.senses import Senses
-
-
-class TurningEnds(Protocol):
-    """last_angles (k,) rad: angles of ends of joints found last, by which whole turns are counted."""
-
-    @property
-    def last_angles(self) -> Vector:
-        """See above."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +47,8 @@ class System:
 
     bed: the granular load in it, None where none is needed. loads: what acts in joints, by name; joints: all of them,
     None where nothing acts. motions: constraint objects of prescribed motions, by joint; turning: of these those that
-    are between the angles of rigid bodies. turning_ends: what counts the turns of flexible links.
+    are between the angles of rigid bodies. turns: angles (rad) that constraints and observers found last, by which they
+    count whole turns.
 
     origin (2,) m, world frame: that of the engine's coordinates, near the mechanism. Strains are differences of
     positions: a kilometre from the origin their round-off makes forces that no iteration gets below.
@@ -70,7 +63,7 @@ class System:
     loads: dict[str, JointLoad] = field(default_factory=dict)
     motions: dict[str, int] = field(default_factory=dict)
     turning: list[Turning] = field(default_factory=list)
-    turning_ends: list[TurningEnds] = field(default_factory=list)
+    turns: list[Vector] = field(default_factory=list)
     joints: JointActions | None = None
     origin: Vector = field(default_factory=lambda: np.zeros(2))
 
@@ -82,6 +75,11 @@ class System:
         nodes = [rigid.node for rigid in self.rigid.values()]
         nodes += [node for link in self.links.values() for node in link.nodes]
         return reference(self.mbs, nodes, self.origin)
+
+    @property
+    def held(self) -> list[Vector]:
+        """Arrays of what Python keeps of joints, each once; from the first forces on they stay where they are."""
+        return [*([] if self.joints is None else [self.joints.state]), *self.turns]
 
     def senses(self) -> Senses:
         """What reads its state in the pauses of a solve."""

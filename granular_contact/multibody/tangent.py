@@ -49,7 +49,9 @@ class Tangent:
         self.system, self.solver, self.simulation = system, solver, simulation
         self.views: Views | None = None
         self.before: Callable[..., None] | None = None  # what the engine calls before residuals of the solve
-        self._it, self._held = solver.it, _held(system)
+        self._it = solver.it
+        batches = () if system.bed is None else system.bed.load.batches
+        self._held = [*system.held, *(array for batch in batches for array in batch.state())]
         data = system.mbs.systemData
         size, multipliers = data.ODE2Size(), len(data.GetAECoordinates())
         self._time, self._step, self._active = math.nan, 0.0, False
@@ -106,17 +108,6 @@ class Tangent:
         solver.newton.maxIterations = iterations
 
 
-def _held(system: System) -> Arrays:
-    """Arrays of what Python keeps of joints and of the granular load, each once; they stay where they are."""
-    loads = None if system.joints is None else system.joints.loads
-    states = () if loads is None else (loads.state,)
-    angles = tuple(
-        one.last_angles for one in system.turning_ends if loads is None or one.last_angles.base is not loads.state
-    )
-    batches = () if system.bed is None else system.bed.load.batches
-    return states + angles + tuple(array for batch in batches for array in batch.state())
-
-
 def _leading_to(place: Place) -> Callable[..., None]:
     """Function that the engine calls before each residual of an iteration, the first of which it makes at a place."""
 
@@ -127,6 +118,3 @@ def _leading_to(place: Place) -> Callable[..., None]:
             mbs.systemData.SetAECoordinates(place.multipliers)
 
     return lead
-
-
-# ---- what Python keeps of joints ----

@@ -285,8 +285,7 @@ def test_tangent_of_what_acts_in_a_joint_is_the_derivative_of_its_force(element:
     system = build_system(scene)
     system.mbs.Assemble()
     assert system.joints is not None
-    assert system.joints.loads is not None
-    acting, size = system.joints.loads, system.mbs.systemData.ODE2Size()
+    acting, size = system.joints, system.mbs.systemData.ODE2Size()
     acting.places[0, :6, 1] = acting.places[0, 5::-1, 1].copy()  # whoever takes the forces may have another order
     where, over = acting.places[0, :6].T
     assert (where != over).all()
@@ -316,10 +315,9 @@ def test_dry_friction_grows_to_its_bound_and_never_beyond(kind: dict[str, str], 
     system = build_system(scene)
     system.mbs.Assemble()
     assert system.joints is not None
-    assert system.joints.loads is not None
     law, size = scene.joints[0].law, system.mbs.systemData.ODE2Size()
     for strain in (-3.0, -1.5, -1.01, -0.5, 0.5, 1.01, 1.5, 3.0):
         q, out = np.zeros(size), np.zeros(size)
         q[moved] = strain * law.slip
-        system.joints.loads.add_forces(q, np.zeros(size), out)
+        system.joints.add_forces(q, np.zeros(size), out)
         assert out[moved] == pytest.approx(-law.friction * np.clip(strain, -1.0, 1.0), rel=1e-9)

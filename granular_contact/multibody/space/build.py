@@ -50,15 +50,12 @@ def _let_act(system: SpatialSystem, joint: SpatialJoint) -> None:
     drive = system.scene.drive(joint.name)
     if drive is not None and drive.kind == "motion":
         s = SpatialCoordinate(joint, [0.0] * 7 * len(nodes))  # markers of nodes have the reference values already
-        system.motions[joint.name] = add_constraint(system.mbs, s, nodes, drive)
-        system.turning_ends.append(s)
+        system.motions[joint.name] = add_constraint(system, s, nodes, drive)
         drive = None
     if drive is None and joint.law.is_idle:
         return
     references = [float(x) for node in nodes for x in system.mbs.GetNode(node)["referenceCoordinates"]]
-    s = SpatialCoordinate(joint, references)
-    system.loads[joint.name] = JointLoad(s, nodes, joint.law, drive)
-    system.turning_ends.append(s)
+    system.loads[joint.name] = JointLoad(SpatialCoordinate(joint, references), nodes, joint.law, drive)
 
 
 def _add(mbs: Any, body: SpatialRigidBody) -> SpatialHandle:

@@ -32,7 +32,7 @@ class SpatialSenses(Senses):
         for joint in joints:
             nodes = [at[name] for name in (joint.parent, joint.child) if name is not None]
             coordinate = SpatialCoordinate(joint, [0.0] * 7 * len(nodes))
-            system.turning_ends.append(coordinate)
+            system.turns.append(coordinate.last_angles)
             self._coordinates.append((coordinate, np.concatenate(nodes)))
 
     @property
