@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,45 +27,68 @@ class Start:
     moved: frozenset[str]
 
 
+class Said(NamedTuple):
+    """State of a joint as the run gives it, and whether its coordinate and its rate were given."""
+
+    state: Any  # of `Start.states`
+    has_place: bool
+    has_rate: bool
+
+
 def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: float, faults: list[Fault]) -> Start:
     """Initial states of all joints of the tree, not looking at loops; faults are appended.
 
     impact_speed: rate of the ground hinges (rad/s).
     """
-    initial, driven = scenario.initial, {drive.joint: drive for drive in drives}
+    initial = scenario.initial
+
+    def said(name: str, joint: schema.Joint) -> Said:
+        given = (initial.joints or {}).get(name, schema.JointStart())
+        struck = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
+        places = (given.angle_deg, given.position_m, given.x_m, given.y_m)
+        has_rate = given.rate_rad_s is not None or given.speed_m_s is not None
+        free = isinstance(joint, schema.Free)
+        return Said(
+            _said(joint, given, initial, impact_speed),
+            free or struck or any(v is not None for v in places),
+            free or (struck and impact_speed != 0.0) or has_rate,
+        )
+
+    return begun(scenario, drives, said, faults)
+
+
+def begun(
+    scenario: schema.Scenario, drives: tuple[Drive, ...], said: Callable[[str, Any], Said], faults: list[Fault]
+) -> Start:
+    """Initial states of joints as a run gives them (said), or as drives begin; in the plane or in space."""
+    driven = {drive.joint: drive for drive in drives}
     states, placed, moved = {}, set(), set()
     for name, joint in scenario.model.all_joints.items():
-        if isinstance(joint, schema.Weld):
+        if joint.type == "weld":
             continue
-        said = (initial.joints or {}).get(name, schema.JointStart())
-        state = _said(joint, said, initial, impact_speed)
-        struck = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
-        has_place = struck or any(v is not None for v in (said.angle_deg, said.position_m, said.x_m, said.y_m))
-        has_rate = (struck and impact_speed != 0.0) or said.rate_rad_s is not None or said.speed_m_s is not None
+        own = said(name, joint)
+        state, has_place, has_rate = own
         drive = driven.get(name)
         if drive is not None and drive.kind == "motion":
-            follows = JointState(np.array([drive.signal.value(0.0)]), np.array([drive.signal.rate(0.0)]))
-            faults += _gaps(name, joint, state, follows, has_place, has_rate)
-            state, has_place, has_rate = follows, True, True
-            if initial.settle and state.rates[0] != 0.0:
-                faults.append(settling_fault(name, float(state.rates[0])))
+            state = replace(state.at(drive.signal.value(0.0)), rates=np.array([drive.signal.rate(0.0)]))
+            faults += _gaps(name, joint, own, state)
+            has_place = has_rate = True
+            if scenario.initial.settle and state.rates[0] != 0.0:
+                words = (
+                    f"the motion starts at {state.rates[0]:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
+                )
+                faults.append(scene_fault(f"drives.{name}", words))
         elif drive is not None and drive.kind == "control" and not drive.of_rate and not has_place:
-            state, has_place = JointState(np.array([drive.signal.value(0.0)]), state.rates), True
+            state, has_place = state.at(drive.signal.value(0.0)), True
         states[name] = state
-        placed |= {name} if has_place or isinstance(joint, schema.Free) else set()
-        moved |= {name} if has_rate or isinstance(joint, schema.Free) else set()
+        placed |= {name} if has_place else set()
+        moved |= {name} if has_rate else set()
     return Start(states, frozenset(placed), frozenset(moved))
 
 
 def home(joint: Any) -> float:
     """Coordinate (rad, m) of a hinge or slider, in the plane or in space, in the reference configuration."""
     return math.radians(joint.home_deg) if joint.type == "hinge" else float(joint.home_m)
-
-
-def settling_fault(name: str, rate: float) -> Fault:
-    """Fault of a prescribed motion that does not begin at rest, as static equilibrium does; rate in rad/s or m/s."""
-    words = f"the motion starts at {rate:.6g} rad/s or m/s, but initial.settle is true: allowed is 0"
-    return scene_fault(f"drives.{name}", words)
 
 
 def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
@@ -86,16 +109,14 @@ def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial,
     )
 
 
-def _gaps(
-    name: str, joint: schema.Joint, state: JointState, follows: JointState, has_place: bool, has_rate: bool
-) -> Iterator[Fault]:
+def _gaps(name: str, joint: Any, own: Said, follows: Any) -> Iterator[Fault]:
     """Differences between what the run says and what a prescribed motion starts with."""
-    hinge = isinstance(joint, schema.Hinge)
+    hinge = joint.type == "hinge"
     unit = math.degrees(1.0) if hinge else 1.0
     keys = ("angle_deg", "rate_rad_s") if hinge else ("position_m", "speed_m_s")
     asked = (
-        (has_place, keys[0], unit, float(state.value[0]), float(follows.value[0])),
-        (has_rate, keys[1], 1.0, float(state.rates[0]), float(follows.rates[0])),
+        (own.has_place, keys[0], unit, own.state.coordinate, follows.coordinate),
+        (own.has_rate, keys[1], 1.0, float(own.state.rates[0]), float(follows.rates[0])),
     )
     for given, key, factor, got, expected in asked:
         if given and abs(got - expected) > AGREEMENT:
