@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.friction import SWITCH
 from granular_contact.kernels.kinematics import scatter, spacing, stations
 from granular_contact.kernels.law import LINE, TERMS, count_path, drag_anchor, forces, line_force
 from granular_contact.kernels.memory import clear, piece, room2, rows
@@ -173,14 +174,16 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
 def difference(q, fq, fv):
     """Length d of a difference that moves a coordinate by d fq and its rate by d fv.
 
-    By at most 10 nm and 1 um/s, little of what a bristle yields at, yet far above the round-off of q.
+    By at most 10 nm and 1 um/s, little of what a bristle yields at, yet far above the round-off of q, to which a rate
+    adds what it comes to over SWITCH: were q to be above it alone, short steps a kilometre away would move rates by
+    more than a face begins to lead within, and their Jacobian lead nowhere.
     """
     greatest = 1.0
     for j in range(q.shape[0]):
         greatest = max(greatest, abs(q[j]))
     largest_q, largest_v = max(abs(fq), 1e-300), max(abs(fv), 1e-300)
     d = min(1e-8 / largest_q, 1e-6 / largest_v)
-    return max(d, 1e-12 * greatest / max(largest_q, 1e-6 * largest_v))
+    return max(d, 1e-12 * greatest / max(largest_q, SWITCH * largest_v))
 
 
 @part
