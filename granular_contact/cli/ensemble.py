@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import time
 from dataclasses import replace
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -34,35 +33,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
-    return many.with_pool(chosen, None, partial(_with_pool, chosen, folder))
-
-
-def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact.studies.ensemble import cases
     from granular_contact.studies.sweep import table
 
-    scenario, _ = read(chosen.file, chosen.set)
-    sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
-    return many.with_checkpoint(
-        chosen,
-        table.work_of(sweep),
-        folder,
-        pool,
-        lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
-        count=len(sweep.cases),
-        finished=lambda: FINE,
-        interrupted=lambda checkpoint: table.write(sweep, _plain(checkpoint), checkpoint.folder),
-    )
+    folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
+    with many.pool(chosen, None) as pool:
+        scenario, _ = read(chosen.file, chosen.set)
+        sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
+        return many.with_checkpoint(
+            chosen,
+            table.work_of(sweep),
+            folder,
+            pool,
+            lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
+            count=len(sweep.cases),
+            finished=lambda: _nothing_to_do(folder, chosen.quiet),
+            interrupted=lambda checkpoint: table.write(sweep, _plain(checkpoint), checkpoint.folder),
+        )
+
+
+def _nothing_to_do(folder: Path, quiet: bool) -> int:
+    if not quiet:
+        print(f"{folder} holds all runs of this ensemble already; --restart runs them again")
+    return FINE
 
 
 def _plain(checkpoint: Checkpoint) -> list[Row]:
     """Rows without their histories, in the order of the seeds."""
     from granular_contact.studies.ensemble.runs import SERIES
 
-    rows = sorted(checkpoint.journal, key=lambda row: row.index)
-    kept = ({key: x for key, x in row.summary.items() if not key.startswith(f"{SERIES}.")} for row in rows)
-    return [replace(row, summary=summary) for row, summary in zip(rows, kept, strict=True)]
+    return [
+        replace(row, summary={key: x for key, x in row.summary.items() if not key.startswith(f"{SERIES}.")})
+        for row in checkpoint.journal
+    ]
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
@@ -74,8 +77,7 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, function=observed)
     if sweep.base.output.figures:  # loaded while workers start
         Thread(target=import_module, args=("granular_contact.report.figures.ensembles",), daemon=True).start()
-    for _ in many.each_row(chosen, rows, checkpoint, count):
-        pass
+    many.take(chosen, rows, checkpoint, count)
     table.write(sweep, _plain(checkpoint), checkpoint.folder)
     found = of_rows(checkpoint.journal)
     write(found, checkpoint.folder, figures=sweep.base.output.figures)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
-from granular_contact.errors import ConfigError, OutOfTimeError, SceneError, SolveError
+from granular_contact.errors import GranularContactError, OutOfTimeError, SolveError
 
 COMMANDS = (
     *("new", "run", "check", "report", "sweep", "ensemble", "optimise", "compare", "compare-media", "fit"),
@@ -34,15 +34,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FINE
     try:
         code: int = chosen.command(chosen)
-    except (ConfigError, SceneError, Refusal) as error:
+    except (GranularContactError, Refusal) as error:
         complain(str(error))
-        return FAULTY_INPUT
-    except OutOfTimeError as error:
-        complain(str(error))
-        return OUT_OF_TIME
-    except SolveError as error:
-        complain(str(error))
-        return FAILED
+        codes = {OutOfTimeError: OUT_OF_TIME, SolveError: FAILED}
+        return next((code for kind, code in codes.items() if isinstance(error, kind)), FAULTY_INPUT)
     except KeyboardInterrupt:
         complain("interrupted; nothing was saved")
         return INTERRUPTED

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Generator
-from contextlib import closing
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,20 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser, words: str, restart: str) -> 
     add_output(parser, "results/NAME_OF_FILE")
 
 
-def with_pool(chosen: argparse.Namespace, shared: Path | None, act: Callable[[WorkerPool], int]) -> int:
-    """Exit code of what is done with the pool that was asked for; shared: a folder that workers must see."""
-    from granular_contact.studies.sweep import FolderRefused, WorkerPoolError
-
-    try:
-        with pool(chosen, shared) as made:
-            return act(made)
-    except (WorkerPoolError, FolderRefused) as error:
-        complain(str(error))
-        return FAULTY_INPUT
-
-
 def pool(chosen: argparse.Namespace, shared: Path | None) -> WorkerPool:
-    """Who works: processes of this machine, or those of a cluster."""
+    """Who works: processes of this machine, or those of a cluster, which must see the folder `shared`."""
     from granular_contact.studies.processes import prepare
     from granular_contact.studies.sweep import WorkerPool
 
@@ -63,20 +51,18 @@ def with_checkpoint(
     *,
     count: int,
     finished: Callable[[], int],
-    interrupted: Callable[[Checkpoint], None],
+    interrupted: Callable[[Checkpoint], None] = lambda _: None,
     cases: bool = False,
 ) -> int:
     """Exit code of what is done in the work folder; what is finished is kept there, however it ends.
 
-    count: runs in all; finished: gives the exit code of work that is done already; interrupted: what is written besides
-    after Ctrl-C; cases: whether cases have folders.
+    count: runs in all; finished: what is said where the folder holds all of them already; interrupted: what is written
+    besides after Ctrl-C; cases: whether cases have folders.
     """
     from granular_contact.studies.sweep import WorkerPoolError
     from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
 
     if is_finished(work, folder, cases and not chosen.restart) and not chosen.restart:
-        if not chosen.quiet:
-            print(f"{folder} holds all {_noun(work)} of this {work.noun} already; --restart runs them again")
         return finished()
     try:
         with open_checkpoint(work, folder, cases, chosen.restart) as checkpoint:
@@ -100,28 +86,40 @@ def with_checkpoint(
         return FAULTY_INPUT
 
 
-def _kept(checkpoint: Checkpoint, count: int) -> str:
-    """What unfinished work leaves, in words; empty if that is nothing."""
-    saved = len(checkpoint.journal)
-    if not saved:
-        return ""
-    kept = f"{saved} of {count} {_noun(checkpoint.work)} are kept in {checkpoint.folder}"
-    return f"{kept}, and the same command goes on from there"
+@contextmanager
+def advancing(chosen: argparse.Namespace, checkpoint: Checkpoint, count: int) -> Iterator[Callable[[], None]]:
+    """Give a callable that tells of one run more; what is there already is said first."""
+    done, noun = len(checkpoint.done), checkpoint.work.runs
+    if done and not chosen.quiet:
+        print(f"going on in {checkpoint.folder}: {done} of {count} {noun} are there", flush=True)
+    with progress(sys.stderr, count, done, chosen.quiet, noun) as advance:
+        yield advance
 
 
-def _noun(work: Contents) -> str:
-    return "cases" if work.kind == "sweep" else "runs"
-
-
-def each_row(
-    chosen: argparse.Namespace, rows: Generator[Row, None, None], checkpoint: Checkpoint, count: int
-) -> Generator[Row, None, None]:
-    """Rows of a sweep as they come, with a bar or lines on stderr; raises WorkerPoolError if not all are kept."""
+def take(
+    chosen: argparse.Namespace,
+    rows: Generator[Row, None, None],
+    checkpoint: Checkpoint,
+    count: int,
+    look: Callable[[Row], None] = lambda _: None,
+) -> None:
+    """Take all rows of a sweep, the first good one of which is looked at; the journal must have them in the end."""
     from granular_contact.studies.sweep import WorkerPoolError
 
-    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet) as advance, closing(rows):
+    looked = False
+    with advancing(chosen, checkpoint, count) as advance, closing(rows):
         for row in rows:
-            yield row
+            if not looked and not row.failed:
+                look(row)
+                looked = True
             advance()
     if missing := count - len(checkpoint.journal):
         raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
+
+
+def _kept(checkpoint: Checkpoint, count: int) -> str:
+    """What unfinished work leaves, in words; empty if that is nothing."""
+    if not (saved := len(checkpoint.journal)):
+        return ""
+    runs = checkpoint.work.runs
+    return f"{saved} of {count} {runs} are kept in {checkpoint.folder}, and the same command goes on from there"

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
-from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, complain, output_folder, print_table
-from granular_contact.cli.sweep_progress import progress
+from granular_contact.cli.common import FAILED, FINE, Refusal, complain, output_folder, print_table
 from granular_contact.errors import MissingPackageError
 
 if TYPE_CHECKING:
@@ -32,40 +29,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    folder = output_folder(chosen.out, Path(chosen.file).stem, "optimise")
-    try:
-        return many.with_pool(chosen, None, partial(_with_pool, chosen, folder))
-    except MissingPackageError as error:
-        complain(f"{chosen.file}: {error}")
-        return FAULTY_INPUT
-
-
-def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact import scene
     from granular_contact.config import load_optimise
     from granular_contact.studies.optimise.writing import work_of
 
-    study = load_optimise(chosen.file, probe=scene.build)
-    return many.with_checkpoint(
-        chosen,
-        work_of(study),
-        folder,
-        pool,
-        lambda checkpoint: _run(chosen, study, pool, checkpoint, folder),
-        count=study.file.evaluations,
-        finished=partial(_show, folder, folder, chosen.quiet),
-        interrupted=lambda _: None,
-    )
+    folder = output_folder(chosen.out, Path(chosen.file).stem, "optimise")
+    with many.pool(chosen, None) as pool:
+        study = load_optimise(chosen.file, probe=scene.build)
+        try:
+            work = work_of(study)
+        except MissingPackageError as error:
+            raise Refusal(f"{chosen.file}: {error}") from None
+        return many.with_checkpoint(
+            chosen,
+            work,
+            folder,
+            pool,
+            lambda checkpoint: _run(chosen, study, pool, checkpoint, folder),
+            count=study.file.evaluations,
+            finished=lambda: _nothing_to_do(folder, chosen.quiet),
+        )
+
+
+def _nothing_to_do(folder: Path, quiet: bool) -> int:
+    if not quiet:
+        print(f"{folder} holds all runs of this search already; --restart takes them again")
+    return _show(folder, folder, quiet)
 
 
 def _run(chosen: argparse.Namespace, study: Study, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
     from granular_contact.studies.optimise.search import search
     from granular_contact.studies.optimise.writing import write_outcome
 
-    count, begin = study.file.evaluations, time.perf_counter()
-    if checkpoint.done and not chosen.quiet:
-        print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} runs are there", flush=True)
-    with progress(sys.stderr, count, len(checkpoint.done), chosen.quiet, "runs") as advance:
+    begin = time.perf_counter()
+    with many.advancing(chosen, checkpoint, study.file.evaluations) as advance:
         outcome = search(study, pool, journal=checkpoint.journal, advance=advance)
     write_outcome(outcome, checkpoint.folder, figures=study.sweep.base.output.figures)
     code = _show(checkpoint.folder, folder, chosen.quiet)

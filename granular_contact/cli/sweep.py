@@ -6,7 +6,6 @@ import argparse
 import csv
 import time
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -61,38 +60,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
-    shared = folder.resolve().parent if chosen.plots else None
-    return many.with_pool(chosen, shared, partial(_with_pool, chosen, folder))
-
-
-def _with_pool(chosen: argparse.Namespace, folder: Path, pool: WorkerPool) -> int:
     from granular_contact.config import load_sweep
     from granular_contact.scene.again import Builder
     from granular_contact.studies.sweep import table
     from granular_contact.studies.sweep.runner import faults
 
-    sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
-    return many.with_checkpoint(
-        chosen,
-        table.work_of(sweep),
-        folder,
-        pool,
-        lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
-        count=len(sweep.cases),
-        finished=partial(_failed_before, folder),
-        interrupted=lambda checkpoint: table.write(sweep, checkpoint.journal, checkpoint.folder),
-        cases=chosen.plots,
-    )
+    folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
+    with many.pool(chosen, folder.resolve().parent if chosen.plots else None) as pool:
+        sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
+        return many.with_checkpoint(
+            chosen,
+            table.work_of(sweep),
+            folder,
+            pool,
+            lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
+            count=len(sweep.cases),
+            finished=lambda: _nothing_to_do(folder, chosen.quiet),
+            interrupted=lambda checkpoint: table.write(sweep, checkpoint.journal, checkpoint.folder),
+            cases=chosen.plots,
+        )
 
 
-def _failed_before(folder: Path) -> int:
-    """Exit code of a sweep that is done already."""
+def _nothing_to_do(folder: Path, quiet: bool) -> int:
     from granular_contact.report import TABLE
     from granular_contact.results import FINISHED
 
     with (folder / TABLE).open(encoding="utf-8", newline="") as file:
         failed = sum(row["status"] not in FINISHED for row in csv.DictReader(file))
+    if not quiet:
+        print(f"{folder} holds all cases of this sweep already; --restart runs them again")
     if failed:
         complain(f"{failed} cases failed; saved in {folder}")
     return FAILED if failed else FINE
@@ -102,15 +98,8 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
     from granular_contact.studies.sweep import run, sensitivity, slip, table
 
     count, begin = len(sweep.cases), time.perf_counter()
-    if checkpoint.done and not chosen.quiet:
-        print(f"going on in {checkpoint.folder}: {len(checkpoint.done)} of {count} cases are there", flush=True)
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, cases_folder=checkpoint.cases)
-    asked = False
-    with closing(many.each_row(chosen, rows, checkpoint, count)) as coming:
-        for row in coming:
-            if sweep.sample is not None and not asked and not row.failed:
-                _ask_for_outputs(sweep.sample, row, chosen.file)
-                asked = True
+    many.take(chosen, rows, checkpoint, count, partial(_ask_for_outputs, sweep.sample, chosen.file))
     table.write(sweep, checkpoint.journal, checkpoint.folder)
     slip.write(sweep, checkpoint.journal, checkpoint.folder)
     found = sensitivity.of_sweep(sweep, checkpoint.journal)
@@ -133,12 +122,12 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint:
     return FAILED if failed else FINE
 
 
-def _ask_for_outputs(sample: Sample, row: Row, file: str) -> None:
-    """Raise after the first case if the summary lacks a number that the sample asks for."""
+def _ask_for_outputs(sample: Sample | None, file: str, row: Row) -> None:
+    """Raise if the summary of a case, the first, lacks a number that the sample asks for."""
     from granular_contact.config.messages import unknown
 
     numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
-    for output in sample.outputs:
+    for output in sample.outputs if sample is not None else ():
         if output not in numbers:
             message = f"got {output!r}, which is not a number of a summary; {unknown(output, numbers)}"
             raise ConfigError([Fault(file, None, "sample.outputs", message)])

@@ -57,7 +57,12 @@ class Contents:
     @property
     def noun(self) -> str:
         """What messages call it."""
-        return {"optimise": "search"}.get(self.kind, self.kind)
+        return "search" if self.kind == "optimise" else self.kind
+
+    @property
+    def runs(self) -> str:
+        """What messages call its runs."""
+        return "runs" if self.kind == "optimise" else "cases"
 
 
 @dataclass(frozen=True)
