@@ -33,11 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.studies.ensemble import cases
-    from granular_contact.studies.sweep import table
-
     folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
     with many.pool(chosen, None) as pool:
+        from granular_contact.studies.ensemble import cases
+        from granular_contact.studies.sweep import table
+
         scenario, _ = read(chosen.file, chosen.set)
         sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
         return many.with_checkpoint(

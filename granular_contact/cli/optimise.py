@@ -29,12 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact import scene
-    from granular_contact.config import load_optimise
-    from granular_contact.studies.optimise.writing import work_of
-
     folder = output_folder(chosen.out, Path(chosen.file).stem, "optimise")
     with many.pool(chosen, None) as pool:
+        from granular_contact import scene
+        from granular_contact.config import load_optimise
+        from granular_contact.studies.optimise.writing import work_of
+
         study = load_optimise(chosen.file, probe=scene.build)
         try:
             work = work_of(study)

@@ -60,13 +60,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.config import load_sweep
-    from granular_contact.scene.again import Builder
-    from granular_contact.studies.sweep import table
-    from granular_contact.studies.sweep.runner import faults
-
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
     with many.pool(chosen, folder.resolve().parent if chosen.plots else None) as pool:
+        from granular_contact.config import load_sweep
+        from granular_contact.scene.again import Builder
+        from granular_contact.studies.sweep import table
+        from granular_contact.studies.sweep.runner import faults
+
         sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
         return many.with_checkpoint(
             chosen,
