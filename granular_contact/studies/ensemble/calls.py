@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from granular_contact.config import Loaded, Scenario, Sweep, scenario_to_dict, tree
+from granular_contact.config import Loaded, Scenario, Sweep
 from granular_contact.config.sweep import case_faults, sweep_of
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.laws.scatter import SEEDS
 from granular_contact.scene.again import Builder
 from granular_contact.studies.ensemble.runs import observed
 from granular_contact.studies.ensemble.statistics import Summary, of_rows
+from granular_contact.studies.sweep.calls import file_of
 from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 
@@ -37,13 +38,7 @@ def cases(scenario: Scenario, count: int, first: int | None = None, name: str = 
         words = f"got {count} runs from the seed {start} on; allowed are {LEAST} runs or more, with seeds from 0"
         raise ConfigError([Fault(name, None, "count", words)])
     seeds = list(range(start, start + count))
-    asked = {
-        "config": scenario_to_dict(scenario),
-        "vary": {f"{key}.scatter.seed": seeds for key in scattering},
-        "combine": "zip",
-    }
-    root = tree.made(asked, tree.Position(name, None))
-    assert isinstance(root, tree.Mapping)
+    root = file_of(scenario, name, vary={f"{key}.scatter.seed": seeds for key in scattering}, combine="zip")
     # They differ in their seed alone, so what is true of one is true of all.
     return sweep_of(root, Path(name), [], Builder(), lambda found, all_, probe: case_faults(found, all_[:1], probe))
 

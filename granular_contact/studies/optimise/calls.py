@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from granular_contact import scene
-from granular_contact.config import Loaded, Scenario, scenario_to_dict, tree
-from granular_contact.config.given import plain_data
+from granular_contact.config import Loaded, Scenario
 from granular_contact.config.optimise import study_of
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.optimise.search import search
+from granular_contact.studies.sweep.calls import file_of
 from granular_contact.studies.sweep.executor import WorkerPool
 
 
@@ -69,20 +69,18 @@ def optimise(
     ...                  maximise="forward_speed_m_s")
     >>> found.numbers, found.gain
     """
-    base = scenario.scenario if isinstance(scenario, Loaded) else scenario
     goals = {"maximise": maximise, "minimise": minimise}
-    asked: dict[str, Any] = {
-        "config": scenario_to_dict(base),
-        "parameters": parameters,
-        "objective": {key: one for key, one in goals.items() if one is not None},
-        "constraints": constraints or {},
-        "method": method,
-        "evaluations": evaluations,
-        "population": population,
-        "seed": seed,
-    }
-    root = tree.made(plain_data(asked), tree.Position("optimise", None))
-    assert isinstance(root, tree.Mapping)
+    root = file_of(
+        scenario,
+        "optimise",
+        parameters=parameters,
+        objective={key: one for key, one in goals.items() if one is not None},
+        constraints=constraints,
+        method=method,
+        evaluations=evaluations,
+        population=population,
+        seed=seed,
+    )
     study = study_of(root, Path("optimise"), [], scene.build)
     with WorkerPool(workers) as pool:
         return search(study, pool)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +105,8 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
             name: limit.model_dump() | {"start": start.row.summary.get(name), "best": found.get(name)}
             for name, limit in file.constraints.items()
         },
-        "failures": _failures(outcome),
+        # The most frequent first.
+        "failures": dict(Counter(one.failure for one in outcome.failed).most_common()),
         "versions": versions() | packages(file),
     }
 
@@ -123,14 +125,6 @@ def _parameters(outcome: Outcome) -> dict[str, dict[str, Any]]:
         }
         for name, one in file.parameters.items()
     }
-
-
-def _failures(outcome: Outcome) -> dict[str, int]:
-    """Why runs failed, and how many for each reason; the most frequent first."""
-    counts: dict[str, int] = {}
-    for one in outcome.failed:
-        counts[one.failure] = counts.get(one.failure, 0) + 1
-    return dict(sorted(counts.items(), key=lambda item: -item[1]))
 
 
 def _draw(outcome: Outcome, folder: Path) -> None:

@@ -14,6 +14,14 @@ from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 
 
+def file_of(scenario: Scenario | Loaded, name: str, **keys: Any) -> tree.Mapping:
+    """The tree of a file of many runs of a scenario, with those of its other keys that are not None."""
+    config = scenario_to_dict(scenario.scenario if isinstance(scenario, Loaded) else scenario)
+    given = {key: one for key, one in {"config": config, **keys}.items() if one is not None}
+    at = tree.Position(name, None)
+    return tree.mapping({key: tree.made(plain_data(one), at) for key, one in given.items()}, at)
+
+
 def sweep(
     scenario: Scenario | Loaded,
     vary: Mapping[str, Any] | None = None,
@@ -63,12 +71,7 @@ def sweep(
     >>> rows = sweep(load("pendulum", method={"reduced": {"modes": 1}}), values, combine="zip")
     >>> depths = np.array([row["max_depth_m"] for row in rows])
     """
-    given = {"vary": vary, "sample": sample, "combine": combine}
-    if isinstance(scenario, Loaded):
-        scenario = scenario.scenario
-    asked = {"config": scenario_to_dict(scenario)} | {key: one for key, one in given.items() if one is not None}
-    root = tree.made(plain_data(asked), tree.Position("sweep", None))
-    assert isinstance(root, tree.Mapping)
+    root = file_of(scenario, "sweep", vary=vary, sample=sample, combine=combine)
     found = sweep_of(root, Path("sweep"), [], Builder())
     with WorkerPool(workers) as pool:
         rows = sorted(run(found, pool), key=lambda row: row.index)
