@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.report.units import is_number
 from granular_contact.studies.ensemble.runs import INSTANTS, SERIES
 from granular_contact.studies.sweep.journal import Row
 
@@ -85,8 +86,7 @@ def _numbers(summaries: list[dict[str, object]]) -> dict[str, Numbers]:
     keys = dict.fromkeys(key for one in summaries for key in one if not key.startswith(_NOT_KEY))
     found = {}
     for key in sorted(keys, key=lambda one: FIRST.index(one) if one in FIRST else len(FIRST)):
-        given = [one[key] for one in summaries if key in one]
-        values = np.array([x for x in given if isinstance(x, int | float) and not isinstance(x, bool)], dtype=float)
+        values = np.array([one[key] for one in summaries if is_number(one.get(key))], dtype=float)
         if len(values) >= 2 and np.ptp(values) > 0.0:
             found[key] = Numbers(values)
     return found

@@ -47,22 +47,17 @@ def _choice(
     plains = {i: scenario_to_dict(one.load(()).scenario) for i, one in simulators.items()}
     values = {i: value_at(plain, request.key, _MISSING) for i, plain in plains.items()}
     numbers = {i: float(v) for i, v in values.items() if isinstance(v, float)}
-    problem = _refused(request, list(values.values()), list(plains.values()))
-    if problem is None:
-        runs = tuple(numbers)
-        start = request.bounds.start if request.bounds.start is not None else numbers[runs[0]]
-        if request.bounds.start is None and len(set(numbers.values())) > 1:
-            shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
-            problem = f"the runs have different values, {shown}: give it a start in a fit file"
-        else:
-            found = _bounded(request, start, [simulators[i] for i in runs])
-            if isinstance(found, str):
-                problem = found
-            else:
-                low, high, start, log = found
-                return Choice(Parameter(request.key, runs, low, high, start, log, request.name + suffix), request)
-    faults.append(request.position.fault((request.name,), problem))
-    return None
+    found: Bounded | str | None = _refused(request, list(values.values()), list(plains.values()))
+    if found is None and request.bounds.start is None and len(set(numbers.values())) > 1:
+        shown = ", ".join(f"{value:g}" for value in sorted(set(numbers.values())))
+        found = f"the runs have different values, {shown}: give it a start in a fit file"
+    if found is None:
+        start = next(iter(numbers.values())) if request.bounds.start is None else request.bounds.start
+        found = _bounded(request, start, [simulators[i] for i in numbers])
+    if isinstance(found, str):
+        faults.append(request.position.fault((request.name,), found))
+        return None
+    return Choice(Parameter(request.key, tuple(numbers), *found, request.name + suffix), request)
 
 
 def _refused(request: ParameterRequest, values: Sequence[Any], plains: Sequence[dict[str, Any]]) -> str | None:
@@ -98,24 +93,21 @@ def _keys(plain: Any, path: str = "") -> Iterator[str]:
             yield from _keys(value, name)
 
 
-def _bounded(
-    request: ParameterRequest, start: float, simulators: Sequence[Simulator]
-) -> tuple[float, float, float, bool] | str:
+Bounded = tuple[float, float, float, bool]
+
+
+def _bounded(request: ParameterRequest, start: float, simulators: Sequence[Simulator]) -> Bounded | str:
     """Lower and upper bound, start and whether the scale is logarithmic; or what is wrong with them.
 
     Where the config's own value lies outside given bounds, the start is in the middle of them.
     """
     if start == 0.0 and (request.bounds.low is None or request.bounds.high is None):
         return "starts at 0, from which no bounds follow: give it bounds, from and to in a fit file"
-    low = request.bounds.low if request.bounds.low is not None else _default(request, start, -1, simulators)
-    high = request.bounds.high if request.bounds.high is not None else _default(request, start, +1, simulators)
-    for name, value, given in (
-        ("from", low, request.bounds.low),
-        ("to", high, request.bounds.high),
-        ("start", start, request.bounds.start),
-    ):
-        problem = _allowed(request, value, simulators)
-        if problem is not None and (given is not None or name == "start"):
+    given = request.bounds
+    low = _default(request, start, -1, simulators) if given.low is None else given.low
+    high = _default(request, start, +1, simulators) if given.high is None else given.high
+    for name, value, is_said in (("from", low, given.low), ("to", high, given.high), ("start", start, start)):
+        if is_said is not None and (problem := _allowed(request, value, simulators)) is not None:
             return f"{name}: {problem}"
     if not low < high:
         return f"has no room between its bounds, {low:g} and {high:g}; give it from and to"

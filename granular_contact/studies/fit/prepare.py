@@ -22,7 +22,7 @@ from granular_contact.studies.fit.measurements import Measured, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.request import RunRequest, Specification
-from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
+from granular_contact.studies.fit.responses import HERE, Key, ModelFailed, Simulator
 from granular_contact.studies.fit.scatter import faults as scatter_faults
 
 NO_KEYS = (OFFSET, DEPTH_OFFSET, FORCE_OFFSET)  # parameters that are in no config
@@ -80,6 +80,7 @@ class _Source:
         template = _template(request, templates, faults)
         self.measured: Measured | None = None
         self.test: ForceTest | None = None
+        self.own: list[tuple[Key, float, float, float]] = []  # what is looked for in this run: key, bounds, start
         if table is not None:
             table = force_tests.rows_of(table, request.rows, faults)
             self.test = request.force_test or (ForceTest() if force_tests.meant(table, request.columns) else None)
@@ -117,7 +118,9 @@ class _Source:
         others = [name for name in names if name not in (*known, TIME)]
         self.measured = select(table, known, request.columns, faults, others)
         if self.measured is not None:
-            start, latest = _offsets(request)
+            clock = request.offset
+            _, latest, start = clock if isinstance(clock, tuple) else (clock, clock, clock)
+            self.own = [(OFFSET, *clock)] if isinstance(clock, tuple) else []
             self.early = checks.early_by(self.measured, latest)
             faults += checks.against_run(self.measured, first, start, latest)
 
@@ -137,8 +140,8 @@ class _Source:
             found = error.faults[0].message if isinstance(error, SceneError) else str(error)
             faults.append(request.at_config.fault((), f"no force test can be made of it: {found}"))
             return
-        self.zeros = zeros_of(test, held)
-        depths = [low for key, low, _, _ in self.zeros if key == DEPTH_OFFSET]
+        self.own = zeros_of(test, held)
+        depths = [low for key, low, _, _ in self.own if key == DEPTH_OFFSET]
         least = depths[0] if depths else known_zero(test.depth_offset_m)
         size = 2.0 * self._scene.radius(body.body)
         faults += force_checks.of_test(held, self.model, size, least)
@@ -157,14 +160,6 @@ def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[F
             words = f"{held.file} has the numbers of {seen[numbers]} again; a measurement counts once"
             yield run.at_data.fault((), words)
         seen.setdefault(numbers, held.file)
-
-
-def _offsets(request: RunRequest) -> tuple[float, float]:
-    """Offset of the clock to start from, and the greatest that it may have (s)."""
-    if isinstance(request.offset, tuple):
-        _, high, start = request.offset
-        return start, high
-    return request.offset, request.offset
 
 
 def _template(request: RunRequest, templates: dict[Path, Template | None], faults: list[Fault]) -> Template | None:
@@ -193,10 +188,10 @@ def _problem(
     for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         assert source.measured is not None  # or there was a fault
         acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key not in NO_KEYS)
-        if source.test is None:
-            runs.append(_run(one, i, source, acting, parameters))
-        else:
-            runs.append(_force_test(one, i, source, acting, parameters))
+        first = len(parameters)
+        for key, low, high, start in source.own:
+            parameters.append(Parameter(key, (i,), low, high, start, log=False, label=f"{key[0]} @ {one.name}"))
+        runs.append(_run(one, source, acting, parameters, first))
     if request.scatter:
         faults += scatter_faults(request.runs, runs)
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
@@ -212,33 +207,22 @@ def _problem(
     )
 
 
-def _run(one: RunRequest, i: int, source: _Source, acting: tuple[int, ...], parameters: list[Parameter]) -> MeasuredRun:
-    """A run of the scene; parameters: gets the offset of its clock, if that is looked for."""
-    assert source.measured is not None  # or there was a fault
-    simulator = Simulator(source.template, [parameters[j].key for j in acting], source.measured.columns)
-    offset_index, offset = None, 0.0
-    if isinstance(one.offset, tuple):
-        offset_index = len(parameters)
-        parameters.append(Parameter(OFFSET, (i,), *one.offset, log=False, label=f"{OFFSET[0]} @ {one.name}"))
-    else:
-        offset = one.offset
-    simulator.early = source.early
-    return MeasuredRun(one.name, simulator, source.measured, acting, offset, offset_index)
-
-
-def _force_test(
-    one: RunRequest, i: int, source: _Source, acting: tuple[int, ...], parameters: list[Parameter]
+def _run(
+    one: RunRequest, source: _Source, acting: tuple[int, ...], parameters: Sequence[Parameter], own: int
 ) -> MeasuredRun:
-    """A force test; parameters: gets the zeros that are looked for."""
-    assert source.measured is not None  # or there was a fault
-    assert source.test is not None
+    """A run of the scene, or a force test; own: index of the first parameter that is in no config."""
+    held = source.measured
+    assert held is not None  # or there was a fault
     keys = [parameters[j].key for j in acting]
-    for key, low, high, start in source.zeros:
-        acting = (*acting, len(parameters))
-        parameters.append(Parameter(key, (i,), low, high, start, log=False, label=f"{key[0]} @ {one.name}"))
-    zeros = [key for key, *_ in source.zeros]
-    simulator = LawAlone(source.template, keys, source.measured.columns, source.test, source.motion, zeros)
-    return MeasuredRun(one.name, simulator, source.measured, acting)
+    if source.test is not None:
+        zeros = [parameter.key for parameter in parameters[own:]]
+        simulator = LawAlone(source.template, keys, held.columns, source.test, source.motion, zeros)
+        return MeasuredRun(one.name, simulator, held, (*acting, *range(own, len(parameters))))
+    run = Simulator(source.template, keys, held.columns)
+    run.early = source.early
+    if isinstance(one.offset, tuple):
+        return MeasuredRun(one.name, run, held, acting, offset_index=own)
+    return MeasuredRun(one.name, run, held, acting, one.offset)
 
 
 def _noise(request: Specification, columns: Sequence[str], faults: list[Fault]) -> Iterator[tuple[str, float]]:

@@ -32,6 +32,8 @@ from granular_contact.studies.fit.request import RunRequest
 from granular_contact.studies.fit.solve import Solution
 
 Vector = NDArray[np.float64]
+# Path length (m), force of the law and residual of a test, (n,) each.
+Test = tuple[Vector, Vector, Vector]
 
 MOST_ROWS = 1000  # of a test: the time goes with their cube
 ROUNDS, SETTLED = 6, 1e-3  # of coefficients and scatter in turn; change of a coefficient in its errors that ends them
@@ -101,15 +103,17 @@ def separate(problem: Problem, solution: Solution) -> tuple[Solution, Scattering
     for _ in range(ROUNDS):
         model = problem.model(scaled, times)
         slopes = jacobian(problem, scaled, times)
-        logs = start = _likeliest(paths, _split(model, paths), _split(data - model, paths), start)
-        rows, white = _whitened(paths, model, slopes, data - model, logs)
+        tests = list(zip(paths, problem.split(model, times), problem.split(data - model, times), strict=True))
+        tests = [(path, own[:, 0], rest[:, 0]) for path, own, rest in tests]
+        logs = start = _likeliest(tests, start)
+        rows, white = _whitened(tests, slopes, logs)
         covariance = np.asarray(np.linalg.pinv(rows.T @ rows), float)
         step = covariance @ rows.T @ white
         scaled = np.clip(scaled + step, low, high)
         if float(np.max(np.abs(step) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)))) < SETTLED:
             break
     force, length, noise = np.exp(logs)
-    errors = _errors(paths, _split(model, paths), _split(data - model, paths), logs)
+    errors = _errors(tests, logs)
     found = Scattering(
         float(force),
         float(force * errors[0]),
@@ -130,10 +134,6 @@ def _paths(problem: Problem) -> Iterator[Vector]:
         path = path_of(run.measured, float(run.simulator.motion.along[1]))
         assert path is not None
         yield path
-
-
-def _split(values: Vector, paths: list[Vector]) -> list[Vector]:
-    return np.split(values, np.cumsum([len(path) for path in paths])[:-1])
 
 
 def correlation(lag: Vector) -> Vector:
@@ -171,10 +171,10 @@ def _omega(path: Vector, model: Vector, logs: Vector) -> Vector:
     return np.asarray(force**2 * np.outer(model, model) * alike + noise**2 * np.eye(len(path)))
 
 
-def _cost(paths: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> float:
+def _cost(tests: Sequence[Test], logs: Vector) -> float:
     """Half the negative logarithm of the likelihood, twice."""
     total = 0.0
-    for path, model, rest in zip(paths, models, residuals, strict=True):
+    for path, model, rest in tests:
         try:
             factor = cho_factor(_omega(path, model, logs), lower=True)
         except np.linalg.LinAlgError:
@@ -183,8 +183,9 @@ def _cost(paths: list[Vector], models: list[Vector], residuals: list[Vector], lo
     return total
 
 
-def _likeliest(paths: list[Vector], models: list[Vector], residuals: list[Vector], start: Vector | None) -> Vector:
+def _likeliest(tests: Sequence[Test], start: Vector | None) -> Vector:
     """Logarithms of s, L and sigma of the greatest likelihood, from an earlier one or from several lengths."""
+    paths, models, residuals = zip(*tests, strict=True)
     rest, model = np.concatenate(residuals), np.concatenate(models)
     rms = float(np.sqrt(np.mean(rest**2)))
     size = rms / float(np.sqrt(np.mean(model**2)))
@@ -193,46 +194,42 @@ def _likeliest(paths: list[Vector], models: list[Vector], residuals: list[Vector
     lengths = np.geomspace(3.0 * step, max(0.2 * span, 4.0 * step), TRIED_LENGTHS)
     points = [np.log([size, length, 0.3 * rms]) for length in lengths] if start is None else [start]
     floor = np.log([1e-6, step, 1e-6 * rms])
-    best = min(points, key=lambda one: _cost(paths, models, residuals, one))
     found = minimize(
-        lambda one: _cost(paths, models, residuals, np.maximum(one, floor)),
-        best,
+        lambda one: _cost(tests, np.maximum(one, floor)),
+        min(points, key=lambda one: _cost(tests, one)),
         method="Nelder-Mead",
         options={"xatol": 2e-3, "fatol": 1e-3, "maxiter": 200},
     )
     return np.asarray(np.maximum(found.x, floor))
 
 
-def _errors(paths: list[Vector], models: list[Vector], residuals: list[Vector], logs: Vector) -> Vector:
+def _errors(tests: Sequence[Test], logs: Vector) -> Vector:
     """Standard errors of the logarithms, from the curvature of the likelihood."""
-    curvature = np.zeros((3, 3))
-    for i in range(3):
-        for j in range(3):
-            a, b = STEP * np.eye(3)[i], STEP * np.eye(3)[j]
-            corners = [(1.0, a + b), (-1.0, a - b), (-1.0, b - a), (1.0, -a - b)]
-            curvature[i, j] = sum(sign * _cost(paths, models, residuals, logs + x) for sign, x in corners)
+
+    def curved(a: Vector, b: Vector) -> float:
+        corners = ((1.0, a + b), (-1.0, a - b), (-1.0, b - a), (1.0, -a - b))
+        return sum(sign * _cost(tests, logs + x) for sign, x in corners)
+
+    curvature = np.array([[curved(a, b) for b in STEP * np.eye(3)] for a in STEP * np.eye(3)])
     inverse = np.linalg.pinv(curvature / (8.0 * STEP**2))  # of half the cost
     return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)))
 
 
-def _whitened(paths: list[Vector], model: Vector, slopes: Vector, rest: Vector, logs: Vector) -> tuple[Vector, Vector]:
+def _whitened(tests: Sequence[Test], slopes: Vector, logs: Vector) -> tuple[Vector, Vector]:
     """Derivatives (values, p) and residuals (values,) in the measure of Omega."""
-    ends = np.cumsum([len(path) for path in paths])[:-1]
-    blocks = zip(paths, _split(model, paths), np.split(slopes, ends), _split(rest, paths), strict=True)
-    rows, white = [], []
-    for path, own, derivative, residual in blocks:
-        lower = np.linalg.cholesky(_omega(path, own, logs))
-        rows.append(solve_triangular(lower, derivative, lower=True))
-        white.append(solve_triangular(lower, residual, lower=True))
-    return np.concatenate(rows), np.concatenate(white)
+    ends = np.cumsum([len(path) for path, _, _ in tests])[:-1]
+    found = []
+    for (path, model, rest), derivative in zip(tests, np.split(slopes, ends), strict=True):
+        lower = np.linalg.cholesky(_omega(path, model, logs))
+        found.append(solve_triangular(lower, np.column_stack([derivative, rest]), lower=True))
+    both = np.concatenate(found)
+    return both[:, :-1], both[:, -1]
 
 
 def _share(problem: Problem, scaled: Vector, length: float) -> float:
     """Scatter of the body's force over that of a piece no longer than the length; the mean of all tests."""
-    x = problem.values(scaled)
-    return float(np.mean([_share_of(run, x, length) for run in problem.runs]))
-
-
-def _share_of(run: MeasuredRun, x: Vector, length: float) -> float:
-    assert isinstance(run.simulator, LawAlone)
-    return run.simulator.share(tuple(float(x[i]) for i in run.acting), length)
+    x, shares = problem.values(scaled), []
+    for run in problem.runs:
+        assert isinstance(run.simulator, LawAlone)  # or there was a fault
+        shares.append(run.simulator.share(tuple(float(x[i]) for i in run.acting), length))
+    return float(np.mean(shares))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from granular_contact.config.schema.optimise import OptimiseFile
+from granular_contact.report.units import is_number
 from granular_contact.results.accuracy import USELESS
 from granular_contact.studies.sweep.journal import Row
 
@@ -68,9 +69,6 @@ def _failure(row: Row, file: OptimiseFile) -> str:
         return str(row.summary.get("message") or row.summary["status"])
     if (imbalance := row.summary.get(IMBALANCE)) is not None and not imbalance <= USELESS:
         return f"the energy balance has an error of {imbalance:.0%}: the result is not usable"
-    lacking = [name for name in asked(file).values() if not _is_finite(row.summary.get(name))]
+    found: dict[str, Any] = {name: row.summary.get(name) for name in asked(file).values()}
+    lacking = [name for name, value in found.items() if not (is_number(value) and math.isfinite(value))]
     return f"it has no {lacking[0]}" if lacking else ""
-
-
-def _is_finite(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

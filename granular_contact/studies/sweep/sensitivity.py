@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
 from granular_contact.report import FIGURES, SENSITIVITY, write_table
+from granular_contact.report.units import is_number
 from granular_contact.studies.sweep.journal import Row
 
 CONFIDENCE = 0.95
@@ -24,6 +25,7 @@ INDEX_TOLERANCE = 0.1  # how far an index may lie where none can: outside 0 to 1
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
 Vector = NDArray[np.float64]
+_NONE = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -35,10 +37,10 @@ class Indices:
 
     output: str
     inputs: tuple[str, ...]
-    first: Vector
-    total: Vector
-    first_interval: Vector
-    total_interval: Vector
+    first: Vector = _NONE
+    total: Vector = _NONE
+    first_interval: Vector = _NONE
+    total_interval: Vector = _NONE
     refused: str = ""
 
 
@@ -93,8 +95,7 @@ def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Seq
     for row in rows:
         names[row.index], failed[row.index] = row.name, row.failed
         for i, output in enumerate(outputs):
-            value = row.summary.get(output)
-            if isinstance(value, int | float) and not isinstance(value, bool):
+            if is_number(value := row.summary.get(output)):
                 values[i, row.index] = value
     return [
         _of_output(output, tuple(inputs), count, value, failed, names)
@@ -109,15 +110,10 @@ def _of_output(
         if missing.any():
             which = [name for name, lacks in zip(names, missing, strict=True) if lacks]
             listed = ", ".join(which[:MOST_NAMED]) + (", ..." if len(which) > MOST_NAMED else "")
-            return _refused(output, inputs, f"{len(which)} of {len(values)} cases {said} ({listed})")
+            return Indices(output, inputs, refused=f"{len(which)} of {len(values)} cases {said} ({listed})")
     if np.ptp(values[: 2 * count]) == 0.0:
-        return _refused(output, inputs, "it is the same in all cases")
+        return Indices(output, inputs, refused="it is the same in all cases")
     return indices(output, inputs, values.reshape(len(inputs) + 2, count))
-
-
-def _refused(output: str, inputs: tuple[str, ...], why: str) -> Indices:
-    none = np.empty(0)
-    return Indices(output, inputs, none, none, none, none, why)
 
 
 def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0) -> Indices:
