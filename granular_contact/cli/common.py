@@ -135,6 +135,14 @@ def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:
         yield number(values.get(key), factor, form)
 
 
+def print_wide(table: Any, least: int = 120) -> None:
+    """Print a table of words that is folded to the terminal, but to no fewer than so many columns."""
+    from rich.console import Console
+
+    console = Console()
+    Console(width=max(least, console.width)).print(table)
+
+
 def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table whose first column has names and the others numbers."""
     from rich.console import Console

@@ -46,11 +46,15 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
     for key, texts in tests:
         if texts:
             option = f"--{key.replace('_', '-')}"
-            pairs = [_pair(option, text, faults) for text in texts]
-            found = {name: value for name, value in pairs if name}
-            if key != "set":  # of which a later one replaces an earlier one in every command
-                _refuse_repeats(option, [name for name, _ in pairs if name], faults)
-            nodes[key] = _mapping(option, found, faults, read=key != "columns")
+            # Of --set a later one replaces an earlier one, as in every command.
+            pairs = _pairs(option, texts, faults, once=key != "set")
+            found = {
+                name: read_text(value, here, faults, (name,), numbered=False)
+                if key != "columns"
+                else tree.made(value, tree.Position(here, None))
+                for name, (value, here) in pairs.items()
+            }
+            nodes[key] = tree.mapping(found, tree.Position(option, None))
     options = {"time_offset_s": "time_offset", "loss": "loss", "starts": "starts", "seed": "seed"}
     for key, option in options.items():
         text = getattr(chosen, option)
@@ -87,43 +91,28 @@ def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:
     at = tree.Position("--parameters", None)
     names = [name.strip() for name in chosen.parameters.split(",") if name.strip()]
     nodes: dict[str, tree.Node] = {name: tree.Scalar(at, None, "") for name in names}
-    _refuse_repeats("--bounds", [text.partition("=")[0].strip() for text in chosen.bounds], faults)
-    for text in chosen.bounds:
-        key, value = _pair("--bounds", text, faults)
+    for key, (value, here) in _pairs("--bounds", chosen.bounds, faults).items():
         low, colon, high = value.partition(":")
-        here = f"--bounds {text}"
-        if key and key not in nodes:
+        if key not in nodes:
             faults.append(Fault(here, None, key, "is none of the --parameters"))
-        elif key and not colon:
+        elif not colon:
             faults.append(Fault(here, None, key, f"got {value!r}; allowed is LOW:HIGH, as 1:40"))
-        elif key:
-            sides = {side: _read(here, key, number, faults) for side, number in (("from", low), ("to", high))}
-            nodes[key] = tree.mapping(sides, tree.Position(here, None))
+        else:
+            sides = {"from": low, "to": high}
+            read = {side: read_text(text, here, faults, (key,), numbered=False) for side, text in sides.items()}
+            nodes[key] = tree.mapping(read, tree.Position(here, None))
     return tree.mapping(nodes, at)
 
 
-def _read(option: str, key: str, text: str, faults: list[Fault]) -> tree.Node:
-    """The value of a key that an option gives, as YAML."""
-    return read_text(text, option, faults, (key,), numbered=False)
-
-
-def _refuse_repeats(option: str, names: Sequence[str], faults: list[Fault]) -> None:
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    faults += [Fault(option, None, name, "is given twice; once is allowed") for name in twice]
-
-
-def _pair(option: str, text: str, faults: list[Fault]) -> tuple[str, str]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not name or not equals or not value:
-        faults.append(Fault(f"{option} {text}", None, "", "is not NAME=VALUE"))
-        return "", ""
-    return name, value
-
-
-def _mapping(option: str, pairs: dict[str, str], faults: list[Fault], read: bool) -> tree.Mapping:
-    """Names and values of an option; values are read as YAML, or are texts."""
-    nodes: dict[str, tree.Node] = {}
-    for name, value in pairs.items():
-        here = f"{option} {name}={value}"
-        nodes[name] = _read(here, name, value, faults) if read else tree.made(value, tree.Position(here, None))
-    return tree.mapping(nodes, tree.Position(option, None))
+def _pairs(option: str, texts: Sequence[str], faults: list[Fault], once: bool = True) -> dict[str, tuple[str, str]]:
+    """Values by name of an option that is NAME=VALUE, and how messages call their place."""
+    found: dict[str, tuple[str, str]] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            faults.append(Fault(f"{option} {text}", None, "", "is not NAME=VALUE"))
+            continue
+        if once and name in found:
+            faults.append(Fault(option, None, name, "is given twice; once is allowed"))
+        found[name] = value, f"{option} {name}={value}"
+    return found

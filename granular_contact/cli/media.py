@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.cli.common import FINE, add_output, output_folder
+from granular_contact.cli.common import FINE, add_output, output_folder, print_wide
 
 if TYPE_CHECKING:
     from granular_contact.laws.law import Law
@@ -37,7 +37,6 @@ def execute(chosen: argparse.Namespace) -> int:
 
 
 def _list() -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from granular_contact.config import load_medium, medium_names
@@ -49,8 +48,7 @@ def _list() -> None:
         spec = load_medium(name)
         takes = ", ".join(sorted(spec.takes))
         table.add_row(name, spec.law, takes, _range(spec), spec.standing or "-", spec.source or "-")
-    console = Console()
-    Console(width=max(120, console.width)).print(table)
+    print_wide(table)
 
 
 def _range(spec: Law) -> str:
@@ -64,7 +62,6 @@ def _range(spec: Law) -> str:
 
 
 def _show(spec: Law) -> None:
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
@@ -82,8 +79,7 @@ def _show(spec: Law) -> None:
     table.add_row("range", _range(spec))
     for key in ("standing", "provenance", "source"):
         table.add_row(key, getattr(spec, key) or "not stated")
-    console = Console()
-    Console(width=max(100, console.width)).print(table)
+    print_wide(table, 100)
 
 
 def _value(value: Any) -> str:

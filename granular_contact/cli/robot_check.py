@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granular_contact.cli.common import complain
+from granular_contact.cli.common import complain, print_wide
 
 if TYPE_CHECKING:
     from granular_contact.robot.inspection import Inspected, Inspection
@@ -59,7 +59,6 @@ def _count(found: Inspection) -> str:
 
 
 def _print_shapes(found: Inspection) -> None:
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
@@ -70,8 +69,7 @@ def _print_shapes(found: Inspection) -> None:
         table.add_column(head, justify="left" if head in _HEADS[:2] else "right", overflow="fold")
     for one in found.shapes:
         table.add_row(*map(Text, _row(one)))
-    console = Console()
-    Console(width=max(120, console.width)).print(table)
+    print_wide(table)
 
 
 def _row(one: Inspected) -> Iterator[str]:

@@ -214,6 +214,15 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
         yield update, announce
 
 
+_LINES = (
+    ("penetration_time_s", 1e3, "  sinking         {:.2f} ms, from touch until the lower end sinks no deeper"),
+    ("angle_at_stop_deg", 1.0, "  angle at stop   {:.3f} deg"),
+    ("max_depth_m", 1e3, "  largest depth   {:.2f} mm"),
+    ("max_deflection_m", 1e3, "  deflection      {:.4f} mm at most"),
+    ("forward_speed_second_half_m_s", 1.0, "  forward speed   {:.4f} m/s in the second half"),
+)
+
+
 def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path) -> Iterator[str]:
     """Lines that summarise a run; quantities that it does not have are left out."""
     found: dict[str, Any] = results.summary
@@ -222,16 +231,10 @@ def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path
         yield "  surface         where it touches the mechanism at the start, as surface_height_m is not given"
     if (stop := found.get("stopping_time_s")) is not None:
         yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"
-    if (sinking := found.get("penetration_time_s")) is not None:
-        yield f"  sinking         {1e3 * sinking:.2f} ms, from touch until the lower end sinks no deeper"
-    if (angle := found.get("angle_at_stop_deg")) is not None:
-        yield f"  angle at stop   {angle:.3f} deg"
-    if (depth := found.get("max_depth_m")) is not None and depth >= 0.0:
-        yield f"  largest depth   {1e3 * depth:.2f} mm"
-    if (deflection := found.get("max_deflection_m")) is not None:
-        yield f"  deflection      {1e3 * deflection:.4f} mm at most"
-    if (speed := found.get("forward_speed_second_half_m_s")) is not None:
-        yield f"  forward speed   {speed:.4f} m/s in the second half"
+    for key, factor, line in _LINES:
+        value = found.get(key)
+        if value is not None and not (key == "max_depth_m" and value < 0.0):
+            yield line.format(factor * value)
     if wheel := found.get("wheel"):
         sinkage = f"sinkage {1e3 * wheel['sinkage_m']:.2f} mm"
         yield f"  wheel           slip {wheel['slip']:.3f}, {sinkage}, means of the last half"
