@@ -28,9 +28,6 @@ from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.sweep.checkpoint import Contents
 from granular_contact.studies.sweep.table import cell
 
-_FIRST = ("run", "generation")
-_WORTH = ("objective", "excess", "failure")
-
 
 def work_of(study: Study) -> Contents:
     """What its folder is of.
@@ -73,9 +70,7 @@ def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Re
 def write_history(outcome: Outcome, folder: Path) -> None:
     """history.csv: a row for each run, in the order in which they were asked for."""
     rows = outcome.rows
-    parameters = list(outcome.study.file.parameters)
-    more = dict.fromkeys(key for row in rows for key in row)
-    names = list(dict.fromkeys([*_FIRST, *parameters, *_WORTH, *more]))
+    names = list(dict.fromkeys(key for row in rows for key in row))
     write_table(folder / HISTORY, names, ([cell(row.get(name)) for name in names] for row in rows))
 
 

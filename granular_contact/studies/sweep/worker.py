@@ -8,7 +8,7 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -67,28 +67,27 @@ class Job:
         """Whether several of its tasks are marched by one compiled call."""
         return self.sweep.base.method.reduced is not None and self.function is simulate and self.folder is None
 
+    @cached_property
+    def writer(self) -> Writer | None:
+        """Where this process writes its rows."""
+        return None if self.journal is None else Journal(self.journal).writer()
+
+    @cached_property
+    def builder(self) -> Builder:
+        """What builds the scenes of tasks that march together."""
+        from granular_contact.scene.again import Builder
+
+        return Builder(self.sweep.base)
+
     def packed(self) -> bytes:
         """As `work` and `check` take it."""
         return pickle.dumps(replace(self, sweep=self.sweep.without_cases()))
 
 
-class _Held(NamedTuple):
-    """A job in a process: itself, where its rows go, and what builds the scenes of those that march together."""
-
-    job: Job
-    writer: Writer | None
-    build: Builder | None
-
-
 @lru_cache(maxsize=2)
-def _unpacked(job: bytes) -> _Held:
+def _unpacked(job: bytes) -> Job:
     held: Job = pickle.loads(job)
-    writer = None if held.journal is None else Journal(held.journal).writer()
-    if not held.marches:
-        return _Held(held, writer, None)
-    from granular_contact.scene.again import Builder
-
-    return _Held(held, writer, Builder(held.sweep.base))
+    return held
 
 
 def simulate(scenario: Scenario) -> KeyNumbers:
@@ -116,10 +115,10 @@ def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
     OSError
         The results can't be saved.
     """
-    held, writer, build = _unpacked(job)
-    begin = time.perf_counter()
+    held = _unpacked(job)
+    writer, begin = held.writer, time.perf_counter()
     lines = []
-    for line in (_line(task, held) for task in tasks) if build is None else _marched(tasks, held, build):
+    for line in _marched(tasks, held) if held.marches else (_line(task, held) for task in tasks):
         lines.append(line)
         if writer is not None:
             writer.append(line)
@@ -128,7 +127,7 @@ def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
 
 def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
     """Faults of some cases."""
-    return case_faults(_unpacked(job).job.sweep, cases, probe)
+    return case_faults(_unpacked(job).sweep, cases, probe)
 
 
 def _line(task: Task, job: Job) -> bytes:
@@ -136,8 +135,7 @@ def _line(task: Task, job: Job) -> bytes:
         scenario = _scenario(task, job)
         kept = job.folder is not None and job.function is simulate
         results = (simulate_with_pictures if kept else job.function)(scenario)
-        values = job.sweep.values(task.case, scenario)
-        line = Row(task.index, task.case.name, values, dict(_flat(results.summary))).line()
+        line = _row(task, job, scenario, results.summary)
     except Exception as error:
         return error_row(task, job.sweep, error).line()
     if job.folder is not None and isinstance(results, Results):
@@ -152,7 +150,11 @@ def _line(task: Task, job: Job) -> bytes:
     return line
 
 
-def _marched(tasks: Sequence[Task], job: Job, build: Builder) -> list[bytes]:
+def _row(task: Task, job: Job, scenario: Scenario, summary: dict[str, Any]) -> bytes:
+    return Row(task.index, task.case.name, job.sweep.values(task.case, scenario), dict(_flat(summary))).line()
+
+
+def _marched(tasks: Sequence[Task], job: Job) -> list[bytes]:
     """Lines of tasks that are solved together; up to round-off each is what it would be alone, but for its times."""
     from granular_contact.run import summaries_of, tried
 
@@ -160,7 +162,7 @@ def _marched(tasks: Sequence[Task], job: Job, build: Builder) -> list[bytes]:
     for task in tasks:
         made = tried(_scenario, task, job)
         scenarios.append(made)
-        scenes.append(made if isinstance(made, Exception) else tried(build, made))
+        scenes.append(made if isinstance(made, Exception) else tried(job.builder, made))
     fine = [one for one in scenes if not isinstance(one, Exception)]
     summaries = iter(summaries_of(fine))
     lines = []
@@ -169,8 +171,7 @@ def _marched(tasks: Sequence[Task], job: Job, build: Builder) -> list[bytes]:
         if isinstance(found, Exception):
             lines.append(error_row(task, job.sweep, found).line())
         elif not isinstance(scenario, Exception):  # or its scene would be one
-            values = job.sweep.values(task.case, scenario)
-            lines.append(Row(task.index, task.case.name, values, dict(_flat(found))).line())
+            lines.append(_row(task, job, scenario, found))
     return lines
 
 
