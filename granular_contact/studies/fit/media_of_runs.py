@@ -8,12 +8,13 @@ from typing import Any
 from numpy.typing import NDArray
 
 from granular_contact.config import scenario_to_dict
+from granular_contact.config.differences import MISSING, differences
 from granular_contact.studies.fit.problem import Parameter, Problem
 
 MEDIUM = "medium"
 MOST_SHOWN = 6
 # What a medium is called, and where its numbers are from: no property of the sand.
-_ABOUT = (("name",), ("source",), ("provenance",), ("range",), ("standing",))
+_ABOUT = {"name", "source", "provenance", "range", "standing"}
 
 
 def fitted(problem: Problem) -> list[Parameter]:
@@ -37,12 +38,13 @@ def words(problem: Problem, values: NDArray[Any]) -> Iterator[str]:
     if lacking:
         yield f"no run has all the coefficients: the medium written is that of {name}, without {', '.join(lacking)}"
     shared = {p.key[1:] for p in fitted(problem)}
-    media = [_entries(_medium(problem, i, values)) for i in range(len(problem.runs))]
+    media = [_medium(problem, i, values) for i in range(len(problem.runs))]
     differing: dict[str, None] = {}
-    for other in media:
-        keys = dict.fromkeys([*media[held], *other])
-        own = [key for key in keys if media[held].get(key) != other.get(key)]  # null is as good as left out
-        differing.update(dict.fromkeys(".".join(key) for key in own if key not in shared and key[-1:] not in _ABOUT))
+    for path, mine, other in (found for one in media for found in differences(media[held], one)):
+        key = tuple(map(str, path))
+        nothing = mine in (None, MISSING) and other in (None, MISSING)  # null is as good as left out
+        if not nothing and key not in shared and not _ABOUT & set(key):
+            differing[".".join(key) or "law"] = None  # or one has none, or several
     if differing:
         listed = ", ".join([*differing][:MOST_SHOWN]) + (", ..." if len(differing) > MOST_SHOWN else "")
         yield f"the media of the runs differ in {listed}, not fitted to all of them: the one written is that of {name}"
@@ -51,19 +53,3 @@ def words(problem: Problem, values: NDArray[Any]) -> Iterator[str]:
 def _medium(problem: Problem, i: int, values: NDArray[Any]) -> Any:
     run = problem.runs[i]
     return scenario_to_dict(run.simulator.load([float(values[j]) for j in run.acting]).scenario)[MEDIUM]
-
-
-def _entries(plain: Any, path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:
-    """Values of a nested medium by their keys; where there is none, it has no law."""
-    if plain is None and not path:
-        return {("law",): None}
-    if isinstance(plain, dict) and path[-1:] not in _ABOUT:
-        pairs = [(str(key), value) for key, value in plain.items()]
-    elif isinstance(plain, list):
-        pairs = [(str(i), value) for i, value in enumerate(plain)]
-    else:
-        return {path: plain}
-    found: dict[tuple[str, ...], Any] = {}
-    for key, value in pairs:
-        found |= _entries(value, (*path, key))
-    return found

@@ -6,7 +6,8 @@ independent and even over their ranges; intervals by a bootstrap over the points
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ INDEX_TOLERANCE = 0.1  # how far an index may lie where none can: outside 0 to 1
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
 Vector = NDArray[np.float64]
-_NONE = np.empty(0)
+_none = partial(np.empty, 0)
 
 
 @dataclass(frozen=True)
@@ -37,10 +38,10 @@ class Indices:
 
     output: str
     inputs: tuple[str, ...]
-    first: Vector = _NONE
-    total: Vector = _NONE
-    first_interval: Vector = _NONE
-    total_interval: Vector = _NONE
+    first: Vector = field(default_factory=_none)
+    total: Vector = field(default_factory=_none)
+    first_interval: Vector = field(default_factory=_none)
+    total_interval: Vector = field(default_factory=_none)
     refused: str = ""
 
 
