@@ -13,6 +13,7 @@ from granular_contact.config.csv_table import read_table
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.studies.fit import load_specification, prepare
+from granular_contact.studies.fit.faults import gathered
 from granular_contact.studies.fit.measurements import select
 
 FIT = f"""\
@@ -116,9 +117,8 @@ def test_names_units_separators_and_comments(tmp_path: Path) -> None:
     assert table is not None
     at = Position("here", 1)
     mapping = {"time_ms": ("t [ms]", at), "tip_x_mm": ("X", at), "pivot_angle_rad": ("swing", at)}
-    measured = select(table, ["pivot_angle_deg", "tip_x_m", "tip_y_m"], mapping, table_faults)
     assert table_faults == []
-    assert measured is not None
+    measured = select(table, ["pivot_angle_deg", "tip_x_m", "tip_y_m"], mapping)
     np.testing.assert_allclose(measured.time, 1e-3 * np.arange(8))
     assert measured.columns == ("tip_x_m", "pivot_angle_deg")
     np.testing.assert_allclose(measured.values[:, 0], 0.1 * np.arange(8))
@@ -148,7 +148,8 @@ def test_a_table_of_a_link_that_bends_is_data_of_one_that_does_not(tmp_path: Pat
         (tmp_path / "t.csv").write_text("\n".join([names, *rows]), encoding="utf-8")
         table = read_table(tmp_path / "t.csv", found)
         assert table is not None
-        select(table, ["tip_x_m"], {}, found)
+        with gathered(found):
+            select(table, ["tip_x_m"], {})
         assert len(found) == refused
 
 
@@ -159,8 +160,7 @@ def test_a_runs_own_table_is_data(tmp_path: Path) -> None:
     found: list[Fault] = []
     table = read_table(tmp_path / "t.csv", found)
     assert table is not None
-    measured = select(table, ["pivot_angle_deg", "tip_x_m"], {}, found)
-    assert measured is not None
+    measured = select(table, ["pivot_angle_deg", "tip_x_m"], {})
     assert measured.columns == ("pivot_angle_deg", "tip_x_m")
     assert measured.unused == ("mean_rate_rad_s", "drag_force_x_N", "kinetic_J")
 

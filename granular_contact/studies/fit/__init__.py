@@ -1,6 +1,7 @@
 """Coefficients from measurements: configs and data of many runs -> parameters, their errors, and warnings about them.
 
 specification, request             a fit file, or the command line in its place -> what is asked for
+faults                             how those of all steps are gathered
 columns, measurements              names and units of what was measured; CSV files
 force_tests, force_checks          the same of force tests: tables of forces against depth or speed
 law_alone                          a force test by the law, without a run

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -15,6 +16,7 @@ from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 from granular_contact.studies.fit import columns
 from granular_contact.studies.fit.columns import DEPTH, OF_FORCE_TESTS, PRESSURE, SIGNS, TIME, in_words, recognise
+from granular_contact.studies.fit.faults import refuse
 from granular_contact.studies.fit.measurements import Chosen, Measured, mapped_columns, numbers_of, twice
 
 Vector = NDArray[np.float64]
@@ -36,51 +38,37 @@ def meant(table: Table, mapping: Mapping[str, tuple[str, Position]]) -> bool:
     return bool(means) and TIME not in means
 
 
-def rows_of(table: Table, rows: Mapping[str, tuple[float, Position]], faults: list[Fault]) -> Table:
-    """The rows that have these numbers in these columns."""
+def rows_of(table: Table, rows: Mapping[str, tuple[float, Position]]) -> Table:
+    """The rows that have these numbers in these columns; raises ConfigError where there are none."""
     kept = list(zip(table.rows, table.lines, strict=True))
     for header, (value, at) in rows.items():
         if header not in table.header:
             words = f"{table.file} has no such column; {unknown(header, table.header)}"
-            faults.append(at.fault(("rows", header), words))
-            return table
+            refuse([at.fault(("rows", header), words)])
         i = table.header.index(header)
         cells = [(number(row[i]) if i < len(row) else None) for row, _ in kept]
         chosen = [k for k, held in enumerate(cells) if held is not None and abs(held - value) <= SAME * abs(value)]
         if not chosen:
             there = sorted({held for held in cells if held is not None})[:6]
             words = f"got {value:g}, but no row of {table.file} has it; there are {', '.join(f'{x:g}' for x in there)}"
-            faults.append(at.fault(("rows", header), words))
-            return table
+            refuse([at.fault(("rows", header), words)])
         kept = [kept[k] for k in chosen]
-    return Table(
-        table.file, table.header, table.header_line, tuple(row for row, _ in kept), tuple(line for _, line in kept)
-    )
+    return replace(table, rows=tuple(row for row, _ in kept), lines=tuple(line for _, line in kept))
 
 
-def select(
-    table: Table,
-    test: ForceTest,
-    mapping: Mapping[str, tuple[str, Position]],
-    faults: list[Fault],
-) -> Measured | None:
-    """What was prescribed and measured, as numbers; None, with faults, where that is not possible."""
-    if odd := form_faults(table):
-        faults += odd
-        return None
-    before = len(faults)
-    chosen = _mapped(table, mapping, faults) if mapping else _named(table, faults)
-    if len(faults) == before:
-        _complete(table, chosen, test, faults)
-    if len(faults) > before:
-        return None
-    values = numbers_of(table, chosen, FEWEST_ROWS, faults)
-    if values is None:
-        return None
+def select(table: Table, test: ForceTest, mapping: Mapping[str, tuple[str, Position]]) -> Measured:
+    """What was prescribed and measured, as numbers; raises ConfigError where the table does not have it."""
+    refuse(form_faults(table))
+    if mapping:
+        words = f"is no column of a force test; allowed are {in_words(OF_FORCE_TESTS)}"
+        chosen = mapped_columns(table, mapping, OF_FORCE_TESTS, lambda _: words)
+    else:
+        chosen = _named(table)
+    refuse(_incomplete(table, chosen, test))
+    values = numbers_of(table, chosen, FEWEST_ROWS)
     back = _unloading(values[DEPTH], test) if DEPTH in values else np.zeros(len(table.rows), bool)
     if test.unloading == "refuse" and np.any(back):
-        faults += few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)])
-        return None
+        refuse(few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)]))
     successors = {name: columns.SUCCESSORS[name] for name in (*chosen, *mapping) if name in columns.SUCCESSORS}
     notes = [f"{table.file}: {old} is called {new} now; the old name still works" for old, new in successors.items()]
     return _measured(table, test, values, ~back, [name for name in table.header if name not in chosen], notes)
@@ -118,36 +106,32 @@ def _measured(
 # ---- columns ----
 
 
-def _named(table: Table, faults: list[Fault]) -> Chosen:
+def _named(table: Table) -> Chosen:
     """Columns by their own names; others are left out, unless they look like a misspelt one."""
-    found: Chosen = {}
-    for name in table.header:
-        hit = recognise(name, OF_FORCE_TESTS)
-        if hit is not None:
-            found[name] = hit
-        elif near := get_close_matches(name, columns.spellings(OF_FORCE_TESTS), 1, cutoff=0.85):
-            faults.append(Fault(table.file, table.header_line, name, f"unknown column; did you mean {near[0]}?"))
+    found = {name: hit for name in table.header if (hit := recognise(name, OF_FORCE_TESTS)) is not None}
+    known = list(columns.spellings(OF_FORCE_TESTS))
+    near = {name: get_close_matches(name, known, 1, cutoff=0.85) for name in table.header if name not in found}
+    refuse(
+        Fault(table.file, table.header_line, name, f"unknown column; did you mean {one[0]}?")
+        for name, one in near.items()
+        if one
+    )
     return found
 
 
-def _mapped(table: Table, mapping: Mapping[str, tuple[str, Position]], faults: list[Fault]) -> Chosen:
-    words = f"is no column of a force test; allowed are {in_words(OF_FORCE_TESTS)}"
-    return mapped_columns(table, mapping, OF_FORCE_TESTS, lambda _: words, faults)
-
-
-def _complete(table: Table, chosen: Chosen, test: ForceTest, faults: list[Fault]) -> None:
+def _incomplete(table: Table, chosen: Chosen, test: ForceTest) -> Iterator[Fault]:
     """Faults of what is missing, or there twice."""
     names, line = [column for column, _ in chosen.values()], table.header_line
     if not SIGNS.keys() & set(names):
         words = f"has no force, torque or pressure; allowed are {in_words(SIGNS)}"
-        faults.append(Fault(table.file, line, "", words))
+        yield Fault(table.file, line, "", words)
     if DEPTH not in names and test.depth_m is None:
         words = f"has no column of depths; allowed is {in_words([DEPTH])}, or force_test: {{depth_m: ...}}"
-        faults.append(Fault(table.file, line, "", words))
+        yield Fault(table.file, line, "", words)
     if PRESSURE in names and test.area_m2 is None:
         words = "is a pressure, of an area that is not said: force_test: {area_m2: ...}"
-        faults.append(Fault(table.file, line, PRESSURE, words))
-    faults += twice(names, table.file, line)
+        yield Fault(table.file, line, PRESSURE, words)
+    yield from twice(names, table.file, line)
 
 
 # ---- rows in which the body goes back ----

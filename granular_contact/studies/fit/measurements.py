@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 from granular_contact.studies.fit.columns import KINDS, TIME, forces, in_words, kind, recognise, spellings
+from granular_contact.studies.fit.faults import refuse
 
 Vector = NDArray[np.float64]
 
@@ -42,36 +44,33 @@ class Measured:
 
 
 def select(
-    table: Table,
-    known: Sequence[str],
-    mapping: Mapping[str, tuple[str, Position]],
-    faults: list[Fault],
-    others: Sequence[str] = (),
-) -> Measured | None:
-    """The columns that a fit uses, as numbers; None, with faults, where that is not possible.
+    table: Table, known: Sequence[str], mapping: Mapping[str, tuple[str, Position]], others: Sequence[str] = ()
+) -> Measured:
+    """The columns that a fit uses, as numbers.
 
     known: columns of the run that can be fitted; others: those that can't. mapping: measured name with unit -> header
     in the file and where that was said; empty: the headers are such names themselves.
+
+    Raises
+    ------
+    ConfigError
+        The table lacks what is needed, or a cell is no number.
     """
-    if odd := form_faults(table):
-        faults += odd
-        return None
-    chosen = (
-        _mapped(table, [*known, *forces(others)], mapping, faults, others) if mapping else _named(table, known, faults)
-    )
-    if chosen is None:
-        return None
-    before = len(faults)
-    values = numbers_of(table, chosen, FEWEST_ROWS, faults)
-    if values is None:
-        return None
-    time_header = next(header for header, (column, _) in chosen.items() if column == TIME)
-    faults += few(table.file, _clock(table, time_header, values[TIME]))
-    for header, (column, _) in chosen.items():
-        if column.endswith("_deg"):
-            faults += _angles(table, header, values[column])
-    if len(faults) > before:
-        return None
+    refuse(form_faults(table))
+    if mapping:
+        known, at = [*known, *forces(others)], next(iter(mapping.values()))[1]
+        why_not = partial(_why_not, known=known, others=others)
+        chosen = mapped_columns(table, mapping, [TIME, *known], why_not)
+        refuse(_incomplete(at.file, at.line, chosen, known))
+    else:
+        chosen = _named(table, known)
+        refuse(_incomplete(table.file, table.header_line, chosen, known))
+    values = numbers_of(table, chosen, FEWEST_ROWS)
+    headers = {column: header for header, (column, _) in chosen.items()}
+    faults = few(table.file, _clock(table, headers[TIME], values[TIME]))
+    for column, angles in values.items():
+        faults += _angles(table, headers[column], angles) if column.endswith("_deg") else []
+    refuse(faults)
     names = tuple(column for column in values if column != TIME)
     matrix = np.column_stack([values[name] for name in names])
     unused = tuple(name for name in table.header if name not in chosen)
@@ -81,46 +80,22 @@ def select(
 Chosen = dict[str, tuple[str, float]]  # header -> column of the time series, factor to its unit
 
 
-def _named(table: Table, known: Sequence[str], faults: list[Fault]) -> Chosen | None:
+def _named(table: Table, known: Sequence[str]) -> Chosen:
     """Columns by their own names. What a run of ours has besides is left out; any other name is a fault."""
     found = {name: hit for name in table.header if (hit := recognise(name, [TIME, *known])) is not None}
-    ours = (*known, TIME)
-    # A run of ours has forces and energies, and may have been more than this one, as a link that bends.
-    own_table = any(_is_of_a_run(name) for name in table.header)
-    strange = [
-        n for n in table.header if n not in found and not _is_of_a_run(n) and not (own_table and n in OF_FLEXIBLE_LINKS)
-    ]
+    # A run of ours has forces and energies, which no camera sees, and may have been more than this one, as a link that
+    # bends.
+    own = [name for name in table.header if name.endswith(tuple(KINDS))]
+    own += OF_FLEXIBLE_LINKS if own else ()
     hint = "(or say which to take: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
-    if strange and all(column != TIME for column, _ in found.values()):
+    if all(column != TIME for column, _ in found.values()):
         hint += "; a force test needs no times, but force_N, torque_Nm or pressure_Pa"
-    faults += [
-        Fault(table.file, table.header_line, name, f"unknown column; {_nearest(name, ours)} {hint}") for name in strange
-    ]
-    return None if strange else _complete(table.file, table.header_line, found, known, faults)
-
-
-def _is_of_a_run(name: str) -> bool:
-    """Whether a run's own table has such columns, which no camera sees."""
-    return name.endswith(tuple(KINDS))
-
-
-def _mapped(
-    table: Table,
-    known: Sequence[str],
-    mapping: Mapping[str, tuple[str, Position]],
-    faults: list[Fault],
-    others: Sequence[str],
-) -> Chosen | None:
-    before = len(faults)
-    found = mapped_columns(
-        table,
-        mapping,
-        [TIME, *known],
-        lambda name: f"{_why_not(name, others)}; {_nearest(name, (*known, TIME))}",
-        faults,
+    refuse(
+        Fault(table.file, table.header_line, name, f"unknown column; {_nearest(name, (*known, TIME))} {hint}")
+        for name in table.header
+        if name not in found and name not in own
     )
-    at = next(iter(mapping.values()))[1]
-    return _complete(at.file, at.line, found, known, faults) if len(faults) == before else None
+    return found
 
 
 def mapped_columns(
@@ -128,34 +103,35 @@ def mapped_columns(
     mapping: Mapping[str, tuple[str, Position]],
     known: Sequence[str],
     why_not: Callable[[str], str],
-    faults: list[Fault],
 ) -> Chosen:
-    """Columns of a table by their headers, as `columns` of a fit file names them.
+    """Columns of a table by their headers, as `columns` of a fit file names them; raises ConfigError.
 
     known: columns that can be fitted; why_not: the words for a name that means none of them.
     """
     found: Chosen = {}
+    faults = []
     for name, (header, at) in mapping.items():
-        hit = recognise(name, known)
+        hit, words = recognise(name, known), ""
         if hit is None:
-            faults.append(at.fault(("columns", name), why_not(name)))
+            words = why_not(name)
         elif header not in table.header:
-            message = f"got {header!r}, but {table.file} has no such column; {unknown(header, table.header)}"
-            faults.append(at.fault(("columns", name), message))
+            words = f"got {header!r}, but {table.file} has no such column; {unknown(header, table.header)}"
         elif header in found:
-            message = f"got {header!r}, which is {found[header][0]} already; each needs a column of its own"
-            faults.append(at.fault(("columns", name), message))
+            words = f"got {header!r}, which is {found[header][0]} already; each needs a column of its own"
         else:
             found[header] = hit
+        if words:
+            faults.append(at.fault(("columns", name), words))
+    refuse(faults)
     return found
 
 
-def _why_not(name: str, others: Sequence[str]) -> str:
+def _why_not(name: str, known: Sequence[str], others: Sequence[str]) -> str:
     """Why a column can't be fitted: the run has none of the name, or only `others`, which a fit does not compare."""
-    near = get_close_matches(name, others, 1, cutoff=0.8)
+    near, nearest = get_close_matches(name, others, 1, cutoff=0.8), _nearest(name, (*known, TIME))
     if not near:
-        return "the run has no such column"
-    what = f"is {kind(near[0])}, and only angles, lengths, forces and moments can be fitted"
+        return f"the run has no such column; {nearest}"
+    what = f"is {kind(near[0])}, and only angles, lengths, forces and moments can be fitted; {nearest}"
     return what if near[0] == name else f"the run has no such column; the nearest, {near[0]}, {what}"
 
 
@@ -166,24 +142,15 @@ def _nearest(name: str, known: Sequence[str]) -> str:
     return hint if hint.startswith("did") else f"allowed are {in_words(known)}"
 
 
-def _complete(file: str, line: int | None, found: Chosen, known: Sequence[str], faults: list[Fault]) -> Chosen | None:
-    columns = [column for column, _ in found.values()]
-    before = len(faults)
+def _incomplete(file: str, line: int | None, chosen: Chosen, known: Sequence[str]) -> Iterator[Fault]:
+    """Faults of what is missing among the columns, or there twice."""
+    columns = [column for column, _ in chosen.values()]
     if TIME not in columns:
-        faults.append(
-            Fault(file, line, "", f"has no column of times; allowed is one of {', '.join(spellings([TIME]))}")
-        )
+        yield Fault(file, line, "", f"has no column of times; allowed is one of {', '.join(spellings([TIME]))}")
     if set(columns) <= {TIME}:
-        faults.append(
-            Fault(
-                file,
-                line,
-                "",
-                f"has nothing to compare a run with: only angles and lengths can be; allowed are {in_words(known)}",
-            )
-        )
-    faults += twice(columns, file, line)
-    return found if len(faults) == before else None
+        words = f"has nothing to compare a run with: only angles and lengths can be; allowed are {in_words(known)}"
+        yield Fault(file, line, "", words)
+    yield from twice(columns, file, line)
 
 
 def twice(columns: Sequence[str], file: str, line: int | None) -> Iterator[Fault]:
@@ -192,33 +159,25 @@ def twice(columns: Sequence[str], file: str, line: int | None) -> Iterator[Fault
         yield Fault(file, line, column, "is measured by two columns; choose one of them by name")
 
 
-def numbers_of(table: Table, chosen: Chosen, fewest: int, faults: list[Fault]) -> dict[str, Vector] | None:
-    """Chosen columns (n,) by name, in its unit; None, with faults, of cells that are no numbers or of too few rows."""
-    before = len(faults)
-    numbers = {header: _column_numbers(table, header, faults) for header in chosen}
+def numbers_of(table: Table, chosen: Chosen, fewest: int) -> dict[str, Vector]:
+    """Chosen columns (n,) by name, in its unit; raises ConfigError for cells that are no numbers, or too few rows."""
+    faults, found = [], {}
+    for header, (column, factor) in chosen.items():
+        cells = [row[table.header.index(header)] for row in table.rows]
+        numbers = [number(cell) for cell in cells]
+        triples = zip(table.lines, cells, numbers, strict=True)
+        faults += few(table.file, [Fault(table.file, i, header, _odd(cell)) for i, cell, x in triples if x is None])
+        found[column] = factor * np.array(numbers, float)
     if len(table.rows) < fewest:
         words = f"got {len(table.rows)} rows; allowed are {fewest} or more"
         faults.append(Fault(table.file, table.header_line, "", words))
-    if len(faults) > before:
-        return None
-    return {column: numbers[header] * factor for header, (column, factor) in chosen.items()}
-
-
-def _column_numbers(table: Table, header: str, faults: list[Fault]) -> Vector:
-    """Numbers (n,) of a column; faults of the cells that are none."""
-    index = table.header.index(header)
-    cells = [row[index] for row in table.rows]
-    numbers = [number(cell) for cell in cells]
-    faulty = [
-        Fault(table.file, line, header, "is empty; leave the row out, or fill it" if not cell else _odd(cell))
-        for line, cell, value in zip(table.lines, cells, numbers, strict=True)
-        if value is None
-    ]
-    faults += few(table.file, faulty)
-    return np.array([0.0 if value is None else value for value in numbers])
+    refuse(faults)
+    return found
 
 
 def _odd(cell: str) -> str:
+    if not cell:
+        return "is empty; leave the row out, or fill it"
     comma = "; write decimals with a point" if "," in cell else ""
     return f"got {cell[:40]!r}; allowed is a finite number{comma}"
 

@@ -17,15 +17,18 @@ from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.scene import build
 from granular_contact.studies.fit import checks, force_checks, force_tests
 from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
+from granular_contact.studies.fit.faults import gathered, refuse
 from granular_contact.studies.fit.law_alone import DEPTH_OFFSET, FORCE_OFFSET, LawAlone, known_zero, motion_of, zeros_of
-from granular_contact.studies.fit.measurements import Measured, select
+from granular_contact.studies.fit.measurements import select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.request import RunRequest, Specification
-from granular_contact.studies.fit.responses import HERE, Key, ModelFailed, Simulator
+from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
 from granular_contact.studies.fit.scatter import faults as scatter_faults
 
 NO_KEYS = (OFFSET, DEPTH_OFFSET, FORCE_OFFSET)  # parameters that are in no config
+
+Templates = dict[Path, Template | ConfigError]  # that were read, or why they could not be
 
 
 def prepare(request: Specification) -> Problem:
@@ -37,27 +40,26 @@ def prepare(request: Specification) -> Problem:
         With every fault of the configs, the data and the parameters, sorted by file and line.
     """
     faults: list[Fault] = []
-    templates: dict[Path, Template | None] = {}
-    sources = [_Source(one, request.common, templates, faults) for one in request.runs]
-    if faults:
-        raise ConfigError(_in_order(faults))
+    templates: Templates = {}
+    sources = []
+    for one in request.runs:
+        with gathered(faults):
+            sources.append(_Source(one, request.common, templates))
+    refuse(_in_order(faults))
     faults += _twice(request.runs, sources)
     tests = [source for source in sources if source.test is not None]
-    held = [source.measured for source in tests if source.measured is not None]
-    faults += force_checks.between_tests(held, [source.model for source in tests])
+    faults += force_checks.between_tests([one.measured for one in tests], [one.model for one in tests])
     choices = choose(request.parameters, [s.simulator for s in sources], faults)
     for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         choices += own_choices(one, i, source.simulator, faults)
-    if faults:
-        raise ConfigError(_in_order(faults))
+    refuse(_in_order(faults))
     problem = _problem(request, sources, choices, faults)
-    if not faults:
-        try:
-            faults += checks.unused(problem, choices)
-        except ModelFailed as error:
-            faults.append(Fault(request.name, None, "", f"the model fails at the start values: {error}"))
-    if faults:
-        raise ConfigError(_in_order(faults))
+    refuse(_in_order(faults))
+    try:
+        faults += checks.unused(problem, choices)
+    except ModelFailed as error:
+        faults.append(Fault(request.name, None, "", f"the model fails at the start values: {error}"))
+    refuse(_in_order(faults))
     return problem
 
 
@@ -66,86 +68,72 @@ def _in_order(faults: Sequence[Fault]) -> list[Fault]:
 
 
 class _Source:
-    """A run as its files have it: simulator of the config as it stands, columns that the run has, data."""
+    """A run as its files have it: simulator of the config as it stands, columns that the run has, data.
 
-    def __init__(
-        self,
-        request: RunRequest,
-        common: Sequence[Override],
-        templates: dict[Path, Template | None],
-        faults: list[Fault],
-    ) -> None:
-        before = len(faults)
+    own: what is looked for in this run alone, by key, bounds and start.
+    """
+
+    def __init__(self, request: RunRequest, common: Sequence[Override], templates: Templates) -> None:
+        faults: list[Fault] = []
         table = read_table(shown(request.data), faults)
-        template = _template(request, templates, faults)
-        self.measured: Measured | None = None
         self.test: ForceTest | None = None
-        self.own: list[tuple[Key, float, float, float]] = []  # what is looked for in this run: key, bounds, start
         if table is not None:
-            table = force_tests.rows_of(table, request.rows, faults)
+            with gathered(faults):
+                table = force_tests.rows_of(table, request.rows)
             self.test = request.force_test or (ForceTest() if force_tests.meant(table, request.columns) else None)
-        if template is None:
-            return
-        try:
-            loaded = template.make(effective([*common, *request.overrides]))
-        except ConfigError as error:
-            faults += error.faults
-            return
-        try:
-            self._scene = build(loaded.scenario)
-        except SceneError as error:
-            faults += loaded.sources.place(error.faults)
-            return
-        self.template = filled(loaded.scenario, HERE)
-        self.simulator = Simulator(self.template)
-        if table is None or len(faults) > before:
-            return
+        with gathered(faults):
+            loaded = _template(request, templates).make(effective([*common, *request.overrides]))
+            try:
+                self._scene = build(loaded.scenario)
+            except SceneError as error:
+                raise ConfigError(loaded.sources.place(error.faults)) from error
+            self.template = filled(loaded.scenario, HERE)
+            self.simulator = Simulator(self.template)
+        if faults or table is None:  # else there was a fault
+            raise ConfigError(faults)
         if self.test is None:
-            self._read_run(request, table, faults)
+            self._read_run(request, table)
         else:
-            self._read_test(request, self.test, table, faults)
+            self._read_test(request, self.test, table)
 
-    def _read_run(self, request: RunRequest, table: Table, faults: list[Fault]) -> None:
+    def _read_run(self, request: RunRequest, table: Table) -> None:
         """Data of a run of the scene, compared with a first one."""
         try:
             first = self.simulator.results(())
         except ModelFailed as error:
             words = f"this run fails, so nothing can be fitted to it: {error}"
-            faults.append(request.at_config.fault((), words))
-            return
+            raise ConfigError([request.at_config.fault((), words)]) from error
         names = [column.name for column in first.columns]
         known = observables(names)
         others = [name for name in names if name not in (*known, TIME)]
-        self.measured = select(table, known, request.columns, faults, others)
-        if self.measured is not None:
-            clock = request.offset
-            _, latest, start = clock if isinstance(clock, tuple) else (clock, clock, clock)
-            self.own = [(OFFSET, *clock)] if isinstance(clock, tuple) else []
-            self.early = checks.early_by(self.measured, latest)
-            faults += checks.against_run(self.measured, first, start, latest)
+        self.measured = select(table, known, request.columns, others)
+        clock = request.offset
+        _, latest, start = clock if isinstance(clock, tuple) else (clock, clock, clock)
+        self.own = [(OFFSET, *clock)] if isinstance(clock, tuple) else []
+        self.early = checks.early_by(self.measured, latest)
+        refuse(checks.against_run(self.measured, first, start, latest))
 
-    def _read_test(self, request: RunRequest, test: ForceTest, table: Table, faults: list[Fault]) -> None:
+    def _read_test(self, request: RunRequest, test: ForceTest, table: Table) -> None:
         """Data of a force test, compared with the law at the start values."""
+        faults: list[Fault] = []
         if request.offset != 0.0:
             words = "a force test has no clock; allowed are force_test: {depth_offset_m: ..., force_offset_N: ...}"
             faults.append(request.at_data.fault(("time_offset_s",), words))
-        held = force_tests.select(table, test, request.columns, faults)
-        if held is None:
-            return
-        self.motion = motion_of(held.given, test)
-        try:
-            body = SteadyBody(self._scene, test.body)
-            self.model = LawAlone(self.template, (), held.columns, test, self.motion).response(()).at(held.time)
-        except (SceneError, ModelFailed) as error:
-            found = error.faults[0].message if isinstance(error, SceneError) else str(error)
-            faults.append(request.at_config.fault((), f"no force test can be made of it: {found}"))
-            return
-        self.own = zeros_of(test, held)
-        depths = [low for key, low, _, _ in self.own if key == DEPTH_OFFSET]
-        least = depths[0] if depths else known_zero(test.depth_offset_m)
-        size = 2.0 * self._scene.radius(body.body)
-        faults += force_checks.of_test(held, self.model, size, least)
-        self.measured = held
+        with gathered(faults):
+            held = self.measured = force_tests.select(table, test, request.columns)
+            self.motion = motion_of(held.given, test)
+            try:
+                body = SteadyBody(self._scene, test.body)
+                self.model = LawAlone(self.template, (), held.columns, test, self.motion).response(()).at(held.time)
+            except (SceneError, ModelFailed) as error:
+                found = error.faults[0].message if isinstance(error, SceneError) else str(error)
+                refuse([request.at_config.fault((), f"no force test can be made of it: {found}")])
+            self.own = zeros_of(test, held)
+            depths = [low for key, low, _, _ in self.own if key == DEPTH_OFFSET]
+            least = depths[0] if depths else known_zero(test.depth_offset_m)
+            size = 2.0 * self._scene.radius(body.body)
+            refuse(force_checks.of_test(held, self.model, size, least))
+        refuse(faults)
 
 
 def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[Fault]:
@@ -153,7 +141,6 @@ def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[F
     seen: dict[tuple[object, ...], str] = {}
     for run, source in zip(runs, sources, strict=True):
         held = source.measured
-        assert held is not None  # or there was a fault
         given = tuple(one.tobytes() for one in held.given.values())
         numbers = (held.columns, held.time.tobytes(), held.values.tobytes(), given)
         if numbers in seen:
@@ -162,22 +149,22 @@ def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[F
         seen.setdefault(numbers, held.file)
 
 
-def _template(request: RunRequest, templates: dict[Path, Template | None], faults: list[Fault]) -> Template | None:
-    """The config of a run, read once however many runs have it."""
+def _template(request: RunRequest, templates: Templates) -> Template:
+    """The config of a run, read once however many runs have it; its faults are those of the first of them."""
     path = shown(request.config)
     if path not in templates:
-        templates[path] = None
-        if not path.exists():
-            faults.append(request.at_config.fault((), f"got {str(path)!r}, but there is no such file"))
-        else:
-            own: list[Fault] = []
-            try:
-                template = Template(read_file(path, own), path, own)
-                templates[path] = None if own else template
-                faults += own
-            except ConfigError as error:
-                faults += error.faults
-    return templates[path]
+        own: list[Fault] = []
+        try:
+            if not path.exists():
+                refuse([request.at_config.fault((), f"got {str(path)!r}, but there is no such file")])
+            templates[path] = Template(read_file(path, own), path, own)
+            refuse(own)
+        except ConfigError as error:
+            templates[path] = error
+    known = templates[path]
+    if isinstance(known, ConfigError):
+        raise known
+    return known
 
 
 def _problem(
@@ -186,7 +173,6 @@ def _problem(
     parameters: list[Parameter] = [choice.parameter for choice in choices]
     runs = []
     for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
-        assert source.measured is not None  # or there was a fault
         acting = tuple(j for j, p in enumerate(parameters) if i in p.runs and p.key not in NO_KEYS)
         first = len(parameters)
         for key, low, high, start in source.own:
@@ -212,7 +198,6 @@ def _run(
 ) -> MeasuredRun:
     """A run of the scene, or a force test; own: index of the first parameter that is in no config."""
     held = source.measured
-    assert held is not None  # or there was a fault
     keys = [parameters[j].key for j in acting]
     if source.test is not None:
         zeros = [parameter.key for parameter in parameters[own:]]
