@@ -47,15 +47,9 @@ def execute(chosen: argparse.Namespace) -> int:
             pool,
             lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
             count=len(sweep.cases),
-            finished=lambda: _nothing_to_do(folder, chosen.quiet),
+            finished=lambda: FINE,
             interrupted=lambda checkpoint: table.write(sweep, _plain(checkpoint), checkpoint.folder),
         )
-
-
-def _nothing_to_do(folder: Path, quiet: bool) -> int:
-    if not quiet:
-        print(f"{folder} holds all runs of this ensemble already; --restart runs them again")
-    return FINE
 
 
 def _plain(checkpoint: Checkpoint) -> list[Row]:

@@ -56,13 +56,15 @@ def with_checkpoint(
 ) -> int:
     """Exit code of what is done in the work folder; what is finished is kept there, however it ends.
 
-    count: runs in all; finished: what is said where the folder holds all of them already; interrupted: what is written
-    besides after Ctrl-C; cases: whether cases have folders.
+    count: runs in all; finished: gives the exit code of work that is done already; interrupted: what is written besides
+    after Ctrl-C; cases: whether cases have folders.
     """
     from granular_contact.studies.sweep import WorkerPoolError
     from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
 
     if is_finished(work, folder, cases and not chosen.restart) and not chosen.restart:
+        if not chosen.quiet:
+            print(f"{folder} holds all {work.runs} of this {work.noun} already; --restart runs them again")
         return finished()
     try:
         with open_checkpoint(work, folder, cases, chosen.restart) as checkpoint:

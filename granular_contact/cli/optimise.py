@@ -47,14 +47,8 @@ def execute(chosen: argparse.Namespace) -> int:
             pool,
             lambda checkpoint: _run(chosen, study, pool, checkpoint, folder),
             count=study.file.evaluations,
-            finished=lambda: _nothing_to_do(folder, chosen.quiet),
+            finished=lambda: _show(folder, folder, chosen.quiet),
         )
-
-
-def _nothing_to_do(folder: Path, quiet: bool) -> int:
-    if not quiet:
-        print(f"{folder} holds all runs of this search already; --restart takes them again")
-    return _show(folder, folder, quiet)
 
 
 def _run(chosen: argparse.Namespace, study: Study, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:

@@ -75,20 +75,19 @@ def execute(chosen: argparse.Namespace) -> int:
             pool,
             lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
             count=len(sweep.cases),
-            finished=lambda: _nothing_to_do(folder, chosen.quiet),
+            finished=lambda: _failed_before(folder),
             interrupted=lambda checkpoint: table.write(sweep, checkpoint.journal, checkpoint.folder),
             cases=chosen.plots,
         )
 
 
-def _nothing_to_do(folder: Path, quiet: bool) -> int:
+def _failed_before(folder: Path) -> int:
+    """Exit code of a sweep that is done already."""
     from granular_contact.report import TABLE
     from granular_contact.results import FINISHED
 
     with (folder / TABLE).open(encoding="utf-8", newline="") as file:
         failed = sum(row["status"] not in FINISHED for row in csv.DictReader(file))
-    if not quiet:
-        print(f"{folder} holds all cases of this sweep already; --restart runs them again")
     if failed:
         complain(f"{failed} cases failed; saved in {folder}")
     return FAILED if failed else FINE
