@@ -13,7 +13,7 @@ a bed in space      space_law, space_joining     as `law` and `joining`
                     facets, slices, facet_layers, facet_scatter, space_balls    the elements; bars are in `bars`
                     ground, space_reach          the surface; the walls of a container
 joints              joint_coordinates, joint_laws, joint_loads, space_joints
-the solve           anderson, step_error         Newton's method, choice of steps
+the solve           iterations, anderson, line_search, step_error    Newton's method, choice of steps
 implicit forces     added_mass, planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass, held_step
 reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip, events    its equations
                     dormand_prince, march, modal_looks                              its steps, and what is found in them

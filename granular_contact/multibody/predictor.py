@@ -34,7 +34,7 @@ from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
 PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
-GIVEN = 7  # arrays of `kernels.anderson` that are the engine's, or stay as they are
+GIVEN = 8  # arrays of `kernels.iterations` that are the engine's, or stay as they are
 NEAR = 4.0  # times the least tolerance in space, where that is little more than round-off
 LATE = 3  # iterations by which links that bend are led on later
 
@@ -46,7 +46,7 @@ class Predictor:
     on as the engine does. bends: whether all that moves is a link that bends. Its stiff elements leave round-off in
     changes, so that iterations are led on only where they have not ended after some. alone: whether iterations are led
     on by those of their step only: of one body they would end as soon as the tolerance lets them, all on one side.
-    gain: see above; infinite where the engine's rule holds.
+    gain: see above; infinite where the engine's rule holds. fixed: whether steps are.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
@@ -67,12 +67,13 @@ class Predictor:
         bends: bool = False,
         alone: bool = False,
         gain: float = math.inf,
+        fixed: bool = False,
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever = solver, lever
         self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
         self.views: Views | None = None  # given before the first step
-        self._late, self._alone = LATE if bends else 0, alone
+        self._late, self._alone, self._fixed = LATE if bends else 0, alone, fixed and not alone
         self._found: Views | None = None  # those of which the following is known
         self._of_square, self._of_step = 0.0, 0.0  # see `_look`
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
@@ -112,7 +113,9 @@ class Predictor:
             self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
-            self._start(self._words, of_q, of_v, self._alone)
+            jacobians = self._it.newtonJacobiCount
+            if self._start(self._words, of_q, of_v, self._alone, jacobians, self._fixed):
+                self._conv.jacobianUpdateRequested = True
             return
         before = views.a_before
         views.q += of_q * before
@@ -145,19 +148,21 @@ class Predictor:
             return
         self._where = views.where
         from granular_contact.kernels import anderson
+        from granular_contact.kernels import iterations as of
         from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
         size, constraints = len(views.q), len(views.multipliers)
-        before = views.a_before, views.multipliers_before
+        before = views.v_before, views.a_before, views.multipliers_before
         now = views.q, views.v, views.a, views.multipliers
-        kept = np.zeros((3, size)), np.zeros(constraints), np.zeros(2)
-        pairs = (np.zeros((rows, anderson.DEPTH)) for rows in (size, constraints, size, anderson.DEPTH))
-        numbers = np.zeros(anderson.NUMBERS, np.int64), np.zeros(1)
-        self._arrays = *now, *before, self.lever, *kept, *pairs, *numbers
+        kept = np.zeros((4, size)), np.zeros((2, constraints)), np.zeros(2)
+        pairs = (np.zeros((rows, of.DEPTH)) for rows in (size, constraints, size, of.DEPTH))
+        numbers = np.zeros(of.NUMBERS, np.int64), np.zeros(of.LINE)
+        way = np.zeros((2, size)), np.zeros((2, constraints))
+        self._arrays = *now, *before, self.lever, *kept, *pairs, *numbers, *way
         self._words = places(*self._arrays)
         if self._go_on is None:
             self._start, self._go_on = (
-                entry(anderson.begin, self._words, 0.0, 0.0, False),
+                entry(anderson.begin, self._words, 0.0, 0.0, False, 0, False),
                 entry(anderson.go_on, self._words, 0, 0.5, True),
             )

@@ -130,7 +130,8 @@ class Solve:
         limits = tolerances(scene, simulation), tolerances_in_space(scene, simulation)
         alone = moving_joints(scene) <= 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
-        return Predictor(self.solver, lever, *limits, bends=alone and bool(scene.links), alone=alone, gain=gain)
+        bends, fixed = alone and bool(scene.links), scene.solver.accuracy is None
+        return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed)
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.
