@@ -158,11 +158,8 @@ class BedData:
     @property
     def state(self) -> BedState:
         """A copy of all that an accepted step changes; MuJoCo's own state is saved beside it (`mj_getState`)."""
-        now, rows = self._step, self._rows[: self.accepted + 1].copy()
-        anchors = tuple((a.copy(), b.copy()) for a, b in now.sand)
-        loads, base, twists = now.loads.copy(), now.base.copy(), now.twists.copy()
-        motion = twists, now.gained.copy(), now.seen.copy(), now.works.copy()
-        return BedState(self.time, self.accepted, anchors, loads, base, *motion, rows)
+        arrays = tuple(array.copy() for array in self._step.kept)
+        return BedState(self.time, self.accepted, arrays, self._rows[: self.accepted + 1].copy())
 
     def restore(self, state: BedState) -> None:
         """Go back to a state of this bed, of this or another MjData; set MuJoCo's own state beside it.
@@ -176,11 +173,8 @@ class BedData:
     def take(self, state: BedState) -> None:
         """Take a state on, without any trace in MuJoCo's memory."""
         self.time, self.accepted, self._stages = state.time, state.accepted, 0
-        now = self._step
-        for (anchors, active), (a, b) in zip(now.sand, state.anchors, strict=True):
-            anchors[:], active[:] = a, b
-        now.loads[:], now.base[:], now.twists[:] = state.loads, state.base, state.twists
-        now.gained[:], now.seen[:], now.works[:] = state.gained, state.seen, state.works
+        for array, kept in zip(self._step.kept, state.arrays, strict=True):
+            array[:] = kept
         if len(self._rows):
             while len(self._rows) <= state.accepted:
                 self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])

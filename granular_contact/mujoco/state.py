@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +13,14 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BedState:
-    """All that the future of a bed with one MjData depends on beside MuJoCo's own state, see `BedData.state`."""
+    """All that the future of a bed with one MjData depends on beside MuJoCo's own state, see `BedData.state`.
+
+    arrays: as `Step.kept`; rows: of the history.
+    """
 
     time: float | None
     accepted: int
-    anchors: tuple[tuple[Vector, NDArray[np.bool_]], ...]
-    loads: Vector
-    base: Vector
-    twists: Vector
-    gained: Vector
-    seen: Vector
-    works: Vector
+    arrays: tuple[NDArray[Any], ...]
     rows: Vector
 
 

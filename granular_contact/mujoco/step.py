@@ -46,6 +46,9 @@ class Step:
         self.loads, self.base, self.written, self.brought = (np.zeros((n, 6)) for _ in range(4))
         self.twists, self.gained = np.zeros((n, 6)), np.zeros((n, 6))
         self.seen, self.works = np.zeros((n, 3)), np.zeros(n)
+        # What a state of the bed is, beside how far it got: arrays that steps change.
+        motion = self.loads, self.base, self.twists, self.gained, self.seen, self.works
+        self.kept: tuple[NDArray[Any], ...] = (*(array for of_batch in self.sand for array in of_batch), *motion)
         self.centres, self._model = data.xipos, model
         self._trial = Trial(model, data, shared.last, shared.general)
         if not shared.checked:

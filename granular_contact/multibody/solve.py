@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from granular_contact.multibody.senses import Senses
     from granular_contact.multibody.state import Keeper, SolveState
 
+KEPT = "seconds", "_success", "_problem", "_restarts"  # fields of a solve that a state has
+
 
 class _Guarded:
     """Within it a handler takes Ctrl-C, which only the main thread may, and the engine does not print.
@@ -253,15 +255,14 @@ class Solve:
     def state(self) -> SolveState:
         """The present state."""
         assert self._keeper is not None  # of one that pauses
-        return self._keeper.state(self.seconds, self._success, self._problem, self._restarts)
+        return self._keeper.state({name: getattr(self, name) for name in KEPT})
 
     def restore(self, kept: SolveState) -> None:
         """Go back to a state of this solve or another one of the same scene."""
         assert self._keeper is not None  # of one that pauses
         with self._guarded:
             self._keeper.restore(kept)
-        self.seconds, self._success, self._problem = kept.seconds, kept.success, kept.problem
-        self._restarts = kept.restarts
+        vars(self).update(kept.solve)
 
     def close(self) -> None:
         """Let go of the engine's system. Its functions hold this solve and are held by it, so Python never would."""

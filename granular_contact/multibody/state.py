@@ -32,7 +32,7 @@ class SolveState:
     time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
     constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints: as
     `System.held`. recorded, control: fields of the recorder and of the choice of steps. iterations: of `predictor`.
-    bed: None without one.
+    bed: None without one. solve: fields of the solve itself.
     """
 
     time: float
@@ -51,10 +51,7 @@ class SolveState:
     control: dict[str, Any] | None
     iterations: tuple[NDArray[Any], ...]
     bed: CouplingState | None
-    seconds: float
-    success: bool
-    problem: str
-    restarts: bool
+    solve: dict[str, Any]
 
 
 class Keeper:
@@ -68,8 +65,8 @@ class Keeper:
         self.tangent = Tangent(system, solver, simulation)
         self.tangent.before = predictor
 
-    def state(self, seconds: float, success: bool, problem: str, restarts: bool) -> SolveState:
-        """The present state."""
+    def state(self, solve: dict[str, Any]) -> SolveState:
+        """The present state; solve: fields of the solve itself."""
         system, solver, data = self.system, self.solver, self.system.mbs.systemData
         control = self.recorder.control
         return SolveState(
@@ -89,10 +86,7 @@ class Keeper:
             control=None if control is None else control.kept(),
             iterations=() if self.predictor is None else self.predictor.kept,
             bed=None if system.bed is None else system.bed.kept,
-            seconds=seconds,
-            success=success,
-            problem=problem,
-            restarts=restarts,
+            solve=solve,
         )
 
     def restore(self, kept: SolveState) -> None:

@@ -81,12 +81,7 @@ def pace(frames: Sequence[Snapshot]) -> float:
 
 def resample(time: Vector, values: Vector, at: Vector) -> Vector:
     """Values (n, m) at `time` (n,), interpolated linearly at the times (k,), and held beyond the ends: (k, m)."""
-    if len(time) < 2:
-        return np.repeat(values[:1], len(at), axis=0)
-    i = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
-    share = np.clip((at - time[i]) / (time[i + 1] - time[i]), 0.0, 1.0)[:, None]
-    resampled: Vector = (1.0 - share) * values[i] + share * values[i + 1]
-    return resampled
+    return np.column_stack([np.interp(at, time, one) for one in values.T])
 
 
 def frames(

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results.interpolation import Track, first_above_zero
+from granular_contact.results.interpolation import Track, at_times, first_above_zero
 
 Vector = NDArray[np.float64]
 REST_TIME = 0.02  # s at rest, where the run does not say how long
@@ -72,7 +72,7 @@ def find_stop(
         hub_time = float(time[i]) + _rate_zero(float(time[i + 1] - time[i]), angle[i : i + 2], angle_rate[i : i + 2])
     return Stop(
         time=float(time[k] + tau),
-        angle=_hermite(tau / step, step, angle[k], angle[k + 1], angle_rate[k], angle_rate[k + 1]),
+        angle=float(at_times(np.array([0.0, step]), angle[k : k + 2], angle_rate[k : k + 2], np.array([tau]))[0]),
         hub_time=hub_time,
     )
 
@@ -129,13 +129,3 @@ def _rate_zero(step: float, angle: Vector, rate: Vector) -> float:
     rise = 3.0 * (angle[1] - angle[0]) / step - 2.0 * rate[0] - rate[1]
     bow = rate[0] + rate[1] - 2.0 * (angle[1] - angle[0]) / step
     return step * _parabola_root(float(rate[0]), 2.0 * float(rise), 3.0 * float(bow), 1.0)
-
-
-def _hermite(xi: float, step: float, a: float, b: float, a_rate: float, b_rate: float) -> float:
-    """Cubic through two values and rates at the ends of a step, at fraction xi of it."""
-    return float(
-        (1 + 2 * xi) * (1 - xi) ** 2 * a
-        + xi * (1 - xi) ** 2 * step * a_rate
-        + xi**2 * (3 - 2 * xi) * b
-        + xi**2 * (xi - 1) * step * b_rate
-    )

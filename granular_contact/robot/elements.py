@@ -30,10 +30,6 @@ class Reader:
         line = at if isinstance(at, int) or at is None else at.sourceline
         self.faults.append(Fault(self.file, line, key, message))
 
-    def name(self, element: Element, key: str) -> str:
-        """Its attribute `name`; empty, with a fault, if it has none."""
-        return self.text(element, "name", key)
-
     def text(self, element: Element, attribute: str, key: str) -> str:
         """A text that must be there; empty, with a fault, if it is not."""
         found = (element.get(attribute) or "").strip()

@@ -26,21 +26,21 @@ def merged(robot: Robot, reader: Reader, fixed_base: bool = False) -> Robot:
 
     fixed_base: whether the root is held, so that it needs no mass.
     """
-    state = _State(robot)
+    left = replace(robot, links=dict(robot.links), joints=dict(robot.joints))
     held = has_world(robot) or fixed_base
     for name in reversed(list(_from_root(robot))):
-        if has_inertia(state.links[name]) or (name == robot.root and held):
+        if has_inertia(left.links[name]) or (name == robot.root and held):
             continue
-        above = state.above(name)
-        heavy = [j for j in state.below(name) if j.kind == "fixed" and has_inertia(state.links[j.child])]
+        above = left.above(name)
+        heavy = [j for j in left.below(name) if j.kind == "fixed" and has_inertia(left.links[j.child])]
         if heavy:
             for joint in heavy:
-                state.absorb(joint)
+                _absorb(left, joint)
         elif above is not None and above.kind == "fixed":
-            state.absorb(above)
+            _absorb(left, above)
         else:
-            reader.fault(state.links[name].line, f"link.{name}", _motion(above, state.links[name]))
-    return replace(robot, links=state.links, joints=state.joints)
+            reader.fault(left.links[name].line, f"link.{name}", _motion(above, left.links[name]))
+    return left
 
 
 def has_inertia(link: Link) -> bool:
@@ -66,34 +66,22 @@ def _from_root(robot: Robot) -> Iterator[str]:
         left += [joint.child for joint in robot.below(name)]
 
 
-class _State:
-    """Links and joints while they are merged."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.links: dict[str, Link] = dict(robot.links)
-        self.joints: dict[str, Joint] = dict(robot.joints)
-
-    def above(self, name: str) -> Joint | None:
-        return next((joint for joint in self.joints.values() if joint.child == name), None)
-
-    def below(self, name: str) -> list[Joint]:
-        return [joint for joint in self.joints.values() if joint.parent == name]
-
-    def absorb(self, joint: Joint) -> None:
-        """Make the child of a fixed joint part of its parent."""
-        parent, child = self.links[joint.parent], self.links.pop(joint.child)
-        parts = [] if parent.inertial is None else [parent.inertial]
-        if child.inertial is not None:
-            parts.append(moved(child.inertial, joint.origin))
-        self.links[parent.name] = replace(
-            parent,
-            inertial=added(parts) if parts else None,
-            visual=(*parent.visual, *_moved(child.visual, joint.origin)),
-            collision=(*parent.collision, *_moved(child.collision, joint.origin)),
-        )
-        del self.joints[joint.name]
-        for other in self.below(child.name):
-            self.joints[other.name] = replace(other, parent=parent.name, origin=joint.origin.then(other.origin))
+def _absorb(robot: Robot, joint: Joint) -> None:
+    """Make the child of a fixed joint part of its parent."""
+    links, joints = robot.links, robot.joints
+    parent, child = links[joint.parent], links.pop(joint.child)
+    parts = [] if parent.inertial is None else [parent.inertial]
+    if child.inertial is not None:
+        parts.append(moved(child.inertial, joint.origin))
+    links[parent.name] = replace(
+        parent,
+        inertial=added(parts) if parts else None,
+        visual=(*parent.visual, *_moved(child.visual, joint.origin)),
+        collision=(*parent.collision, *_moved(child.collision, joint.origin)),
+    )
+    del joints[joint.name]
+    for other in list(robot.below(child.name)):
+        joints[other.name] = replace(other, parent=parent.name, origin=joint.origin.then(other.origin))
 
 
 def _moved(shapes: tuple[Shape, ...], pose: Pose) -> Iterator[Shape]:

@@ -5,19 +5,18 @@ inertias that no body has by those of the shapes.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from granular_contact.errors import ConfigError, Fault
 from granular_contact.geometry.mesh_quality import INNER, LARGEST, Quality, quality, sides
 from granular_contact.robot.files import find
 from granular_contact.robot.inspection import Inspected, Inspection
 from granular_contact.robot.mending_inertia import mend_inertias
-from granular_contact.robot.source import Element, parse
+from granular_contact.robot.source import Element, parse, refused
 from granular_contact.robot.surfaces import Arrays, Surfaces
 
 _MILLIMETRE = 1e-3
@@ -49,7 +48,7 @@ def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None 
     done = list[str]()
     try:
         if out.exists() and (not out.is_dir() or any(out.iterdir())):
-            raise _refused(out, "is there already; allowed is a new or empty folder")
+            raise refused(out, "is there already; allowed is a new or empty folder")
         (out / "meshes").mkdir(parents=True, exist_ok=True)
         surfaces = Surfaces()
         for one in inspection.shapes:
@@ -59,15 +58,11 @@ def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None 
         target = out / source.name
         root = parse(source)
         done += mend_inertias(root, inspection)
-        _rename(root, inspection.which, source, lambda key: names.get(key), out, packages or {})
-        target.write_bytes(_text(root))
+        _rename(root, inspection.which, source, names, out, packages or {})
+        root.getroottree().write(target, xml_declaration=True, encoding="utf-8")
     except OSError as error:
-        raise _refused(out, f"can't be written: {error.strerror or error}") from None
+        raise refused(out, f"can't be written: {error.strerror or error}") from None
     return Mended(target, tuple(done))
-
-
-def _refused(path: Path, message: str) -> ConfigError:
-    return ConfigError([Fault(str(path), None, "", message)])
 
 
 def _file_name(path: Path, taken: set[str]) -> str:
@@ -81,7 +76,7 @@ def _write(one: Inspected, surfaces: Surfaces, target: Path) -> str:
     """Write a mesh, mended if it has to be; says what was done."""
     arrays = surfaces.of(one.shape.geometry, one.path)
     if isinstance(arrays, str):
-        raise _refused(target, arrays)
+        raise refused(target, arrays)
     vertices, faces, words = *arrays, ""
     if np.ptp(vertices[faces].reshape(-1, 3), axis=0).max() > LARGEST:
         vertices, words = vertices * _MILLIMETRE, ", read as millimetres"
@@ -161,7 +156,7 @@ def _rename(
     root: Element,
     which: str,
     source: Path,
-    name_of: Callable[[_Key], str | None],
+    names: Mapping[_Key, str],
     out: Path,
     packages: Mapping[str, Path],
 ) -> None:
@@ -172,7 +167,7 @@ def _rename(
             continue
         kind = element.getparent().getparent().tag
         scale = _scale(element.get("scale") or "1 1 1")
-        new = name_of((path, scale)) if kind == which and scale is not None else None
+        new = names.get((path, scale)) if kind == which and scale is not None else None
         if new is None:
             element.set("filename", os.path.relpath(path.resolve(), out.resolve()))
             continue
@@ -186,9 +181,3 @@ def _scale(text: str) -> tuple[float, float, float] | None:
     except ValueError:  # which has its fault
         return None
     return x, y, z
-
-
-def _text(root: Element) -> bytes:
-    from lxml import etree
-
-    return bytes(etree.tostring(root.getroottree(), xml_declaration=True, encoding="utf-8"))

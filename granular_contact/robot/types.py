@@ -35,11 +35,6 @@ class Pose:
         turn = self.rotation
         return Pose(self.xyz + turn @ inner.xyz, rpy_of(turn @ inner.rotation))
 
-    def inverse(self) -> Pose:
-        """Pose of the outer frame in this one."""
-        back = self.rotation.T
-        return Pose(-back @ self.xyz, rpy_of(back))
-
 
 def rpy_of(turn: Vector) -> Vector:
     """Roll, pitch, yaw (3,) rad of a rotation matrix (3, 3)."""
@@ -131,8 +126,8 @@ class Robot:
 
     name: str
     file: str
-    links: Mapping[str, Link]
-    joints: Mapping[str, Joint]
+    links: dict[str, Link]
+    joints: dict[str, Joint]
     root: str
 
     def below(self, name: str) -> Iterator[Joint]:

@@ -58,7 +58,7 @@ def read_all(path: str | PathLike[str]) -> tuple[Robot, Reader]:
 def _named(reader: Reader, root: Element, tag: str) -> Iterator[tuple[str, Element]]:
     seen: dict[str, int] = {}
     for element in root.findall(tag):
-        name = reader.name(element, tag)
+        name = reader.text(element, "name", tag)
         if name in seen:
             reader.fault(element, f"{tag}.{name}", f"is the name of a {tag} already, in line {seen[name]}")
         elif name:
