@@ -89,6 +89,7 @@ class GranularLoad:
         self.records, self.floor = records_of(layers, static, gravity), floor_of(floor)
         self.lines: list[Any] = []  # `ContactLine`; of a load in space `Elements`
         self.batches: list[Any] = []  # `Batch`, in space `SpatialBatch`
+        self.met: list[Law | None] = []  # of each batch its medium, None of the floor's contact
         self._leaning: list[Batch] = []  # those with bodies that may lean out of the plane
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
@@ -138,6 +139,7 @@ class GranularLoad:
                     layer is not None and layer.medium.needs_path_length,
                 )
                 self.batches.append(Batch(acting, records, profile, medium, columns, paths))
+                self.met.append(None if layer is None else layer.medium)
         self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
         self._leaning = [batch for batch in self.batches if batch.leans]
 
@@ -167,6 +169,7 @@ class GranularLoad:
             return False
         self.layers = tuple(layers)
         self.media = tuple(layer.medium for layer in layers)
+        self.met[:] = self.media
         self.records = records_of(self.layers, static, gravity)
         for batch, record in zip(self.batches, self.records, strict=True):
             batch.renew(record)

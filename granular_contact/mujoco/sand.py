@@ -6,7 +6,7 @@ step changes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -70,13 +70,13 @@ class SpatialSand:
             b = part.batch
             on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
             if medium is not None:
-                found += _bound(space_added_mass.act, [(*on, part.bristle, part.rows)], step)
+                found.append(bound(space_added_mass.act, *on, part.bristle, part.rows, *step))
                 continue
             from granular_contact.kernels import floor_added_mass
 
             clock, poses, then, seen, *other = step
             apart = np.zeros_like(seen)  # what is reported of depths is that below the surface
-            found += _bound(floor_added_mass.act, [(*on, part.rows)], (clock, poses, then, apart, *other))
+            found.append(bound(floor_added_mass.act, *on, part.rows, clock, poses, then, apart, *other))
         return found
 
 
@@ -94,10 +94,7 @@ class PlanarSand:
 
     def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
         self._facings = facings
-        media = [
-            load.media[i] if i < len(load.media) else None for i, kinds, *_ in load._meetings() if _met(load, kinds)
-        ]
-        self.parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(media, load.batches, strict=True)]
+        self.parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
         self.sizes = np.zeros(len(facings))
         for part in self.parts:
             np.maximum.at(self.sizes, part.of_bed, part.reaches)
@@ -112,16 +109,8 @@ class PlanarSand:
         for part, (anchors, active) in zip(self.parts, state, strict=True):
             b = part.batch
             of = (b.ends, part.of_bed, part.reaches, self._facings, b.geometry, b.records, b.profile, b.medium)
-            found.append((*of, anchors, active, part.bristle))
-        return _bound(planar_added_mass.act, found, step)
-
-
-def _bound(kernel: Any, parts: Sequence[tuple[Any, ...]], step: tuple[Any, ...]) -> list[Callable[[], None]]:
-    return [bound(kernel, *part, *step) for part in parts]
-
-
-def _met(load: GranularLoad, kinds: Collection[str]) -> bool:
-    return any(line.kind in kinds for line in load.lines)
+            found.append(bound(planar_added_mass.act, *of, anchors, active, part.bristle, *step))
+        return found
 
 
 def _line_part(batch: Any, bristle: NDArray[np.void]) -> _Part:

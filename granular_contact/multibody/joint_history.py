@@ -28,6 +28,17 @@ class JointForces:
         """Power (n,) W of an element less that of its elastic part."""
         return (self.force[name] - self.elastic.get(name, 0.0)) * rate
 
+    def done(self, time: Vector, rate: Vector) -> tuple[Vector, Vector, Vector]:
+        """Energy stored (n,) J, and work (n,) J done so far by dampers and stops, and by friction, at a rate (n,)."""
+        nothing = np.zeros_like(rate)
+        lossy = [
+            force - self.elastic.get(name, nothing)
+            for name, force in self.force.items()
+            if name not in ("spring", "friction")
+        ]
+        stored = sum(self.stored.values(), nothing)
+        return stored, work(time, sum(lossy, nothing), rate), work(time, self.force.get("friction", nothing), rate)
+
 
 def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> JointForces:
     """Forces in a joint with coordinate s (n,) rad or m and its rate (n,), its bristle held at the anchor at first."""
@@ -50,30 +61,6 @@ def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Joint
 
         force["friction"] = frictions(_record(law), s, rate, anchor)
     return JointForces(force, elastic, stored)
-
-
-@dataclass(frozen=True)
-class JointHistory:
-    """Energy stored (n,) J in springs and stops, and work (n,) J done so far by dampers and stops, and by friction."""
-
-    stored: Vector
-    damping: Vector
-    friction: Vector
-
-
-def joint_history(forces: JointForces, time: Vector, rate: Vector) -> JointHistory:
-    """What the forces in a joint stored and lost, with the rate (n,) of its coordinate."""
-    nothing = np.zeros_like(rate)
-    lossy = [
-        force - forces.elastic.get(name, nothing)
-        for name, force in forces.force.items()
-        if name not in ("spring", "friction")
-    ]
-    return JointHistory(
-        sum(forces.stored.values(), nothing),
-        work(time, sum(lossy, nothing), rate),
-        work(time, forces.force.get("friction", nothing), rate),
-    )
 
 
 def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:

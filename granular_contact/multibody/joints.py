@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
+from numpy.typing import ArrayLike
 
 from granular_contact.multibody.joint_actions import Turning
 from granular_contact.multibody.system import System
@@ -54,7 +55,10 @@ def _constrain(system: System, ground: Any, joint: Joint) -> None:
         return
     # Both bodies must see the joint along the same direction: it keeps the angle that they start with.
     angles = (_angle(system, joint.child) - _angle(system, joint.parent), 0.0)
-    markers = [_rigid_marker(mbs, *end, angle) for end, angle in zip(ends, angles, strict=True)]
+    turns = [np.eye(3), np.eye(3)]
+    for turn, angle in zip(turns, angles, strict=True):
+        turn[:2, :2] = rotation(angle)
+    markers = [rigid_marker(mbs, *end, turn) for end, turn in zip(ends, turns, strict=True)]
     if joint.kind == "weld":
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1]))
         return
@@ -67,9 +71,8 @@ def _constrain(system: System, ground: Any, joint: Joint) -> None:
     )
 
 
-def _rigid_marker(mbs: Any, body: Any, point: list[float], angle: float) -> Any:
-    turn = np.eye(3)
-    turn[:2, :2] = rotation(angle)
+def rigid_marker(mbs: Any, body: Any, point: ArrayLike, turn: Vector) -> Any:
+    """Marker of a frame of a body: its place (3,) m and axes (3, 3) in the body's."""
     return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=turn, translation=point)))
 
 
@@ -191,10 +194,7 @@ class _Last:
             count, size = len(q), self._s.size
             if self.row.shape[1] != count:
                 self.row = np.zeros((1, count))
-            if count == size:
-                self._found = self._s.now(q, v, self._slope)
-            else:
-                self._found = self._s.now(q[count - size :], v[count - size :], self._slope)
+            self._found = self._s.now(q[count - size :], v[count - size :], self._slope)
             self.row[0, count - size :] = self._slope[:size]
             self._q, self._v = q, v
         return self._found

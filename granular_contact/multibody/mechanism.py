@@ -78,10 +78,10 @@ def drive_forces(motion: Kinematics) -> Driven:
     """What every drive did."""
     found, reacting, time = {}, reactions(motion), motion.trajectory.time
     for drive in motion.scene.drives:
-        s, rate = motion.coordinate(motion.scene.joint(drive.joint))
         if drive.kind == "motion":
-            found[drive.joint] = reacting[drive.joint].driving(time, rate)
+            found[drive.joint] = reacting[drive.joint]
             continue
+        s, rate = motion.coordinate(motion.scene.joint(drive.joint))
         force = joint_history.drive_history(drive, time, s, rate, motion.trajectory.set_to.get(drive.joint))
         found[drive.joint] = Driving(force, force * rate, work(time, force, rate))
     return found
@@ -108,15 +108,15 @@ def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
     """What joints store, and the work done in them; only of what the mechanism has."""
     joints, forces = [joint for joint in motion.scene.joints if not joint.law.is_idle], joint_forces(motion)
     time = motion.trajectory.time
-    done = [joint_history.joint_history(forces[j.name], time, motion.coordinate(j)[1]) for j in joints]
+    done = [forces[j.name].done(time, motion.coordinate(j)[1]) for j in joints]
     laws = [joint.law for joint in joints]
     energies = {}
     if any(law.stiffness > 0.0 or law.has_stops for law in laws):
-        energies["spring_J"] = np.sum([one.stored for one in done], axis=0)
+        energies["spring_J"] = np.sum([stored for stored, _, _ in done], axis=0)
     if any(law.damping > 0.0 or law.dissipation > 0.0 for law in laws):
-        energies["joint_damping_work_J"] = np.sum([one.damping for one in done] + motion.damped_balls(), axis=0)
+        energies["joint_damping_work_J"] = np.sum([damping for _, damping, _ in done] + motion.damped_balls(), axis=0)
     if any(law.friction > 0.0 for law in laws):
-        energies["friction_work_J"] = np.sum([one.friction for one in done], axis=0)
+        energies["friction_work_J"] = np.sum([friction for _, _, friction in done], axis=0)
     if driven:
         energies["drive_work_J"] = np.sum([drive.work for drive in driven.values()], axis=0)
     return energies

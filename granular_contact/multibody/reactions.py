@@ -28,25 +28,8 @@ AT_ONCE = 2_000_000  # numbers of J
 AROUND = 1e-10  # s, before and after a jump of an acceleration
 
 
-@dataclass(frozen=True)
-class Reaction:
-    """Torque (N m) or force (N) of one prescribed motion: (n,) at the steps' ends and (n - 1,) in the mean of each.
-
-    jumps (k, 3): time (s) on either side of jumps of the prescribed accelerations, force there, and power (W).
-    """
-
-    force: Vector
-    mean: Vector
-    jumps: Vector
-
-    def driving(self, time: Vector, rate: Vector) -> Driving:
-        """What the drive did, with the rate (n,) of its joint."""
-        done = self.mean * 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)
-        return Driving(self.force, self.force * rate, np.concatenate([[0.0], np.cumsum(done)]), self.jumps)
-
-
-def reactions(motion: Kinematics) -> dict[str, Reaction]:
-    """Those of all prescribed motions, by joint."""
+def reactions(motion: Kinematics) -> dict[str, Driving]:
+    """What the drives of all prescribed motions did, by joint."""
     drives = [drive for drive in motion.scene.drives if drive.kind == "motion"]
     if not drives:
         return {}
@@ -58,7 +41,7 @@ def reactions(motion: Kinematics) -> dict[str, Reaction]:
     forces = -np.column_stack([multipliers[drive.joint] for drive in drives]) - forces
     rates = np.column_stack([motion.coordinate(motion.scene.joint(drive.joint))[1] for drive in drives])
     prescribed = _Prescribed(motion.trajectory.time, drives, asked, rates, forces, inertias)
-    return {drive.joint: prescribed.reaction(i) for i, drive in enumerate(drives)}
+    return {drive.joint: prescribed.driving(i) for i, drive in enumerate(drives)}
 
 
 def _parts(
@@ -115,14 +98,16 @@ class _Prescribed:
     forces: Vector
     inertias: Vector
 
-    def reaction(self, i: int) -> Reaction:
-        """Of one of them."""
-        force, inertia = self.forces[:, i], self.inertias[:, i]
+    def driving(self, i: int) -> Driving:
+        """What the drive of one of them did; its work by the mean force of each step."""
+        force, rate, inertia = self.forces[:, i], self.rates[:, i], self.inertias[:, i]
         # The mean acceleration of a step is the change of the rates, also where it jumps within.
         asked = self.asked
         more = np.diff(self.rates, axis=0) / np.diff(self.time)[:, None] - 0.5 * (asked[1:] + asked[:-1])
         mean = 0.5 * (force[1:] + force[:-1] + np.sum((inertia[1:] + inertia[:-1]) * more, axis=1))
-        return Reaction(force, mean, self._jumps(i, force - np.sum(inertia * asked, axis=1)))
+        done = mean * 0.5 * (rate[1:] + rate[:-1]) * np.diff(self.time)
+        jumps = self._jumps(i, force - np.sum(inertia * asked, axis=1))
+        return Driving(force, force * rate, np.concatenate([[0.0], np.cumsum(done)]), jumps)
 
     @cached_property
     def _around(self) -> tuple[Vector, list[Vector]]:
@@ -132,7 +117,10 @@ class _Prescribed:
         return at, [_asked(self.drives, at + side).reshape(len(at), len(self.drives)) for side in (-AROUND, AROUND)]
 
     def _jumps(self, i: int, rest: Vector) -> Vector:
-        """Time, force and power (k, 3) before and after each jump; rest (n,): of the force, without its inertia."""
+        """Time (s), force and power (W), (k, 3), on either side of each jump of the prescribed accelerations.
+
+        rest (n,): of the force, without its inertia.
+        """
         t, (at, sides) = self.time, self._around
         rate = np.array([self.drives[i].signal.rate(jerk) for jerk in at.tolist()])
         inertia = np.column_stack([np.interp(at, t, of) for of in self.inertias[:, i].T])

@@ -88,7 +88,6 @@ class SpatialLoad(GranularLoad):
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
         self.resultant, self.end_cap = False, end_cap
-        self.met: list[Law | None] = []  # of each batch its medium, None of the floor's contact
 
     def add_shape(
         self,

@@ -15,12 +15,12 @@ from granular_contact.kernels.space_bodies import turning
 from granular_contact.multibody.build import assembled
 from granular_contact.multibody.coupling import Coupling
 from granular_contact.multibody.joint_loads import JointLoad
-from granular_contact.multibody.joints import add_constraint
+from granular_contact.multibody.joints import add_constraint, rigid_marker
 from granular_contact.multibody.space.coordinates import SpatialCoordinate
 from granular_contact.multibody.space.system import SpatialHandle, SpatialSystem
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.loops import CONSTRAINED
-from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene, Vector
+from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
 
 WHOLE = {
     "hinge": items.ObjectJointRevoluteZ,
@@ -91,17 +91,12 @@ def _constrain(system: SpatialSystem, ground: Any, joint: SpatialJoint) -> None:
         (ground if joint.parent is None else system.rigid[joint.parent].object, joint.parent_point, joint.parent_turn),
         (system.rigid[joint.child].object, joint.child_point, joint.child_turn),
     )
-    markers = [_marker(mbs, body, point, turn @ order) for body, point, turn in ends]
+    markers = [rigid_marker(mbs, body, point, turn @ order) for body, point, turn in ends]
     held = [int(one) for one in joint.constrained]
     if joint.kind in WHOLE and joint.constrained == CONSTRAINED[joint.kind]:
         mbs.AddObject(WHOLE[joint.kind](markerNumbers=markers))
     elif any(held):
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=held))
-
-
-def _marker(mbs: Any, body: Any, point: Vector, turn: Vector) -> Any:
-    frame = exu.HT(rotation=turn, translation=point)
-    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=frame))
 
 
 def _granular_load(system: SpatialSystem) -> Coupling | None:
