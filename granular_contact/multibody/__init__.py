@@ -12,7 +12,7 @@ solving   settings, stepping, predictor     integrator and tolerances; choice of
           state, tangent, views             pauses and going back; the engine's Jacobian; its vectors
 reading   kinematics, senses, depths        positions and rates of a trajectory, of an instant; depths
           observe, mechanism, wheels        Trajectory -> Observation; what mechanisms and wheels have besides
-          joint_history, beam_energy, medium_work   energies and works
+          joint_history, beam_energy                energies and works
           accuracy, drive_error, strip_error        warnings about steps, drives and strips
           view                              Exudyn's own viewer
 space     mechanisms in space: the same names again, where they differ

@@ -16,7 +16,6 @@ import numpy as np
 
 from granular_contact.bed.strip_error import travelled
 from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.medium_work import uncertain_work
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LEAST_START_DEPTH
@@ -102,14 +101,17 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
 def _unknown_energy(motion: Kinematics) -> float:
     """Uncertainty of the medium's work by the steps, relative to the greatest energy; velocities go with its root.
 
-    It includes forces that change within a step in any direction, also across the motion, where they change its
-    direction.
+    It is by how much the work on bodies differs at most between two rules of second order: small where forces and
+    velocities change little in a step. It includes forces that change within a step in any direction, also across the
+    motion, where they change its direction.
     """
+    if not motion.scene.media:
+        return 0.0
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
     work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
     scale = max(float(kinetic.max()), work, least_energy(motion.scene))
-    return uncertain_work(motion) / scale if scale > 0.0 else 0.0
+    return float(np.abs(motion.work_beyond).max(initial=0.0)) / scale if scale > 0.0 else 0.0
 
 
 def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:

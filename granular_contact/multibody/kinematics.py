@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from granular_contact.bed.work import beyond
 from granular_contact.multibody.constraints import Constraints
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.system import System, Trajectory
@@ -79,6 +80,19 @@ class Kinematics:
         """Rate (n,) rad/s of a rigid body, counter-clockwise."""
         return self.angle(name, np.zeros(2))[1]
 
+    def mean_spin(self, name: str) -> Vector:
+        """Rate (n,) rad/s of a body; of a link that bends its angular momentum over its inertia, about its centre."""
+        if name in self.system.rigid:
+            return self.spin(name)
+        center, places = self.center(name)[0], np.array(self.nodes(name)).ravel()
+        q, v = self.trajectory.q[:, places], self.trajectory.v[:, places]
+        turn = np.empty_like(q)
+        turn[:, 0::4], turn[:, 1::4] = center[:, [1]] - q[:, 1::4], q[:, 0::4] - center[:, [0]]
+        turn[:, 2::4], turn[:, 3::4] = -q[:, 3::4], q[:, 2::4]
+        momenta = turn @ self.trajectory.mass[places][:, places]
+        spin: Vector = np.sum(momenta * v, axis=1) / np.sum(momenta * turn, axis=1)
+        return spin
+
     def damped_balls(self) -> list[Vector]:
         """Work (n,) J of the dampers of ball joints, which act along no coordinate; in the plane there are none."""
         return []
@@ -138,10 +152,11 @@ class Kinematics:
 
     @cached_property
     def work_beyond(self) -> Vector:
-        """As of `medium_work`, which asks for it twice."""
-        from granular_contact.multibody.medium_work import work_beyond
-
-        return work_beyond(self)
+        """What the media and the floor did (n,) J beyond what the history has, see `bed.work.beyond`."""
+        load = self.trajectory.load
+        if load is None:
+            return np.zeros(1)
+        return beyond(load, {name: (*self.center(name), self.mean_spin(name)) for name in load.body_names})
 
     def lifted(self) -> Vector:
         """First moment of the masses (n,) kg m about the height of the origin."""

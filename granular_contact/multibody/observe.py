@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from granular_contact.multibody.beam_energy import damping_power, elastic_energy
 from granular_contact.multibody.depths import all_depths, depths_by_body
 from granular_contact.multibody.drive_error import drive_warnings
 from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.medium_work import medium_works
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.multibody.wheels import wheel_columns, wheel_histories, wheel_numbers
 from granular_contact.results import energy
@@ -24,6 +23,9 @@ from granular_contact.results.observation import Observation, pictures
 from granular_contact.results.series import Series
 from granular_contact.results.stopping import Stop, Touch, find_rest, find_stop, find_touch, find_turn
 from granular_contact.scene.types import Joint, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.bed.history import LoadHistory
 
 
 def observe(system: System, trajectory: Trajectory) -> Observation:
@@ -105,10 +107,24 @@ def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
         damping -= energy.accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
     joints = mechanism.joint_energies(motion, driven)
     if t.load is not None:
-        work, at_floor = medium_works(motion)
+        work, at_floor = medium_works(motion, t.load)
         if scene.bed is not None and scene.bed.floor is not None:
             joints["floor_work_J"] = at_floor
     return energy.columns(kinetic, gravity - gravity[0], elastic if links else None, work, damping, joints)
+
+
+def medium_works(motion: Kinematics, load: LoadHistory) -> tuple[Vector, Vector]:
+    """Work (n,) J of all media, and of the floor, since the start, as the motion has it (see `bed.work`).
+
+    A step in which the floor was touched has its difference with the floor, which is far stiffer.
+    """
+    if not motion.scene.media or motion.scene.method is not None:
+        return load.work, load.floor_work  # integrated with the motion
+    more = motion.work_beyond
+    steps = np.diff(more, prepend=0.0)
+    touched = np.diff(load.floor_work, prepend=0.0) != 0.0
+    at_floor = np.cumsum(np.where(touched, steps, 0.0))
+    return load.work + more - at_floor, load.floor_work + at_floor
 
 
 # ---- stopping ----
