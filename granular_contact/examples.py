@@ -25,17 +25,14 @@ def home() -> Path:
 
 def config(name: str) -> Path | None:
     """The shipped config of a name, as `runner` or `runner.yaml`; None if there is none."""
-    return _called(home() / FOLDERS[1], name)
+    folder = home() / FOLDERS[1]
+    path = folder / (name if name.endswith(".yaml") else f"{name}.yaml")
+    return path if path.parent == folder and path.is_file() else None
 
 
 def config_names() -> list[str]:
     """Names of the shipped configs."""
     return sorted(path.stem for path in (home() / FOLDERS[1]).glob("*.yaml"))
-
-
-def _called(folder: Path, name: str) -> Path | None:
-    path = folder / (name if name.endswith(".yaml") else f"{name}.yaml")
-    return path if path.parent == folder and path.is_file() else None
 
 
 def shipped() -> dict[str, bytes]:

@@ -17,20 +17,18 @@ from granular_contact.scene.types import Joint, Vector
 
 
 class Kinematics:
-    """The motion of a system along a trajectory; (n,) and (n, 2) arrays over its instants, world frame."""
+    """The motion of a system along a trajectory; (n,) and (n, 2) arrays over its instants, world frame.
+
+    engine: the trajectory in the engine's coordinates, which in the plane is the same.
+    """
 
     def __init__(self, system: System, trajectory: Trajectory) -> None:
         self.system = system
         self.scene = system.scene
-        self.trajectory = trajectory
+        self.trajectory = self.engine = trajectory
         data = system.mbs.systemData
         self._rigid = {name: data.GetNodeLTGODE2(h.node) for name, h in system.rigid.items()}
         self._links = {name: [data.GetNodeLTGODE2(n) for n in h.nodes] for name, h in system.links.items()}
-
-    @property
-    def whole(self) -> Trajectory:
-        """The trajectory in the engine's coordinates."""
-        return self.trajectory
 
     @property
     def accelerations(self) -> Vector:

@@ -50,7 +50,7 @@ def observed(
     motion: Kinematics, forces: dict[str, Vector], by_body: dict[str, list[Track]], depths: list[Track]
 ) -> dict[str, Any]:
     """Fields of an observation that are found alike in the plane and in space, by their names."""
-    trajectory, scene, load = motion.whole, motion.scene, motion.trajectory.load
+    trajectory, scene, load = motion.engine, motion.scene, motion.trajectory.load
     driven, links, system = mechanism.drive_forces(motion), motion.system.links, motion.system
     terms = term_names(scene.media) if load is None or not scene.media else load.term_names
     nothing = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))

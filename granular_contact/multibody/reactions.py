@@ -48,7 +48,7 @@ def _parts(
     motion: Kinematics, drives: Sequence[Drive], asked: Vector, inverse: Vector
 ) -> Iterator[tuple[Vector, Vector]]:
     """What `_excess` finds, of so many instants at a time that their rows find room."""
-    t = motion.whole
+    t = motion.engine
     each = max(1, AT_ONCE // (4 * len(motion.scene.joints) * t.q.shape[1]))
     for first in range(0, len(t.time), each):
         rows = slice(first, first + each)

@@ -46,18 +46,13 @@ class SpatialKinematics(Kinematics):
         self.trajectory = replace(trajectory, v=np.concatenate(rates, axis=1), mass=mass)
 
     @property
-    def whole(self) -> Trajectory:
-        """The trajectory in the engine's coordinates."""
-        return self.engine
-
-    @property
     def accelerations(self) -> Vector:
         """The engine's accelerations (n, m) in the coordinates of the rates; there are some with prescribed motions."""
         a = self.engine.a
         assert a is not None
         found = []
         for name, at in self._places.items():
-            turning = _angular(self.engine.q[:, at[3:]], a[:, at[3:]])  # e' adds nothing: G' e' = 0
+            turning = angular(self.engine.q[:, at[3:]], a[:, at[3:]])  # e' adds nothing: G' e' = 0
             found += [a[:, at[:3]], np.einsum("nji,nj->ni", self.rotation(name), turning)]
         return np.concatenate(found, axis=1)
 
@@ -86,7 +81,7 @@ class SpatialKinematics(Kinematics):
         if name is None:
             return np.zeros((len(self.engine.time), 3))
         at = self._places[name][3:]
-        return _angular(self.engine.q[:, at], self.engine.v[:, at])
+        return angular(self.engine.q[:, at], self.engine.v[:, at])
 
     def position(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 3) of a body-frame point; None is the ground."""
@@ -188,7 +183,7 @@ class SpatialKinematics(Kinematics):
         return tuple(drawn)
 
 
-def _angular(e: Vector, d: Vector) -> Vector:
+def angular(e: Vector, d: Vector) -> Vector:
     """G(e) d (n, 3): the angular velocity of Euler parameters e (n, 4) with the rates d."""
     found: Vector = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from granular_contact.bed.work import about
 from granular_contact.multibody.senses import Senses
 from granular_contact.multibody.space.coordinates import SpatialCoordinate
-from granular_contact.multibody.space.kinematics import SpatialKinematics
+from granular_contact.multibody.space.kinematics import SpatialKinematics, angular
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results.in_space import SpatialSeen
@@ -71,9 +71,8 @@ class SpatialSenses(Senses):
     def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """Poses and velocities of bodies, (bodies, 6) each."""
         places, rates = q[self._at], v[self._at]
-        e, d = places[:, 3:], rates[:, 3:]
-        spin = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
-        angles = rotations.rpy_of(rotations.of_quaternion(e))
+        e = places[:, 3:]
+        spin, angles = angular(e, rates[:, 3:]), rotations.rpy_of(rotations.of_quaternion(e))
         return np.concatenate([places[:, :3], angles], axis=1), np.concatenate([rates[:, :3], spin], axis=1)
 
     def forces(self, q: Vector, row: Vector | None) -> Vector:
