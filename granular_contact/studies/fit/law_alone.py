@@ -18,7 +18,7 @@ from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import scenario_to_dict
 from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override
-from granular_contact.config.schema.fit import ClockBounds, ForceTest
+from granular_contact.config.schema.fit import ForceTest
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.layer import Layer
@@ -27,6 +27,7 @@ from granular_contact.scene import build
 from granular_contact.studies.fit import columns
 from granular_contact.studies.fit.force_tests import angle_of
 from granular_contact.studies.fit.measurements import Measured
+from granular_contact.studies.fit.request import looked_for
 from granular_contact.studies.fit.responses import Key, ModelFailed, Simulator
 
 Vector = NDArray[np.float64]
@@ -225,11 +226,8 @@ def zeros_of(test: ForceTest, held: Measured) -> list[tuple[Key, float, float, f
         (DEPTH_OFFSET, test.depth_offset_m, DEPTH_REACH * depth),
         (FORCE_OFFSET, test.force_offset_N, FORCE_REACH * force),
     ):
-        if isinstance(zero, ClockBounds):
-            start = min(max(0.0, zero.low), zero.high) if zero.start is None else zero.start
-            found.append((key, zero.low, zero.high, start))
-        elif zero == "fit":
-            found.append((key, -reach, reach, 0.0))
+        if (span := looked_for(zero, reach)) is not None:
+            found.append((key, *span))
     return found
 
 

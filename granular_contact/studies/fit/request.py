@@ -7,9 +7,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from granular_contact.config.overrides import Override
-from granular_contact.config.schema.fit import Bounds, ForceTest
+from granular_contact.config.schema.fit import Bounds, ClockBounds, ForceTest
 from granular_contact.config.tree import Position
 from granular_contact.studies.fit.problem import Loss
+
+
+def looked_for(zero: str | float | ClockBounds | None, reach: float) -> tuple[float, float, float] | None:
+    """Least, greatest and start of a zero, of a clock, a depth or a force, that is to be found; None if it is known.
+
+    reach: how far it is looked for where only `fit` is said.
+    """
+    if isinstance(zero, str):
+        return -reach, reach, 0.0
+    if isinstance(zero, ClockBounds):
+        return zero.low, zero.high, min(max(0.0, zero.low), zero.high) if zero.start is None else zero.start
+    return None
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from granular_contact.config import tree
 from granular_contact.config.load import by_place
 from granular_contact.config.messages import kind_of, validated
 from granular_contact.config.overrides import split
-from granular_contact.config.schema.fit import OFFSET_RANGE, Bounds, ClockBounds, FitFile, FitRun
+from granular_contact.config.schema.fit import OFFSET_RANGE, Bounds, FitFile, FitRun
 from granular_contact.config.sweep_cases import read_overrides
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.studies.fit.request import ParameterRequest, RunRequest, Specification
+from granular_contact.studies.fit.request import ParameterRequest, RunRequest, Specification, looked_for
 
 
 def load_specification(path: str | PathLike[str]) -> Specification:
@@ -78,7 +78,7 @@ def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) 
             _at(node, "data"),
             tuple(read_overrides(tree.child(node, "set"), (*path, "set"), faults)),
             _columns(root, file) if run.columns is None else _columns(node, run),
-            _offset(clock),
+            looked_for(clock, OFFSET_RANGE[1]) or (clock if isinstance(clock, float) else 0.0),
             _parameters(node, path, run.parameters, faults),
             {header: (value, _at(node, "rows", header)) for header, value in (run.rows or {}).items()},
             file.force_test if run.force_test is None else run.force_test,
@@ -98,16 +98,6 @@ def _named(runs: Iterator[RunRequest]) -> Iterator[RunRequest]:
 
 def _columns(node: tree.Node, of: FitFile | FitRun) -> dict[str, tuple[str, tree.Position]]:
     return {name: (header, _at(node, "columns", name)) for name, header in (of.columns or {}).items()}
-
-
-def _offset(clock: str | float | ClockBounds | None) -> float | tuple[float, float, float]:
-    """A known offset (s), or the least, the greatest and the start of one to be found."""
-    if isinstance(clock, str):
-        return *OFFSET_RANGE, 0.0
-    if isinstance(clock, ClockBounds):
-        start = min(max(0.0, clock.low), clock.high) if clock.start is None else clock.start
-        return clock.low, clock.high, start
-    return clock or 0.0
 
 
 def _parameters(
