@@ -16,7 +16,7 @@ joints              joint_coordinates, joint_laws, joint_loads, space_joints
 the solve           iterations, anderson, line_search, step_error    Newton's method, choice of steps
 implicit forces     added_mass, planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass, held_step
 reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip, events    its equations
-                    dormand_prince, march, modal_looks                              its steps, and what is found in them
+                    runge_kutta, march, modal_looks                                 its steps, and what is found in them
 trees               tree, tree_load, tree_march, chebyshev
 how it is compiled  compiled, compiling, hurry, loaded
                     entry, lending, borrowing, memory    calls and arrays without numba's general forms

@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.dormand_prince import inside
 from granular_contact.kernels.memory import piece, room1, rows
 from granular_contact.kernels.modal import SIZE
 from granular_contact.kernels.modal_calls import margins
 from granular_contact.kernels.pendulum import inertia, momentum
+from granular_contact.kernels.runge_kutta import inside
 
 TOUCHED, MEAN_SIGN, MEAN_TIME, MEAN_ANGLE, HUB_SIGN, HUB_TIME = 0, 1, 2, 3, 4, 5  # of watch (6,); times NaN until found
 HALVINGS = 48

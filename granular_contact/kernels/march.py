@@ -1,6 +1,6 @@
 """March of the modal pendulum through time: steps, rows on a regular grid, and what is looked for inside each step.
 
-A step is known as a polynomial C in theta = (t - t_0) / h (see `dormand_prince`), whoever made it; what happens inside
+A step is known as a polynomial C in theta = (t - t_0) / h (see `runge_kutta`), whoever made it; what happens inside
 it is found there, see `events`.
 """
 
@@ -12,7 +12,6 @@ import numpy as np
 
 from granular_contact.kernels.borrowing import borrowed
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.dormand_prince import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
 from granular_contact.kernels.memory import clear, copy, piece, room1, room2
 from granular_contact.kernels.memory import rows as rows_of
@@ -20,6 +19,7 @@ from granular_contact.kernels.modal import SIZE
 from granular_contact.kernels.modal_calls import rates
 from granular_contact.kernels.modal_load import PendulumArrays, drag, lent
 from granular_contact.kernels.modal_motion import decide, follow
+from granular_contact.kernels.runge_kutta import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.slip import middle, slip_velocity
 
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the static
@@ -44,7 +44,10 @@ CONTROL = np.dtype(
         ("forces", "?"),
     ]
 )
-NOW, STEP, RESTING_SINCE = 0, 1, 2  # of clock (3,), s
+# Of clock (5,): times (s), and of the latest step that the error allowed its length (s), 0 for none, and its error over
+# what is allowed.
+NOW, STEP, RESTING_SINCE, LATEST, RATIO = 0, 1, 2, 3, 4
+SAFETY, FILTER, LEAST_RATIO, MOST_GROWTH = 0.93, 6.0, 1e-6, 5.0  # see `next_step`
 # Of counts (6,): ends of regimes, and those of them since they were last found to crowd.
 STEPS, REJECTED, RATES, ROWS, TURNS, CROWDED = 0, 1, 2, 3, 4, 5
 
@@ -53,7 +56,7 @@ class State(NamedTuple):
     """All that changes while a pendulum is solved, of several one after another.
 
     y (runs, size) as of `modal_motion`; regime, stopped (runs, components): of the static law, and which components
-    ended the last one; clock (runs, 3), counts (runs, 6), watch (runs, 6), see above and `events`; turns (runs, CROWD):
+    ended the last one; clock (runs, 5), counts (runs, 6), watch (runs, 6), see above and `events`; turns (runs, CROWD):
     latest ends of regimes (s), the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9): tables to be filled.
     """
 
@@ -68,8 +71,12 @@ class State(NamedTuple):
 
 
 class Room(NamedTuple):
-    """To work in: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,)."""
+    """To work in: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,).
 
+    pair: of `runge_kutta.PAIRS`.
+    """
+
+    pair: Any
     slopes: Any
     path: Any
     end: Any
@@ -165,15 +172,30 @@ def turn(y, s, w, control, clock, counts, stopped, turns):
 
 
 @part
-def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
+def next_step(h, ratio, clock):
+    """Length (s) of the step after one of h (s) with the error `ratio` over what is allowed, which are remembered.
+
+    By the filter H211b of Soderlind (2003). The error of a link that vibrates rises and falls four times a period:
+    steps that follow each of its falls are too long for the next rise, and every fifth was rejected.
+    """
+    if clock[LATEST] > 0.0:
+        change = (ratio * clock[RATIO]) ** (-0.2 / FILTER) * (h / clock[LATEST]) ** (-1.0 / FILTER)
+    else:
+        change = ratio**-0.2
+    clock[LATEST], clock[RATIO] = h, ratio
+    return h * min(MOST_GROWTH, SAFETY * change)
+
+
+@part
+def attempt(pair, y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
     """Step from y, with k[0] = y' there, as far as the error allows; its length (s), 0 if no step is small enough."""
     h = min(clock[STEP], control.longest, control.end - clock[NOW])
     while True:
-        step(y, h, s, w, k, sigma, totals, end)
+        step(pair, y, h, s, w, k, sigma, totals, end)
         counts[RATES] += STAGES - 1
-        ratio = error(h, k, allowed)
+        ratio = error(pair, h, k, allowed)
         if ratio <= 1.0:
-            clock[STEP] = h * min(5.0, 0.9 * max(ratio, 1e-10) ** -0.2)
+            clock[STEP] = next_step(h, max(ratio, LEAST_RATIO), clock)
             return h
         counts[REJECTED] += 1
         h *= max(0.2, 0.9 * ratio**-0.2) if ratio < np.inf else 0.1
@@ -182,7 +204,7 @@ def attempt(y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
 
 
 @part
-def end_with_regime(y, h, s, w, k, sigma, totals, C, end, counts, stopped):
+def end_with_regime(pair, y, h, s, w, k, sigma, totals, C, end, counts, stopped):
     """Let a step from y over h (s), as C, end where its regime does, if it does; its length, and theta of `regime_end`.
 
     The interpolant is less exact than the step: step there, and look once more. If the end lies just behind, the next
@@ -194,9 +216,9 @@ def end_with_regime(y, h, s, w, k, sigma, totals, C, end, counts, stopped):
     if theta > 1.0:
         return h, theta
     h *= theta
-    step(y, h, s, w, k, sigma, totals, end)
+    step(pair, y, h, s, w, k, sigma, totals, end)
     counts[RATES] += STAGES - 1
-    interpolant(y, h, k, C)
+    interpolant(pair, y, h, k, C)
     theta = regime_end(C, s, w, stopped)
     if theta <= 1.0:
         h *= theta
@@ -212,7 +234,7 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
     y, s, ...: of one run, as in `State`; c record of CONTROL; allowed: error of a step that each coordinate and rate
     may have.
     """
-    k, C, end, totals = room.slopes, room.path, room.end, room2(3, 3)
+    pair, k, C, end, totals = room.pair, room.slopes, room.path, room.end, room2(3, 3)
     sigma = rows_of(room1(2), 0, s.shape[0])
     known = False  # whether k[0] is y' at y
     for _ in range(share):
@@ -223,11 +245,11 @@ def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, t
         if not known:
             rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
             counts[RATES] += 1
-        h = attempt(y, s, w, c, allowed, clock, counts, k, sigma, totals, end)
+        h = attempt(pair, y, s, w, c, allowed, clock, counts, k, sigma, totals, end)
         if h == 0.0:
             return FAILED
-        interpolant(y, h, k, C)
-        h, theta = end_with_regime(y, h, s, w, k, sigma, totals, C, end, counts, stopped)
+        interpolant(pair, y, h, k, C)
+        h, theta = end_with_regime(pair, y, h, s, w, k, sigma, totals, C, end, counts, stopped)
         finish(clock[NOW], h, C, s, w, c, rows, counts, watch)
         copy(y, end)
         clock[NOW] += h
@@ -261,10 +283,16 @@ def march(share, codes, state, stacked, control, allowed, room):
         size, parts = state.y.shape[1], state.regime.shape[1]
         codes[i] = march_one(
             share, piece(state.y, i, size), piece(state.regime, i, parts), arrays_of_run(stacked, i), control[i],
-            piece(allowed, i, allowed.shape[1]), piece(state.clock, i, 3), piece(state.rows, i, state.rows.shape[1]),
+            piece(allowed, i, allowed.shape[1]), piece(state.clock, i, 5), piece(state.rows, i, state.rows.shape[1]),
             piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.stopped, i, parts),
-            piece(state.turns, i, CROWD), Room(borrowed(room.slopes), borrowed(room.path), borrowed(room.end)),
+            piece(state.turns, i, CROWD), lent_room(room),
         )  # fmt: skip
+
+
+@part
+def lent_room(room):
+    """The same room for the time of a call, see `borrowing`."""
+    return Room(borrowed(room.pair), borrowed(room.slopes), borrowed(room.path), borrowed(room.end))
 
 
 @part

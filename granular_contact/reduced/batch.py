@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import PendulumArrays
+from granular_contact.kernels.runge_kutta import PAIRS
 from granular_contact.reduced import energies
 from granular_contact.reduced.arrays import stacked
 from granular_contact.reduced.looks import known
 from granular_contact.reduced.marching import SHARE, SHORT, ahead, allowed, begin, control, room, started
 from granular_contact.reduced.model import Model
 from granular_contact.reduced.observe import observe, stop
-from granular_contact.reduced.solve import OWN, solve, status
+from granular_contact.reduced.solve import solve, status
 from granular_contact.results import Cost
 from granular_contact.results.observation import Known, key_numbers, warned
 from granular_contact.results.stopping import touched
@@ -63,7 +64,7 @@ def _alike(models: Sequence[Model]) -> Iterator[list[int]]:
     """Places of models whose arrays have the same sizes, at most so many; alone those that are looked at on the way."""
     groups: dict[object, list[int]] = {}
     for i, model in enumerate(models):
-        watched = model.scene.solver.max_wall_s is not None or model.method.integrator != OWN
+        watched = model.scene.solver.max_wall_s is not None or model.method.integrator not in PAIRS
         groups.setdefault(i if watched else _sizes(model), []).append(i)
     for group in groups.values():
         solvers = [models[i].scene.solver for i in group]
@@ -75,7 +76,15 @@ def _alike(models: Sequence[Model]) -> Iterator[list[int]]:
 
 def _sizes(model: Model) -> object:
     strips = tuple((bar.strips, bar.bends) for bar in model.bars)
-    return model.size, model.method.static, model.met, strips, len(model.lines.points), bool(model.scene.media)
+    return (
+        model.size,
+        model.method.integrator,
+        model.method.static,
+        model.met,
+        strips,
+        len(model.lines.points),
+        bool(model.scene.media),
+    )
 
 
 def _summaries(group: Sequence[Model]) -> list[dict[str, Any]]:
@@ -99,7 +108,7 @@ def march(group: Sequence[Model]) -> Marched:
     state.clock[:, kernels.STEP] = SHORT * limits["interval"]
     for i in range(len(group)):
         begin(state, w, i)
-    codes, work = np.zeros(len(group), dtype=np.int64), room(group[0].method.modes)
+    codes, work = np.zeros(len(group), dtype=np.int64), room(group[0].method)
     while np.any(codes == kernels.PAUSE):
         kernels.march(SHARE, codes, state, w, limits, may, work)
         if np.any(state.counts[:, kernels.ROWS] + needed > state.rows.shape[1]):

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
-from granular_contact.kernels.dormand_prince import STAGES
 from granular_contact.kernels.modal_load import PendulumArrays, rest
 from granular_contact.kernels.modal_motion import decide, follow, rates
+from granular_contact.kernels.runge_kutta import PAIRS, STAGES
 from granular_contact.reduced.arrays import alone, arrays_of, one_of
 from granular_contact.reduced.model import Model
-from granular_contact.scene.types import Vector
+from granular_contact.scene.types import Reduced, Vector
 
 SHARE = 4096  # steps between two looks at the progress bar and at the clock
 SLOW_SHARE = 128  # of scipy's, each a hundred times slower
@@ -35,7 +35,7 @@ def started(y: Vector, capacity: int) -> kernels.State:
         y=y.copy(),
         regime=np.ones((count, parts)),
         stopped=np.zeros((count, parts), dtype=bool),
-        clock=np.zeros((count, 3)),
+        clock=np.zeros((count, 5)),
         counts=np.zeros((count, 6), dtype=np.int64),
         watch=watch,
         turns=np.zeros((count, kernels.CROWD)),
@@ -43,10 +43,11 @@ def started(y: Vector, capacity: int) -> kernels.State:
     )
 
 
-def room(modes: int) -> kernels.Room:
-    """To work in."""
-    size = 2 * modes + 4
-    return kernels.Room(np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
+def room(method: Reduced) -> kernels.Room:
+    """To work in; a stepper of scipy's does not come to the pair that is there then."""
+    size = 2 * method.modes + 4
+    pair = PAIRS.get(method.integrator, PAIRS["tsitouras"])
+    return kernels.Room(pair, np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
 
 
 def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDArray[np.void]:
@@ -100,7 +101,7 @@ class March:
         self.control = control([model], self.arrays, forces=True)
         self._take_places(started(model.start[None], 1024))
         self.clock[kernels.STEP] = SHORT * model.scene.solver.step_s
-        self.allowed, self.room = allowed([model])[0], room(model.method.modes)
+        self.allowed, self.room = allowed([model])[0], room(model.method)
         self.codes = np.zeros(1, dtype=np.int64)
         begin(self.state, alone(self.arrays), 0)
         self.warm()

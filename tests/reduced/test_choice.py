@@ -80,7 +80,7 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.modes=-1", "got the number -1; allowed is a whole number from 0 to 20"),
         ("method.reduced.modes=21", "from 0 to 20"),
         ("method.reduced.rtol=0", "from 1e-13 to 0.01"),
-        ("method.reduced.integrator=euler", "one of dormand_prince, RK23"),
+        ("method.reduced.integrator=euler", "one of tsitouras, dormand_prince, RK23"),
         ("method.reduced.order=2", "unknown key"),
         ("method=fem", "allowed are engine, minimal, reduced, and a mapping with the key minimal or reduced"),
         ("method=[1]", "allowed is a mapping with the keys reduced"),

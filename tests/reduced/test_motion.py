@@ -11,6 +11,7 @@ from granular_contact.kernels import pendulum
 from granular_contact.kernels.modal import modal_scatter as scatter
 from granular_contact.kernels.modal import modal_stations as stations
 from granular_contact.kernels.modal_load import load
+from granular_contact.kernels.runge_kutta import DENSE, ERROR, PAIRS
 from granular_contact.reduced.arrays import arrays_of
 from granular_contact.reduced.marching import March
 from granular_contact.run import run
@@ -177,3 +178,21 @@ def test_period_of_the_rigid_pendulum():
     moment = GRAVITY_MOMENT / INERTIA
     amplitude = 0.1 / np.sqrt(moment)
     assert 2 * np.diff(zeros)[0] == pytest.approx(2 * np.pi / np.sqrt(moment) * (1 + amplitude**2 / 16), rel=2e-4)
+
+
+@pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS)
+def test_a_pair_and_its_interpolant_have_their_orders(pair):
+    """Conditions of quadrature, and those of two stages; weights are what the last stage takes of those before."""
+    takes, error, dense = np.column_stack([pair[:, :ERROR], np.zeros(7)]), pair[:, ERROR], pair[:, DENSE:]
+    places, weights = takes.sum(axis=1), takes[-1]
+    for k in range(5):
+        assert weights @ places**k == pytest.approx(1.0 / (k + 1), abs=1e-13)
+    for k in range(4):
+        assert error @ places**k == pytest.approx(0.0, abs=1e-13)
+        # A power k of time is integrated to theta^(k + 1) / (k + 1).
+        wanted = np.eye(4)[k] / (k + 1)
+        np.testing.assert_allclose(places**k @ dense, wanted, atol=1e-12)
+    for k in range(1, 4):
+        assert weights @ takes @ places**k == pytest.approx(1.0 / ((k + 1) * (k + 2)), abs=1e-13)
+    assert abs(error @ places**4) > 1e-5
+    np.testing.assert_allclose(dense.sum(axis=1), weights, atol=1e-13)
