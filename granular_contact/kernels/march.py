@@ -90,17 +90,18 @@ def write_row(t, y, s, w, row):
 
 @part
 def fill_row(t, y, s, w, forces, row):
-    """`write_row`; forces: whether they are asked for, else they are 0."""
+    """`write_row`; forces: whether they are asked for, else the row has none but those that it had."""
     m = w.pendulum[0].modes + 1
-    size, totals = y.shape[0], room2(3, 3)
-    dy, sigma = rows_of(room1(SIZE), 0, 2 * m + 2), rows_of(room1(2), 0, s.shape[0])
-    clear(totals)
-    clear(sigma)
-    if forces:
-        rates(y, s, w, sigma, totals, dy)
     row[0] = t
+    size = y.shape[0]
     for i in range(size):
         row[1 + i] = y[i]
+    if not forces:
+        return
+    dy, sigma, totals = rows_of(room1(SIZE), 0, 2 * m + 2), rows_of(room1(2), 0, s.shape[0]), room2(3, 3)
+    clear(totals)
+    clear(sigma)
+    rates(y, s, w, sigma, totals, dy)
     for i in range(9):
         row[1 + size + i] = totals[i // 3, i % 3]
 

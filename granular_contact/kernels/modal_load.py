@@ -80,11 +80,16 @@ def aim(P, pivot, modes, sigma, anchors):
 @part(inline=True)
 def load(q, v, sigma, w, totals, Q):
     """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
+    load_at(math.cos(q[0]), math.sin(q[0]), q, v, sigma, w, totals, Q)
+
+
+@part(inline=True)
+def load_at(c, s, q, v, sigma, w, totals, Q):
+    """`load` with the cosine and the sine of q_1."""
     pendulum = w.pendulum[0]
     for i in range(Q.shape[0]):
         Q[i] = 0.0
     clear(totals)
-    c, s = math.cos(q[0]), math.sin(q[0])
     for r in range(w.lines.shape[0]):
         geometry = stations_of(w, r)
         first, n = within_reach(c, s, q, geometry, w.profile[0, 1])

@@ -6,14 +6,16 @@ Regime s: direction -1 or 1 of each component that slips, 0 of one that sticks; 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from granular_contact.kernels import modal_calls
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.kernels.modal import MOST, SIZE
-from granular_contact.kernels.modal_load import load
-from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces
+from granular_contact.kernels.modal_load import load_at
+from granular_contact.kernels.pendulum import accelerate, damping_power, own_forces, own_forces_at
 from granular_contact.kernels.slip import along, slip_bias, slip_rows, slip_velocity
 
 BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
@@ -25,14 +27,15 @@ def rates(y, s, w, sigma, totals, dy):
     m = w.pendulum[0].modes + 1
     q, v = rows(y, 0, m), rows(y, m, m)
     f, Q = rows(room1(MOST), 0, m), rows(room1(MOST), 0, m)
-    own_forces(q, v, w.pendulum[0], f)
+    cos, sin = math.cos(q[0]), math.sin(q[0])
+    own_forces_at(cos, sin, q, v, w.pendulum[0], f)
     clear(Q)
     if w.lines.shape[0] > 0:
         for c in range(s.shape[0]):
             sigma[c] = s[c]
         if w.pendulum[0].true_sign:
             modal_calls.hold(q, v, f, s, w, sigma)
-        load(q, v, sigma, w, totals, Q)
+        load_at(cos, sin, q, v, sigma, w, totals, Q)
     power = 0.0
     for i in range(m):
         power += Q[i] * v[i]

@@ -67,7 +67,12 @@ def momentum(q, v, pendulum):
 @part(inline=True)
 def own_forces(q, v, pendulum, h):
     """Fill h (n + 1,): generalised forces of inertia, gravity, elasticity and internal damping."""
-    cos, sin = math.cos(q[0]), math.sin(q[0])
+    own_forces_at(math.cos(q[0]), math.sin(q[0]), q, v, pendulum, h)
+
+
+@part(inline=True)
+def own_forces_at(cos, sin, q, v, pendulum, h):
+    """`own_forces` with the cosine and the sine of q_1."""
     growth, static = 0.0, pendulum.S_n
     for i in range(pendulum.modes):
         x, x_t, p = q[1 + i], v[1 + i], pendulum.p[i]
