@@ -173,13 +173,14 @@ def turn(y, s, w, control, clock, counts, stopped, turns):
 
 
 @part
-def next_step(h, ratio, clock):
+def next_step(h, ratio, smooth, clock):
     """Length (s) of the step after one of h (s) with the error `ratio` over what is allowed, which are remembered.
 
-    By the filter H211b of Soderlind (2003). The error of a link that vibrates rises and falls four times a period:
-    steps that follow each of its falls are too long for the next rise, and every fifth was rejected.
+    The error of a link that vibrates rises and falls four times a period: steps that follow each of its falls are too
+    long for the next rise, and every fifth was rejected. The filter H211b of Soderlind (2003) follows them less.
+    smooth: of a rigid one under the true sign, whose few steps grow by much; it is followed at once.
     """
-    if clock[LATEST] > 0.0:
+    if not smooth and clock[LATEST] > 0.0:
         change = (ratio * clock[RATIO]) ** (-0.2 / FILTER) * (h / clock[LATEST]) ** (-1.0 / FILTER)
     else:
         change = ratio**-0.2
@@ -191,12 +192,13 @@ def next_step(h, ratio, clock):
 def attempt(pair, y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
     """Step from y, with k[0] = y' there, as far as the error allows; its length (s), 0 if no step is small enough."""
     h = min(clock[STEP], control.longest, control.end - clock[NOW])
+    smooth = w.pendulum[0].true_sign and w.pendulum[0].modes == 0
     while True:
         step(pair, y, h, s, w, k, sigma, totals, end)
         counts[RATES] += STAGES - 1
         ratio = error(pair, h, k, allowed)
         if ratio <= 1.0:
-            clock[STEP] = next_step(h, max(ratio, LEAST_RATIO), clock)
+            clock[STEP] = next_step(h, max(ratio, LEAST_RATIO), smooth, clock)
             return h
         counts[REJECTED] += 1
         h *= max(0.2, 0.9 * ratio**-0.2) if ratio < np.inf else 0.1
