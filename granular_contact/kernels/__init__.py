@@ -18,7 +18,7 @@ implicit forces     added_mass, planar_added_mass, space_added_mass, floor_added
 reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip, events    its equations
                     runge_kutta, march, modal_looks                                 its steps, and what is found in them
 trees               tree, tree_load, tree_march, chebyshev
-how it is compiled  compiled, compiling, hurry, loaded
+how it is compiled  compiled, compiling, hurry, counting, loaded
                     entry, lending, borrowing, memory    calls and arrays without numba's general forms
 
 numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;

@@ -5,8 +5,10 @@ strings, lists and sets, too: a sixth of its time. Here those of numbers and arr
 variables, for each of which it has LLVM read a text, and functions that it looks for in vain. Where variables live it
 finds nine times for each function, and needs it once. LLVM optimises each function by itself, and again with all that
 it calls: the second time is enough, and kernels are no slower without the first. And Python's collector of garbage
-looks again and again at all that is loaded, as compiling makes many small objects that live on: a tenth. None of it
-changes a result. Where numba has no such place any more, it takes its own time.
+looks again and again at all that is loaded, as compiling makes many small objects that live on: a tenth. References
+are counted where arrays are made alone (`counting`), and then LLVM has to optimise once, not twice. Messages on types
+that do not fit get no colours. None of it changes a result. Where numba has no such place any more, it takes its own
+time.
 """
 
 from __future__ import annotations
@@ -18,14 +20,20 @@ from typing import Any
 
 from llvmlite.ir import Type
 from numba import types
+from numba.core import errors
 from numba.core.base import BaseContext
 from numba.core.codegen import CPUCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.ir import Inst, Loc, Var
 from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.transforms import canonicalize_cfg
+from numba.core.typed_passes import BaseNativeLowering
 from numba.core.types.functions import BaseFunction
 
+from granular_contact.kernels.counting import counts
+
 KINDS = (types.Number, types.Boolean, types.Array, types.BaseTuple)  # constants, whose types are their own, are numbers
+PLAIN = {Loc, str, int, bool, type(None)}  # in a statement, beside variables
 OPTIONAL = ("__array__", "static_getitem", "static_setitem")  # what numba does in another way where there is none
 _depth = 0
 
@@ -118,6 +126,54 @@ def _lifetimes(own: Any) -> Callable[..., Any]:
     return run
 
 
+def _uncounted(own: Any) -> Callable[..., Any]:
+    """`run_pass` of the writing of code: without counts of references where nothing is made, see `counting`."""
+
+    def run_pass(lowering: Any, state: Any) -> Any:
+        if state.targetctx.enable_nrt and not counts(state):
+            state.targetctx.enable_nrt = state.flags.nrt = False  # those of this function alone
+        return own(lowering, state)
+
+    return run_pass
+
+
+def _variables(own: Any) -> Callable[..., Any]:
+    """`_rec_list_vars` of a statement: the variables in it, without a call for each name, place and number."""
+
+    def list_variables(statement: Any, value: Any) -> list[Any]:
+        if type(value) is not dict:
+            found: list[Any] = own(statement, value)
+            return found
+        several = []
+        for one in value.values():
+            if type(one) is Var:
+                several.append(one)
+            elif type(one) not in PLAIN:
+                several += own(statement, one)
+        return several
+
+    return list_variables
+
+
+def _uncoloured(own: Any) -> Callable[..., Any]:
+    """`_markup` of messages: numba writes thousands for itself, and sets up a terminal for each."""
+
+    def markup(scheme: Any, text: str, color: Any = None, style: Any = None) -> str:
+        return text
+
+    return markup
+
+
+def _once(own: Any) -> Callable[..., Any]:
+    """`_optimize_final_module` of a library: once, not twice, the first time for what prunes counts."""
+
+    def optimize(library: Any) -> None:
+        passes, builder = library._codegen._module_pass_manager()
+        passes.run(library._final_module, builder)
+
+    return optimize
+
+
 def _together(own: Any) -> Callable[..., Any]:
     """`_optimize_functions` of a library of numba: left out but for the layout of its data."""
 
@@ -133,6 +189,10 @@ _PLACES = {
     (BaseContext, "get_function"): _found,
     (PostProcessor, "run"): _lifetimes,
     (CPUCodeLibrary, "_optimize_functions"): _together,
+    (CPUCodeLibrary, "_optimize_final_module"): _once,
+    (BaseNativeLowering, "run_pass"): _uncounted,
+    (Inst, "_rec_list_vars"): _variables,
+    (getattr(errors, "HighlightColorScheme", None), "_markup"): _uncoloured,
 }
 _OWN = {place: getattr(*place, None) for place in _PLACES}
 _HURRIED = {place: None if own is None else _PLACES[place](own) for place, own in _OWN.items()}
