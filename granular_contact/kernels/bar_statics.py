@@ -15,7 +15,7 @@ import math
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH, direction, drag_component, drive
-from granular_contact.kernels.immersion import THREE_POINTS, depth_integrals, part_integrals, second_moment, sign_change
+from granular_contact.kernels.immersion import THREE_POINTS, moments, part_integrals, sign_change
 
 
 @part
@@ -51,8 +51,7 @@ def linear_integrals(a, b, z0, z1, lam, sa, sb):
     """`mobilised_integrals` where sigma = s, which is sa and sb at a and b."""
     dz = z1 - z0
     za, zb = max(0.0, z0 + a * dz), max(0.0, z0 + b * dz)
-    j0, j1 = depth_integrals(za, zb, lam)
-    k11 = second_moment(za, zb, lam)
+    j0, j1, k11 = moments(za, zb, lam)
     k01 = j1 - k11
     i0, i1 = sa * (j0 - k01) + sb * k01, sa * k01 + sb * k11
     return (b - a) * ((1.0 - a) * i0 + (1.0 - b) * i1), (b - a) * (a * i0 + b * i1)

@@ -93,19 +93,26 @@ def part_integrals(a, b, z0, z1, lam):
 
 
 @part
-def second_moment(z0, z1, lam):
-    """Integral of z^lam xi^2 over a strip that is immersed from end to end, z0, z1 >= 0 (m^lam)."""
+def moments(z0, z1, lam):
+    """Integrals of z^lam times 1 - xi, xi and xi^2 over a strip that is immersed from end to end, z0, z1 >= 0 (m^lam).
+
+    The powers, most of what each costs, are those of all three.
+    """
     dz = z1 - z0
     if lam == 1.0:
-        return z0 / 3.0 + dz / 4.0
+        return z0 / 3.0 + z1 / 6.0, z0 / 6.0 + z1 / 3.0, z0 / 3.0 + dz / 4.0
     if abs(dz) <= LEVEL * (z0 + z1) or abs(dz) < TINY:
-        total = 0.0
+        j0, j1, k11 = 0.0, 0.0, 0.0
         for at, weight in THREE_POINTS:
-            total += weight * at * at * (z0 + at * dz) ** lam
-        return total
+            power = weight * (z0 + at * dz) ** lam
+            j0 += (1.0 - at) * power
+            j1 += at * power
+            k11 += at * at * power
+        return j0, j1, k11
     p0, p1 = z0 ** (lam + 1.0), z1 ** (lam + 1.0)
     i0, i1, i2 = (p1 - p0) / (lam + 1.0), (p1 * z1 - p0 * z0) / (lam + 2.0), (p1 * z1**2 - p0 * z0**2) / (lam + 3.0)
-    return (i2 - 2.0 * z0 * i1 + z0 * z0 * i0) / dz**3
+    j1 = (p1 - i1 / dz) / ((lam + 1.0) * dz)
+    return i0 / dz - j1, j1, (i2 - 2.0 * z0 * i1 + z0 * z0 * i0) / dz**3
 
 
 @part

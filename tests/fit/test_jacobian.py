@@ -20,8 +20,9 @@ def derivatives(folder: Path, modes: int, rtol: float) -> np.ndarray:
     return module.jacobian(made, made.start, made.times())
 
 
-# Measured 1.0e-5 and 3.5e-3 at the worst of the three parameters; twice that is allowed.
-@pytest.mark.parametrize(("modes", "within"), [(0, 2e-5), (1, 7e-3)])
+# Measured 1.0e-5 and, over six impacts, 1.6e-2 at the worst of the three parameters; half as much again is allowed, or
+# twice as much.
+@pytest.mark.parametrize(("modes", "within"), [(0, 2e-5), (1, 2.4e-2)])
 def test_derivatives_are_as_right_as_they_are_said_to_be(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modes: int, within: float
 ) -> None:

@@ -14,9 +14,9 @@ from granular_contact.kernels.immersion import (
     LEVEL,
     depth_integrals,
     immersed_interval,
+    moments,
     part_integrals,
     pressure_integrals,
-    second_moment,
     sign_change,
 )
 
@@ -126,7 +126,7 @@ def test_parts_add_up_to_what_is_immersed(lam: float) -> None:
 
 @pytest.mark.parametrize("lam", EXPONENTS)
 @pytest.mark.parametrize("kind", ["immersed", "level", "near level", "from the surface", "to the surface"])
-def test_second_moment_matches_quadrature(kind: str, lam: float) -> None:
+def test_moments_match_quadrature(kind: str, lam: float) -> None:
     rng = np.random.default_rng(12)
     for _ in range(40):
         deep = rng.uniform(0.01, 2.0)
@@ -135,27 +135,31 @@ def test_second_moment_matches_quadrature(kind: str, lam: float) -> None:
         want = quad(
             lambda xi, z0=z0, z1=z1: ((1 - xi) * z0 + xi * z1) ** lam * xi**2, 0.0, 1.0, epsabs=0.0, epsrel=1e-12
         )[0]
+        *others, square = moments(z0, z1, lam)
         # Differences of powers over dz^3: eps (z/dz)^3, which is 1e-16 x 50^3 = 3e-11 where three Gauss points take
         # over; those are off by (dz/z)^6 = 6e-11 there.
-        np.testing.assert_allclose(second_moment(z0, z1, lam), want, rtol=2e-10)
+        np.testing.assert_allclose(square, want, rtol=2e-10)
+        # Over dz^2.
+        np.testing.assert_allclose(others, depth_integrals(z0, z1, lam), rtol=1e-11)
 
 
 @pytest.mark.parametrize("lam", EXPONENTS)
-def test_second_moment_is_continuous_at_the_switch(lam: float) -> None:
+def test_moments_are_continuous_at_the_switch(lam: float) -> None:
     for turn in (1, -1):
         sides = []
         for side in (1 - 1e-13, 1 + 1e-13):
             level = LEVEL * side
-            sides.append(second_moment(*(0.7, 0.7 * (1 + level) / (1 - level))[::turn], lam))
+            sides.append(moments(*(0.7, 0.7 * (1 + level) / (1 - level))[::turn], lam))
         # As above, both.
-        assert sides[1] == pytest.approx(sides[0], rel=2e-10)
+        np.testing.assert_allclose(*sides, rtol=2e-10)
 
 
-def test_second_moment_of_hardly_any_depth() -> None:
+def test_moments_of_hardly_any_depth() -> None:
     for z in (1e-310, 1e-120, 1e-60):
         # Exponent 0: one third, whatever the depth; three Gauss points on a cubic are exact.
-        assert second_moment(0.0, z, 0.0) == second_moment(z, 0.0, 0.0) == pytest.approx(1.0 / 3.0, rel=1e-12)
-        assert second_moment(0.0, z, 1.1) < 1e-60
+        for ends in ((0.0, z), (z, 0.0)):
+            assert moments(*ends, 0.0) == pytest.approx((0.5, 0.5, 1.0 / 3.0), rel=1e-12)
+        assert max(moments(0.0, z, 1.1)) < 1e-60
 
 
 def test_where_a_sign_changes() -> None:

@@ -142,10 +142,10 @@ def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
 
 
 def test_a_foot_that_grazes_the_surface_does_so_a_kilometre_away(tmp_path: Path) -> None:
-    """There short steps that Newton's method fails in led to shorter ones: 7678, and 0.6 % of the way; 11 and 3e-6."""
+    """There a step that Newton's method failed in led to 7678 short ones, and 0.6 % of the way."""
     scene = draw(451, tmp_path).tree
     runs = [(tree, solve(tree, tmp_path)) for tree in (scene, images.shifted(scene))]
     own, other = (track(results, tree, 1e-3) for tree, results in runs)
     assert apart(own, other) < study.ALIKE
     for _, results in runs:
-        assert 0 < results.summary["cost"]["shortened_steps"] < 50
+        assert results.summary["cost"]["shortened_steps"] < 50

@@ -1,9 +1,10 @@
 """Derivatives of the model by its parameters, by central differences in the scaled parameters.
 
 A reduced run with the default rtol of 1e-6 is off by 2e-8 m, and rough by less. A step of 0.3 % is long against that
-and short against the curvature of the curves: derivatives are right to 1e-5 for a rigid link and to 0.4 % at the worst
-for one that bends (measured against rtol 1e-10, tests/fit/test_jacobian.py), where one-sided steps would be off by as
-much in the best of cases. Standard errors inherit that 0.4 %.
+and short against the curvature of the curves: derivatives are right to 1e-5 for a rigid link. For one that bends the
+steps that the integrator chooses differ between neighbouring runs: over six impacts errors were 0.03 to 0.2 % by the
+median, and 1.2 % at the worst, 1.6 % with another integrator (measured against rtol 1e-10, tests/fit/test_jacobian.py).
+Standard errors inherit that.
 """
 
 from __future__ import annotations
