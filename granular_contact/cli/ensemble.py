@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -36,20 +37,11 @@ def execute(chosen: argparse.Namespace) -> int:
     folder = output_folder(chosen.out, f"{Path(chosen.file).stem}_ensemble", "sweep")
     with many.pool(chosen, None) as pool:
         from granular_contact.studies.ensemble import cases
-        from granular_contact.studies.sweep import table
 
         scenario, _ = read(chosen.file, chosen.set)
         sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
-        return many.with_checkpoint(
-            chosen,
-            table.work_of(sweep),
-            folder,
-            pool,
-            lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
-            count=len(sweep.cases),
-            finished=lambda: FINE,
-            interrupted=lambda checkpoint: table.write(sweep, _plain(checkpoint), checkpoint.folder),
-        )
+        act = partial(_run, chosen, sweep, pool, folder)
+        return many.with_cases(chosen, sweep, folder, pool, act, finished=lambda: FINE, rows=_plain)
 
 
 def _plain(checkpoint: Checkpoint) -> list[Row]:
@@ -62,7 +54,7 @@ def _plain(checkpoint: Checkpoint) -> list[Row]:
     ]
 
 
-def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Path, checkpoint: Checkpoint) -> int:
     from granular_contact.studies.ensemble import observed, of_rows
     from granular_contact.studies.ensemble.writing import write
     from granular_contact.studies.sweep import run, table

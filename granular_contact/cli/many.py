@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from granular_contact.cli.sweep_progress import progress
 from granular_contact.errors import ConfigError
 
 if TYPE_CHECKING:
+    from granular_contact.config import Sweep
     from granular_contact.studies.sweep import Row, WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
 
@@ -86,6 +87,33 @@ def with_checkpoint(
     except OSError as error:
         complain(f"the {work.noun} can't go on, or can't be saved in {folder}: {reason(error)}")
         return FAULTY_INPUT
+
+
+def with_cases(
+    chosen: argparse.Namespace,
+    sweep: Sweep,
+    folder: Path,
+    pool: WorkerPool,
+    act: Callable[[Checkpoint], int],
+    *,
+    finished: Callable[[], int],
+    rows: Callable[[Checkpoint], Iterable[Row]] = lambda checkpoint: checkpoint.journal,
+    cases: bool = False,
+) -> int:
+    """`with_checkpoint` of the cases of a sweep; rows: of the table that is written after Ctrl-C."""
+    from granular_contact.studies.sweep import table
+
+    return with_checkpoint(
+        chosen,
+        table.work_of(sweep),
+        folder,
+        pool,
+        act,
+        count=len(sweep.cases),
+        finished=finished,
+        interrupted=lambda checkpoint: table.write(sweep, rows(checkpoint), checkpoint.folder),
+        cases=cases,
+    )
 
 
 @contextmanager

@@ -64,21 +64,11 @@ def execute(chosen: argparse.Namespace) -> int:
     with many.pool(chosen, folder.resolve().parent if chosen.plots else None) as pool:
         from granular_contact.config import load_sweep
         from granular_contact.scene.again import Builder
-        from granular_contact.studies.sweep import table
         from granular_contact.studies.sweep.runner import faults
 
         sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
-        return many.with_checkpoint(
-            chosen,
-            table.work_of(sweep),
-            folder,
-            pool,
-            lambda checkpoint: _run(chosen, sweep, pool, checkpoint, folder),
-            count=len(sweep.cases),
-            finished=lambda: _failed_before(folder),
-            interrupted=lambda checkpoint: table.write(sweep, checkpoint.journal, checkpoint.folder),
-            cases=chosen.plots,
-        )
+        act, finished = partial(_run, chosen, sweep, pool, folder), partial(_failed_before, folder)
+        return many.with_cases(chosen, sweep, folder, pool, act, finished=finished, cases=chosen.plots)
 
 
 def _failed_before(folder: Path) -> int:
@@ -93,7 +83,7 @@ def _failed_before(folder: Path) -> int:
     return FAILED if failed else FINE
 
 
-def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Path, checkpoint: Checkpoint) -> int:
     from granular_contact.studies.sweep import run, sensitivity, slip, table
 
     count, begin = len(sweep.cases), time.perf_counter()
