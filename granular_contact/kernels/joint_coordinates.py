@@ -106,39 +106,3 @@ def coordinate(joint, turns, q, v, slope):
     if joint.kind == HINGE:
         return _hinge(joint, turns, q, v, slope)
     return _slider(joint, q, v, slope)
-
-
-@part
-def _bending(size, reference, q, first, sign, second):
-    """Add sign times the second derivatives of the angle of a node."""
-    if size != CABLE:
-        return
-    x, y = reference[2] + q[first + 2], reference[3] + q[first + 3]
-    square = (x * x + y * y) ** 2
-    second[first + 2, first + 2] += sign * 2.0 * x * y / square
-    second[first + 3, first + 3] -= sign * 2.0 * x * y / square
-    second[first + 2, first + 3] += sign * (y * y - x * x) / square
-    second[first + 3, first + 2] += sign * (y * y - x * x) / square
-
-
-@part
-def curvature(joint, q, second):
-    """Fill second with the second derivatives of the coordinate; whether there are any."""
-    clear(second)
-    n, child = joint.parent, joint.child
-    if joint.kind == HINGE:
-        _bending(n, joint.parent_reference, q, 0, 1.0, second)
-        _bending(child, joint.child_reference, q, n, -1.0, second)
-        return n == CABLE or child == CABLE
-    ux, uy, dx, dy, ax, ay = _vectors(joint, q)
-    if n > 0:
-        second[2, 2] = -(ux * dx + uy * dy)
-        second[2, 0] = second[0, 2] = uy
-        second[2, 1] = second[1, 2] = -ux
-        second[2, n] = second[n, 2] = -uy
-        second[2, n + 1] = second[n + 1, 2] = ux
-    if child == RIGID:
-        second[n + 2, n + 2] = -(ux * ax + uy * ay)
-        if n > 0:
-            second[2, n + 2] = second[n + 2, 2] = ux * ax + uy * ay
-    return True

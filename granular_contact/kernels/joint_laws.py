@@ -18,26 +18,18 @@ NO_DRIVE, LOAD, CONTROL, RATE_CONTROL = 0, 1, 2, 3
 
 @part
 def stop(joint, s, rate):
-    """Elastic part of the force of the stops; the whole force, and its derivatives by s and rate. It pushes only."""
-    depth = s - joint.upper if s > joint.upper else s - joint.lower if s < joint.lower else 0.0
-    if depth == 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    elastic, sense = -joint.stop_stiffness * depth, math.copysign(1.0, depth)
+    """Elastic part of the force of the stops, and the whole force. It pushes only."""
+    back = joint.upper - s if s > joint.upper else joint.lower - s if s < joint.lower else 0.0
+    elastic = joint.stop_stiffness * back
     # Hunt and Crossley: the faster it gets deeper, the harder; what would pull back is left out.
-    factor = 1.0 + joint.dissipation * sense * rate
-    if factor <= 0.0:
-        return elastic, 0.0, 0.0, 0.0
-    return elastic, elastic * factor, -joint.stop_stiffness * factor, elastic * joint.dissipation * sense
+    return elastic, elastic * max(0.0, 1.0 - joint.dissipation * math.copysign(1.0, back) * rate)
 
 
 @part
 def friction(joint, s, rate, anchor):
-    """Dry friction of a bristle that is held at its anchor, and its derivatives by s and rate."""
+    """Dry friction of a bristle that is held at its anchor."""
     strain = (s - anchor + joint.damping_time * rate) / joint.slip
-    if abs(strain) >= 1.0:
-        return -math.copysign(joint.friction, strain), 0.0, 0.0
-    slope = -joint.friction / joint.slip
-    return -joint.friction * strain, slope, slope * joint.damping_time
+    return -joint.friction * min(1.0, max(-1.0, strain))
 
 
 @part
@@ -48,35 +40,26 @@ def follow(joint, s, anchor):
 
 @part
 def drive_force(joint, value, value_rate, s, rate):
-    """Force of a drive that wants a value and a rate, and its derivatives by s and rate."""
+    """Force of a drive that wants a value and a rate."""
     if joint.drive == LOAD:
-        return value, 0.0, 0.0
-    force, by_place = joint.rate_gain * (value_rate - rate), 0.0
+        return value
+    force = joint.rate_gain * (value_rate - rate)
     if joint.drive == CONTROL:
         force += joint.gain * (value - s)
-        by_place = -joint.gain
-    if abs(force) >= joint.limit:
-        return math.copysign(joint.limit, force), 0.0, 0.0
-    return force, by_place, -joint.rate_gain
+    return min(joint.limit, max(-joint.limit, force))
 
 
 @part
 def total(joint, s, rate, anchor, value, value_rate):
-    """All that acts along the coordinate, and its derivatives by s and rate."""
-    force, by_place, by_rate = 0.0, 0.0, 0.0
-    if joint.stiffness > 0.0 or joint.damping > 0.0:
-        force = -joint.stiffness * (s - joint.rest) - joint.damping * rate
-        by_place, by_rate = -joint.stiffness, -joint.damping
+    """All that acts along the coordinate."""
+    force = -joint.stiffness * (s - joint.rest) - joint.damping * rate
     if joint.stop_stiffness > 0.0:
-        _, f, a, b = stop(joint, s, rate)
-        force, by_place, by_rate = force + f, by_place + a, by_rate + b
+        force += stop(joint, s, rate)[1]
     if joint.friction > 0.0:
-        f, a, b = friction(joint, s, rate, anchor)
-        force, by_place, by_rate = force + f, by_place + a, by_rate + b
+        force += friction(joint, s, rate, anchor)
     if joint.drive != NO_DRIVE:
-        f, a, b = drive_force(joint, value, value_rate, s, rate)
-        force, by_place, by_rate = force + f, by_place + a, by_rate + b
-    return force, by_place, by_rate
+        force += drive_force(joint, value, value_rate, s, rate)
+    return force
 
 
 # ---- over all rows of a history ----
@@ -87,7 +70,7 @@ def stops(joint, s, rate):
     """Elastic part and whole of the force of the stops, (2, n), at coordinates s (n,) and rates (n,)."""
     forces = np.zeros((2, s.shape[0]))
     for i in range(s.shape[0]):
-        forces[0, i], forces[1, i], _, _ = stop(joint[0], s[i], rate[i])
+        forces[0, i], forces[1, i] = stop(joint[0], s[i], rate[i])
     return forces
 
 
@@ -96,7 +79,7 @@ def frictions(joint, s, rate, anchor):
     """Dry friction (n,), its anchor led along from row to row."""
     forces = np.zeros(s.shape[0])
     for i in range(s.shape[0]):
-        forces[i], _, _ = friction(joint[0], s[i], rate[i], anchor)
+        forces[i] = friction(joint[0], s[i], rate[i], anchor)
         anchor = follow(joint[0], s[i], anchor)
     return forces
 
@@ -106,5 +89,5 @@ def drive_forces(joint, targets, s, rate):
     """Force (n,) of a drive towards values and rates, targets (n, 2)."""
     forces = np.zeros(s.shape[0])
     for i in range(s.shape[0]):
-        forces[i], _, _ = drive_force(joint[0], targets[i, 0], targets[i, 1], s[i], rate[i])
+        forces[i] = drive_force(joint[0], targets[i, 0], targets[i, 1], s[i], rate[i])
     return forces

@@ -15,9 +15,10 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.joint_coordinates import COORDINATE, coordinate, curvature
+from granular_contact.kernels.joint_coordinates import COORDINATE, coordinate
 from granular_contact.kernels.joint_laws import follow, total
-from granular_contact.kernels.memory import room1, room2
+from granular_contact.kernels.lines import difference
+from granular_contact.kernels.memory import room1, rows
 
 ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
 _STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
@@ -34,48 +35,52 @@ def gather(system_q, system_v, places, count, q, v):
         q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
 
 
+@part
+def act(joint, now, q, v, out):
+    """Fill out (8,) with the generalised forces of a joint."""
+    s, rate = coordinate(joint, now[TURNS:], q, v, out)
+    along = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+    for i in range(MOST):
+        out[i] *= along
+
+
 @kernel
 def force(joints, state, places, system_q, system_v, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
-    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
+    q, v, f = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
-        joint, now = joints[k], state[k]
+        joint = joints[k]
         count = joint.parent + joint.child
         gather(system_q, system_v, places[k], count, q, v)
-        s, rate = coordinate(joint, now[TURNS:], q, v, slope)
-        along, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+        act(joint, state[k], q, v, f)
         for i in range(count):
-            out[places[k, i, 1]] += along * slope[i]
+            out[places[k, i, 1]] += f[i]
 
 
 @kernel
 def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
 
-    Rows and columns are coordinates of the overlay; entries of zero are left out.
+    By differences, as `lines.tangent`. Rows and columns are coordinates of the overlay; entries of zero are left out.
     """
+    q, v, here, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
     number = 0
-    q, v, slope, second = room1(MOST), room1(MOST), room1(MOST), room2(MOST, MOST)
     for k in range(joints.shape[0]):
-        joint, now = joints[k], state[k]
+        joint = joints[k]
         count = joint.parent + joint.child
         gather(system_q, system_v, places[k], count, q, v)
-        s, rate = coordinate(joint, now[TURNS:], q, v, slope)
-        along, by_place, by_rate = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
-        factor = fq * by_place + fv * by_rate
-        bends = curvature(joint, q, second)
+        act(joint, state[k], q, v, here)
+        d = difference(rows(q, 0, count), fq, fv)
         for j in range(count):
+            at_q, at_v = q[j], v[j]
+            q[j] += d * fq
+            v[j] += d * fv
+            act(joint, state[k], q, v, moved)
+            q[j], v[j] = at_q, at_v
             for i in range(count):
-                value = factor * slope[i] * slope[j]
-                if bends:
-                    # The rate is slope . v, so its derivative by q_j is the j-th row of second . v.
-                    turning = 0.0
-                    for m in range(count):
-                        turning += second[j, m] * v[m]
-                    value += fq * (along * second[i, j] + by_rate * slope[i] * turning)
-                if value != 0.0:
+                if moved[i] != here[i]:
                     triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
-                    triplets[number, 2] = value
+                    triplets[number, 2] = (moved[i] - here[i]) / d
                     number += 1
     return number
 
@@ -96,9 +101,3 @@ def accept(system_q, system_v, joints, state, places):
 def single(joint, turns, q, v, slope):
     """`coordinate` of one joint, record (1,)."""
     return coordinate(joint[0], turns, q, v, slope)
-
-
-@kernel
-def single_curvature(joint, q, second):
-    """`curvature` of one joint, record (1,)."""
-    return curvature(joint[0], q, second)

@@ -160,7 +160,7 @@ def _act(joint, now, q, v, out):
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
     _frames(joint, q, R, x, G)
     s, rate = _in_frames(joint, now[TURNS:], R, x, G, v, out)
-    force, _, _ = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+    force = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
         out[i] *= force
     if joint.kind == BALL and joint.damping > 0.0:

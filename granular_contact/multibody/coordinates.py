@@ -14,7 +14,7 @@ import numpy as np
 from granular_contact.kernels import joint_loads
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.joint_coordinates import SLIDER
-from granular_contact.kernels.joint_loads import JOINT, MOST, single_curvature
+from granular_contact.kernels.joint_loads import JOINT, MOST
 from granular_contact.scene.types import Joint, Vector
 
 Numbers = list[float]
@@ -72,9 +72,3 @@ class Coordinate:
         if self._at is None:
             self._at = entry(self.kernels.single, *arguments)
         return self._at(*arguments)
-
-    def second(self, q: Numbers) -> Vector:
-        """Second derivatives of the coordinate."""
-        found = np.zeros((MOST, MOST))
-        single_curvature(self.record, np.array(q), found)
-        return found[: self.size, : self.size]

@@ -104,7 +104,7 @@ def act(joints, anchors, s, rate, places, out):  # type: ignore[no-untyped-def]
     for k in range(joints.shape[0]):
         if joints[k].friction > 0.0:
             anchors[k] = follow(joints[k], s[k], anchors[k])
-        out[places[k]], _, _ = total(joints[k], s[k], rate[k], anchors[k], 0.0, 0.0)
+        out[places[k]] = total(joints[k], s[k], rate[k], anchors[k], 0.0, 0.0)
 
 
 def _drive(drive: Drive) -> str:
