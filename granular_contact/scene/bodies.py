@@ -2,43 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.scene.layout import ZERO, Frame, Layout, point
-from granular_contact.scene.shapes import MassProperties, bar, made, section
-from granular_contact.scene.types import FlexibleLink, RigidBody, Shape, Vector
+from granular_contact.scene.layout import ZERO, Layout, point
+from granular_contact.scene.shapes import Mass, bar, made, merged, section
+from granular_contact.scene.types import FlexibleLink, RigidBody, Shape
 
 
-@dataclass(frozen=True)
-class _Mass:
-    """Mass (kg), centre (2,) m in the body's frame and inertia about it (kg m2)."""
-
-    mass: float
-    center: Vector
-    inertia: float
-
-
-def _parts(name: str, body: schema.Body, strips: int) -> list[tuple[Shape, MassProperties]]:
+def _parts(name: str, body: schema.Body, strips: int) -> list[tuple[Shape, Mass]]:
     """Shapes of a rigid body in its own frame."""
     if isinstance(body, schema.Link):
         return [bar(name, ZERO, np.array([body.length_m, 0.0]), section(body))]
     return [made(name, shape, strips) for shape in body.shapes]
 
 
-def _mass(body: schema.Body, lumps: list[MassProperties]) -> _Mass:
+def _mass(body: schema.Body, lumps: list[Mass]) -> Mass:
     """As given, or of the shapes."""
     if isinstance(body, schema.Rigid) and body.density_kg_m3 is None:
         assert body.mass_kg is not None  # the schema takes a density, or both
         assert body.inertia_kg_m2 is not None
         center = ZERO if body.center_of_mass_m is None else point(body.center_of_mass_m)
-        return _Mass(body.mass_kg, center, body.inertia_kg_m2)
+        return Mass(body.mass_kg, center, body.inertia_kg_m2)
     density = body.density_kg_m3
     assert density is not None
-    return merged(_Mass(density * one.volume, one.center, density * one.volume * one.gyration_squared) for one in lumps)
+    return merged(one.of_density(density) for one in lumps)
 
 
 def mass_of(name: str, body: schema.Body) -> float:
@@ -47,36 +38,28 @@ def mass_of(name: str, body: schema.Body) -> float:
     return _mass(body, [lump for _, lump in parts]).mass
 
 
-def merged(masses: Iterable[_Mass]) -> _Mass:
-    """Several masses as one, about their common centre."""
-    parts = list(masses)
-    mass = sum(part.mass for part in parts)
-    center: Vector = sum((part.mass * part.center for part in parts), ZERO) / mass
-    inertia = sum(part.inertia + part.mass * float(np.sum((part.center - center) ** 2)) for part in parts)
-    return _Mass(mass, center, inertia)
-
-
 def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
     """Merge a group of welded bodies about their common centre of mass; strips: chords of curves, at the least."""
-    frames, bodies = layout.frames, layout.model.all_bodies
+    placed, bodies = layout.placed, layout.model.all_bodies
     parts = {name: _parts(name, bodies[name], strips) for name in group}
     masses = {name: _mass(bodies[name], [lump for _, lump in parts[name]]) for name in group}
-    whole = merged(replace(one, center=frames[name].world(one.center)) for name, one in masses.items())
-    own = Frame(whole.center, frames[group[0]].angle)
+    whole = merged(replace(one, center=placed[name].world(one.center)) for name, one in masses.items())
+    first = placed[group[0]]
+    own = replace(first, position=whole.center, velocity=first.speed_at(whole.center))
     shapes = []
     for name in group:
         density = bodies[name].density_kg_m3
         for shape, lump in parts[name]:
-            points = own.local(frames[name].world(shape.points))
-            mass = masses[name].mass if density is None else density * lump.volume
+            points = own.local(placed[name].world(shape.points))
+            mass = masses[name].mass if density is None else density * lump.mass
             wheel = shape.wheel
             if wheel is not None:
-                wheel = replace(wheel, axle=own.local(frames[name].world(wheel.axle)))
+                wheel = replace(wheel, axle=own.local(placed[name].world(wheel.axle)))
             free = layout.is_free(name, shape.points[-1])
             shapes.append(replace(shape, points=points, free=free, mass=mass, wheel=wheel))
     root = layout.workspace_bounds[group[0]]
-    workspace = replace(root, point=own.local(frames[group[0]].world(root.point)))
-    return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), layout.motion(group[0], own), workspace)
+    workspace = replace(root, point=own.local(first.world(root.point)))
+    return RigidBody("+".join(group), whole.mass, whole.inertia, tuple(shapes), own, workspace)
 
 
 def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
@@ -104,7 +87,7 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             bending_damping=flexible.bending_damping_N_m2_s,
             axial_damping=flexible.axial_damping_N_s,
             elements=flexible.elements,
-            motion=layout.motion(name, layout.frames[name]),
+            motion=layout.placed[name],
             workspace=layout.workspace_bounds[name],
             free=layout.is_free(name, np.array([spec.length_m, 0.0])),
         )

@@ -30,7 +30,6 @@ from granular_contact.scene.types import (
     RigidBody,
     Scene,
     Vector,
-    place,
     turned,
 )
 from granular_contact.scene.wheels import wheel_drives
@@ -115,7 +114,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         name=scenario.name or scenario.model.name,
         rigid=rigid,
         links=links,
-        joints=tuple(joints_of(layout, rigid, states)),
+        joints=tuple(joints_of(layout, (*rigid, *links), states)),
         gravity=scenario.gravity_m_s2,
         bed=placed,
         load=scenario.load,
@@ -201,7 +200,7 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     name, at = _tip(ends_of(rigid, links), rigid, layout)
     motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
-    arm = float(np.linalg.norm(place(motions[name], at) - pins[0]))
+    arm = float(np.linalg.norm(motions[name].world(at) - pins[0]))
     if not arm > 0.0:
         why = f"got {speed:g}, but no shape reaches beyond the hinge, where there is no speed; give impact_speed_rad_s"
         faults.append(scene_fault("initial.impact_tip_speed_m_s", why))
@@ -279,11 +278,11 @@ def _ends(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> Iter
         for shape in body.shapes:
             if shape.in_sand:
                 for corner in shape.points:
-                    yield End(body.name, corner, place(body.motion, corner), shape.drop)
+                    yield End(body.name, corner, body.motion.world(corner), shape.drop)
     for link in links:
         for x in (0.0, link.length):
             end = np.array([x, 0.0])
-            yield End(link.name, end, place(link.motion, end))
+            yield End(link.name, end, link.motion.world(end))
 
 
 def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:

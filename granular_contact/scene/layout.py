@@ -17,36 +17,8 @@ from granular_contact.scene.types import InitialMotion, Vector, WorkspaceBound, 
 GROUND = "ground"
 SIZES = {"hinge": 1, "slider": 1, "free": 3, "weld": 0}  # degrees of freedom of joints
 ZERO = np.zeros(2)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Where a body's frame lies at the start: origin (2,) m in the world, angle rad."""
-
-    origin: Vector
-    angle: float
-
-    def world(self, point: Vector) -> Vector:
-        """World position of a point (2,) m of the body, or of several (n, 2)."""
-        moved: Vector = self.origin + point @ rotation(self.angle).T
-        return moved
-
-    def local(self, point: Vector) -> Vector:
-        """Body-frame position of a world point (2,) m, or of several (n, 2)."""
-        moved: Vector = (point - self.origin) @ rotation(-self.angle).T
-        return moved
-
-
-@dataclass(frozen=True)
-class Twist:
-    """How a body's frame moves at the start: velocity (2,) m/s of the world's origin moving along, rate rad/s."""
-
-    velocity: Vector
-    rate: float
-
-    def at(self, world: Vector) -> Vector:
-        """Velocity (2,) m/s of the body's point at a world position (2,) m."""
-        return self.velocity + self.rate * np.array([-world[1], world[0]])
+STILL = InitialMotion(ZERO, 0.0, ZERO, 0.0)
+Pose = dict[str, InitialMotion]  # of all bodies, the ground among them
 
 
 @dataclass(frozen=True)
@@ -95,48 +67,36 @@ def joints_outward(model: Any) -> Iterator[tuple[str, Any]]:
         waiting += below[joint.child][::-1]
 
 
-@dataclass(frozen=True)
-class Pose:
-    """Frames and twists of all bodies, the ground among them, in a state of the joints."""
-
-    frames: dict[str, Frame]
-    twists: dict[str, Twist]
-
-
 def pose(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Pose:
     """Place and move all bodies, undeformed; what is welded to the ground is turned by ground_angle (rad)."""
-    still = Twist(ZERO, 0.0)
-    frames, twists = {GROUND: Frame(ZERO, 0.0)}, {GROUND: still}
+    placed = {GROUND: STILL}
     for name, joint in joints_outward(model):
-        parent, motion = frames[joint.parent], twists[joint.parent]
-        pin, angle, relative = _relative(joint, states.get(name), parent)
-        if isinstance(joint, schema.Weld) and joint.parent == GROUND:
-            angle += ground_angle
-        frames[joint.child] = Frame(pin - rotation(angle) @ point(joint.child_point_m), angle)
-        twists[joint.child] = Twist(motion.velocity + relative.velocity, motion.rate + relative.rate)
-    return Pose(frames, twists)
+        angle = ground_angle if joint.type == "weld" and joint.parent == GROUND else 0.0
+        placed[joint.child] = _child(joint, states.get(name), placed[joint.parent], angle)
+    return placed
 
 
-def _relative(joint: schema.Joint, state: JointState | None, parent: Frame) -> tuple[Vector, float, Twist]:
-    """Where a joint holds its child (m), at which angle (rad), and how the child moves against the parent."""
-    at = point(joint.parent_point_m)
-    pin = parent.world(at)
-    if state is None or isinstance(joint, schema.Weld):
-        assert isinstance(joint, schema.Weld)  # all others have a state
-        return pin, parent.angle + turned(joint.home_deg), Twist(ZERO, 0.0)
-    if isinstance(joint, schema.Slider):
+def _child(joint: schema.Joint, state: JointState | None, parent: InitialMotion, turn: float) -> InitialMotion:
+    """Pose and velocity of the child of a joint, which is turned besides (rad)."""
+    pin, speed, rate = parent.world(point(joint.parent_point_m)), ZERO, parent.rate
+    if isinstance(joint, schema.Slider | schema.Weld):
+        angle = parent.angle + turned(joint.home_deg) + turn
+    if isinstance(joint, schema.Slider) and state is not None:
         axis = rotation(parent.angle) @ direction(joint)
-        pin = pin + state.value[0] * axis
-        return pin, parent.angle + turned(joint.home_deg), Twist(state.rates[0] * axis, 0.0)
-    shift, speed = (state.value[:2], state.rates[:2]) if isinstance(joint, schema.Free) else (ZERO, ZERO)
-    pin, rate = pin + shift, -float(state.rates[-1])
-    return pin, parent.angle - float(state.value[-1]), Twist(speed - rate * np.array([-pin[1], pin[0]]), rate)
+        pin, speed = pin + state.value[0] * axis, state.rates[0] * axis
+    elif state is not None:
+        angle, rate = parent.angle - float(state.value[-1]), rate - float(state.rates[-1])
+        if isinstance(joint, schema.Free):
+            pin, speed = pin + state.value[:2], state.rates[:2]
+    arm = rotation(angle) @ point(joint.child_point_m)
+    velocity = parent.speed_at(pin) + speed - rate * np.array([-arm[1], arm[0]])
+    return InitialMotion(pin - arm, angle, velocity, rate)
 
 
-def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[str, WorkspaceBound]:
+def workspace_bounds(model: schema.Model, placed: Pose) -> dict[str, WorkspaceBound]:
     """Workspace bound of each body, whatever the coordinates of the joints.
 
-    frames: of the bodies at the start. There is no bound beyond sliders and free joints. A welded part moves with the
+    placed: the bodies at the start. There is no bound beyond sliders and free joints. A welded part moves with the
     body that it is welded to.
     """
     held: dict[str, WorkspaceBound] = {}
@@ -145,11 +105,11 @@ def workspace_bounds(model: schema.Model, frames: Mapping[str, Frame]) -> dict[s
         parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
         rigidly = isinstance(joint, schema.Weld) and is_rigid(model, joint.child) and is_rigid(model, parent)
         if parent in fixed:
-            workspace = WorkspaceBound(frames[parent].world(on_parent), on_child, 0.0)
+            workspace = WorkspaceBound(placed[parent].world(on_parent), on_child, 0.0)
             fixed |= {joint.child} if rigidly else set()
         elif rigidly:
             workspace = held[parent]
-            workspace = replace(workspace, point=frames[joint.child].local(frames[parent].world(workspace.point)))
+            workspace = replace(workspace, point=placed[joint.child].local(placed[parent].world(workspace.point)))
         else:
             workspace = WorkspaceBound(held[parent].root, on_child, held[parent].radius(on_parent))
         no_end = isinstance(joint, schema.Slider | schema.Free)
@@ -183,19 +143,9 @@ class Layout:
     """A model laid out: pose and workspace bound of every body, groups of rigid bodies that are welded together."""
 
     model: schema.Model
-    pose: Pose
+    placed: Pose
     workspace_bounds: dict[str, WorkspaceBound]
     groups: list[list[str]]
-
-    @property
-    def frames(self) -> dict[str, Frame]:
-        """Frames of all bodies, the ground among them."""
-        return self.pose.frames
-
-    def motion(self, name: str, frame: Frame) -> InitialMotion:
-        """Pose and velocity of a frame that moves with a body."""
-        twist = self.pose.twists[name]
-        return InitialMotion(frame.origin, frame.angle, twist.at(frame.origin), twist.rate)
 
     @cached_property
     def _joined(self) -> dict[str, list[Vector]]:
@@ -215,4 +165,4 @@ class Layout:
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
     """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
     placed = pose(model, states, ground_angle)
-    return Layout(model, placed, workspace_bounds(model, placed.frames), weld_groups(model))
+    return Layout(model, placed, workspace_bounds(model, placed), weld_groups(model))

@@ -105,7 +105,7 @@ class PlanarLoops(Loops):
     def gaps(self, name: str, placed: Pose) -> Vector:
         """Residual of the closure of one loop: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
         joint = self.model.closures[name]
-        parent, child = placed.frames[joint.parent], placed.frames[joint.child]
+        parent, child = placed[joint.parent], placed[joint.child]
         gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
         turn = child.angle - parent.angle - turned(getattr(joint, "home_deg", 0.0))
         return _held(joint, parent.angle, gap, turn - 2.0 * math.pi * round(turn / (2.0 * math.pi)))
@@ -113,9 +113,9 @@ class PlanarLoops(Loops):
     def gap_rates(self, name: str, placed: Pose) -> Vector:
         """Velocity residual of a closed loop."""
         joint = self.model.closures[name]
-        parent, child = placed.twists[joint.parent], placed.twists[joint.child]
-        pin = placed.frames[joint.child].world(point(joint.child_point_m))
-        return _held(joint, placed.frames[joint.parent].angle, child.at(pin) - parent.at(pin), child.rate - parent.rate)
+        parent, child = placed[joint.parent], placed[joint.child]
+        pin = child.world(point(joint.child_point_m))
+        return _held(joint, parent.angle, child.speed_at(pin) - parent.speed_at(pin), child.rate - parent.rate)
 
     def apart(self, name: str, gap: Vector) -> tuple[float, float]:
         """Distance (m) and angle (rad) in the residual of a closure."""

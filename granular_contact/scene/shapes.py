@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -19,24 +19,42 @@ CHORDS = 48  # of a full circle, at the least
 
 
 @dataclass(frozen=True)
-class MassProperties:
-    """Volume (m3) of a shape, centre of mass (2,) m in the body frame, squared radius of gyration about it (m2)."""
+class Mass:
+    """Mass (kg), centre (2,) m in the body's frame and inertia about it (kg m2); of a shape alone at a density of 1."""
 
-    volume: float
+    mass: float
     center: Vector
-    gyration_squared: float
+    inertia: float
+
+    def of_density(self, density: float) -> Mass:
+        """That of a shape with a density (kg/m3)."""
+        return Mass(density * self.mass, self.center, density * self.inertia)
 
 
-def made(part: str, spec: shapes.Shape, strips: int) -> tuple[Shape, MassProperties]:
+def merged(masses: Iterable[Mass]) -> Mass:
+    """Several masses as one, about their common centre."""
+    parts = list(masses)
+    mass = sum(part.mass for part in parts)
+    center: Vector = sum((part.mass * part.center for part in parts), np.zeros(2)) / mass
+    inertia = sum(part.inertia + part.mass * float(np.sum((part.center - center) ** 2)) for part in parts)
+    return Mass(mass, center, inertia)
+
+
+def _volume(volume: float, center: Vector, gyration_squared: float) -> Mass:
+    """Of a shape with a volume (m3) and a squared radius of gyration about its centre (m2)."""
+    return Mass(volume, center, volume * gyration_squared)
+
+
+def made(part: str, spec: shapes.Shape, strips: int) -> tuple[Shape, Mass]:
     """Shape of a config with its mass properties; curves get at least `strips` chords."""
     shape, properties = _SHAPES[type(spec)](part, spec, strips)
     return shape, properties
 
 
-def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool = True) -> tuple[Shape, MassProperties]:
+def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool = True) -> tuple[Shape, Mass]:
     """Straight bar from start to end, (2,) m."""
     length = float(np.linalg.norm(end - start))
-    properties = MassProperties(section.area * length, (start + end) / 2, length**2 / 12 + section.gyration_squared)
+    properties = _volume(section.area * length, (start + end) / 2, length**2 / 12 + section.gyration_squared)
     return Shape(part, section.kind, np.stack([start, end]), section.width, section.thickness, in_sand), properties
 
 
@@ -73,16 +91,16 @@ def section(spec: schema.Link | shapes.ArcShape | shapes.PolylineShape) -> Secti
     return Section(False, spec.width_m, spec.thickness_m)
 
 
-def _disc(part: str, spec: shapes.DiscShape, strips: int) -> tuple[Shape, MassProperties]:
+def _disc(part: str, spec: shapes.DiscShape, strips: int) -> tuple[Shape, Mass]:
     radius, center = spec.diameter_m / 2, np.array(spec.center_m)
     chords = max(CHORDS, strips)
     circle = center + radius * _circle(chords)
-    properties = MassProperties(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
+    properties = _volume(math.pi * radius**2 * spec.thickness_m, center, radius**2 / 2)
     turns = np.full(chords, 2 * math.pi / chords)
     return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), properties
 
 
-def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, MassProperties]:
+def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, Mass]:
     radius, center, teeth = spec.radius_m, np.array(spec.center_m), spec.grousers
     whole = max(CHORDS, strips)
     if teeth is None:
@@ -103,7 +121,7 @@ def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, Mass
         teeth_mass = area / (math.pi * radius**2)
         gyration = (radius + 0.5 * teeth.height_m) ** 2 + (teeth.thickness_m**2 + teeth.height_m**2) / 12
     squared = (radius**2 / 2 + teeth_mass * gyration) / (1.0 + teeth_mass)
-    properties = MassProperties(math.pi * radius**2 * (1.0 + teeth_mass) * spec.width_m, center, squared)
+    properties = _volume(math.pi * radius**2 * (1.0 + teeth_mass) * spec.width_m, center, squared)
     wheel = Wheel(center, spec.effective_radius_m, radius)
     shape = Shape(part, "outline", center + points, spec.width_m, 0.0, spec.in_sand, turns=turns, wheel=wheel)
     return shape, properties
@@ -115,24 +133,22 @@ def _round(start: float, end: float, chords: int) -> Vector:
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-def _sphere(part: str, spec: shapes.SphereShape, _: int) -> tuple[Shape, MassProperties]:
+def _sphere(part: str, spec: shapes.SphereShape, _: int) -> tuple[Shape, Mass]:
     d, center = spec.diameter_m, np.array(spec.center_m)
-    return Shape(part, "ball", center[None, :], d, d, spec.in_sand), MassProperties(
-        math.pi / 6 * d**3, center, d**2 / 10
-    )
+    return Shape(part, "ball", center[None, :], d, d, spec.in_sand), _volume(math.pi / 6 * d**3, center, d**2 / 10)
 
 
-def _cylinder(part: str, spec: shapes.CylinderShape, _: int) -> tuple[Shape, MassProperties]:
+def _cylinder(part: str, spec: shapes.CylinderShape, _: int) -> tuple[Shape, Mass]:
     size = Section(True, spec.diameter_m, spec.diameter_m)
     return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
 
 
-def _plate(part: str, spec: shapes.PlateShape, _: int) -> tuple[Shape, MassProperties]:
+def _plate(part: str, spec: shapes.PlateShape, _: int) -> tuple[Shape, Mass]:
     size = Section(False, spec.width_m, spec.thickness_m)
     return bar(part, np.array(spec.start_m), np.array(spec.end_m), size, spec.in_sand)
 
 
-def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, MassProperties]:
+def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, Mass]:
     size, radius, center = section(spec), spec.radius_m, np.array(spec.center_m)
     start, end = turned(spec.from_deg), turned(spec.to_deg)
     half = abs(end - start) / 2
@@ -142,7 +158,7 @@ def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, MassProp
     # Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector.
     off = radius * math.sin(half) / half
     middle = (start + end) / 2
-    properties = MassProperties(
+    properties = _volume(
         size.area * radius * 2 * half,
         center + off * np.array([math.cos(middle), math.sin(middle)]),
         radius**2 - off**2 + size.gyration_squared,
@@ -151,23 +167,17 @@ def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, MassProp
     return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand, turns=turns), properties
 
 
-def _polyline(part: str, spec: shapes.PolylineShape, _: int) -> tuple[Shape, MassProperties]:
+def _polyline(part: str, spec: shapes.PolylineShape, _: int) -> tuple[Shape, Mass]:
     size, points = section(spec), np.array(spec.points_m)
-    pieces = [bar(part, a, b, size)[1] for a, b in pairwise(points)]
-    volume = sum(piece.volume for piece in pieces)
-    center: Vector = sum((piece.volume * piece.center for piece in pieces), np.zeros(2)) / volume
-    gyration_squared = (
-        sum(p.volume * (p.gyration_squared + float(np.sum((p.center - center) ** 2))) for p in pieces) / volume
-    )
     shape = Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand)
-    return shape, MassProperties(volume, center, gyration_squared)
+    return shape, merged(bar(part, a, b, size)[1] for a, b in pairwise(points))
 
 
-def _polygon(part: str, spec: shapes.PolygonShape, _: int) -> tuple[Shape, MassProperties]:
+def _polygon(part: str, spec: shapes.PolygonShape, _: int) -> tuple[Shape, Mass]:
     return _solid(part, np.array(spec.points_m), spec.width_m, spec.in_sand)
 
 
-def _foot(part: str, spec: shapes.FootShape, _: int) -> tuple[Shape, MassProperties]:
+def _foot(part: str, spec: shapes.FootShape, _: int) -> tuple[Shape, Mass]:
     radius = spec.height_m / 2
     half = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # from the x axis over y to its other side
     toe = half @ rotation(math.pi / 2)  # the toe, from below to above
@@ -183,7 +193,7 @@ def _foot(part: str, spec: shapes.FootShape, _: int) -> tuple[Shape, MassPropert
     return replace(shape, turns=turns), properties
 
 
-def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, MassProperties]:
+def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, Mass]:
     """Solid with a polygon as its section, corners (k, 2) m without the repeated first one."""
     closed = np.vstack([corners, corners[:1]])
     origin = corners.mean(axis=0)
@@ -192,7 +202,7 @@ def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Sha
     area = twice.sum() / 2
     center = np.array([((x0 + x1) * twice).sum(), ((y0 + y1) * twice).sum()]) / (6 * area)
     polar = ((x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) * twice).sum() / 12
-    properties = MassProperties(abs(area) * width, origin + center, polar / area - float(center @ center))
+    properties = _volume(abs(area) * width, origin + center, polar / area - float(center @ center))
     return Shape(part, "outline", closed, width, 0.0, in_sand), properties
 
 
@@ -204,7 +214,7 @@ def _circle(chords: int) -> Vector:
     return points
 
 
-_SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, MassProperties]]] = {
+_SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, Mass]]] = {
     shapes.DiscShape: _disc,
     shapes.WheelShape: _wheel,
     shapes.SphereShape: _sphere,

@@ -79,6 +79,21 @@ class InitialMotion:
     velocity: Vector
     rate: float
 
+    def world(self, point: Vector) -> Vector:
+        """World position of a point (2,) m of the body, or of several (n, 2)."""
+        placed: Vector = self.position + point @ rotation(self.angle).T
+        return placed
+
+    def local(self, point: Vector) -> Vector:
+        """Body-frame position of a world point (2,) m, or of several (n, 2)."""
+        placed: Vector = (point - self.position) @ rotation(-self.angle).T
+        return placed
+
+    def speed_at(self, world: Vector) -> Vector:
+        """Velocity (2,) m/s of the body's point at a world position (2,) m."""
+        arm = world - self.position
+        return self.velocity + self.rate * np.array([-arm[1], arm[0]])
+
 
 @dataclass(frozen=True)
 class WorkspaceBound:
@@ -284,7 +299,7 @@ class Scene:
     def tip_position(self) -> Vector:
         """Initial world position (2,) m of the tip."""
         name, point = self.tip
-        return place(self.body(name).motion, point)
+        return self.body(name).motion.world(point)
 
     @cached_property
     def length(self) -> float:
@@ -362,9 +377,3 @@ def rotation(angle: float) -> NDArray[np.float64]:
     """Matrix (2, 2) that turns counter-clockwise by angle (rad)."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s], [s, c]])
-
-
-def place(motion: InitialMotion, point: Vector) -> Vector:
-    """World position (2,) m of a body-frame point at the initial pose."""
-    placed: Vector = motion.position + rotation(motion.angle) @ point
-    return placed

@@ -9,7 +9,7 @@ import pytest
 from support_runs import DENSITY, DIAMETER, GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, scene_of
 
 from granular_contact.errors import Fault, SceneError
-from granular_contact.scene.types import Scene, place
+from granular_contact.scene.types import Scene
 
 DOUBLE = """
 model:
@@ -115,7 +115,7 @@ def test_hinge_chain() -> None:
     assert (scene.pivot.name, scene.pivot.parent) == ("shoulder", None)
     elbow = scene.joints[1]
     for name, point in ((elbow.parent, elbow.parent_point), (elbow.child, elbow.child_point)):
-        np.testing.assert_allclose(place(scene.body(name).motion, point), start + 0.3 * axis, atol=1e-15)
+        np.testing.assert_allclose(scene.body(name).motion.world(point), start + 0.3 * axis, atol=1e-15)
     # Both turn about the shoulder at 2 rad/s, clockwise.
     np.testing.assert_allclose(lower.motion.velocity, 2 * 0.4 * np.array([axis[1], -axis[0]]), atol=1e-15)
     assert scene.tip[0] == "lower"
@@ -144,8 +144,8 @@ def test_weld_at_an_angle() -> None:
     end = elbow + 0.1 * np.array([math.cos(angles[1]), -math.sin(angles[1])])
     cylinder = next(s for s in body.shapes if s.part == "finger")
     # Round-off.
-    np.testing.assert_allclose(place(body.motion, cylinder.points[0]), elbow, atol=1e-15)
-    np.testing.assert_allclose(place(body.motion, cylinder.points[1]), end, atol=1e-15)
+    np.testing.assert_allclose(body.motion.world(cylinder.points[0]), elbow, atol=1e-15)
+    np.testing.assert_allclose(body.motion.world(cylinder.points[1]), end, atol=1e-15)
     assert scene.surface == pytest.approx(end[1], rel=1e-14)
     assert [s.free for s in body.shapes] == [False, True]
     # Parallel axes by hand, masses 2 : 1; round-off.

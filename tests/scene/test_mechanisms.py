@@ -9,7 +9,7 @@ import pytest
 from support_runs import FOUR_BAR, scene_of
 
 from granular_contact.errors import Fault, SceneError
-from granular_contact.scene.types import Scene, place
+from granular_contact.scene.types import Scene
 
 BAR = "length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700"
 LEG = f"""
@@ -44,7 +44,7 @@ def ends(scene: Scene, body: str) -> np.ndarray:
     """Start and end of a link, (2, 2) m."""
     bar = scene.body(body)
     half = 0.5 * (0.3 if body in ("coupler", "rocker") else 0.1)
-    return np.array([place(bar.motion, np.array([x, 0.0])) for x in (-half, half)])
+    return np.array([bar.motion.world(np.array([x, 0.0])) for x in (-half, half)])
 
 
 def test_places_and_velocities_follow_from_the_joints() -> None:
@@ -184,7 +184,7 @@ def test_a_loop_follows_its_crank(crank: float) -> None:
     moved = []
     for name in ("coupler", "rocker"):
         motion = scene.body(name).motion
-        arm = place(motion, points) - motion.position
+        arm = motion.world(points) - motion.position
         moved.append(motion.velocity + motion.rate * np.array([-arm[1], arm[0]]))
     np.testing.assert_allclose(*moved, atol=1e-12)
 

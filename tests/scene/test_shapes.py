@@ -67,9 +67,9 @@ def test_solids_have_the_mass_of_their_outline(keys: dict[str, Any]) -> None:
     area, center, gyration = counted(Path(solid.points).contains_points, 0.12)
     # Squares of 0.2 mm along an outline of 0.3 m, in and out at random: some 1e-3 of the area; a disc's 400 chords
     # and a foot's 24 at each end lose as much again.
-    assert lump.volume / 0.5 == pytest.approx(area, rel=3e-3)
+    assert lump.mass / 0.5 == pytest.approx(area, rel=3e-3)
     np.testing.assert_allclose(lump.center, center, atol=1e-4)
-    assert lump.gyration_squared == pytest.approx(gyration, rel=5e-3)
+    assert lump.inertia / lump.mass == pytest.approx(gyration, rel=5e-3)
 
 
 BARS: dict[str, dict[str, Any]] = {
@@ -87,22 +87,22 @@ def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
     assert bar.kind == "flat"
     area, center, gyration = counted(near_line(bar.points, keys["thickness_m"] / 2), 0.1)
     # As above, with squares of 0.17 mm along bands of 2 to 10 mm, and half a square of thickness at the corners.
-    assert lump.volume / 0.5 == pytest.approx(area, rel=2e-2)
+    assert lump.mass / 0.5 == pytest.approx(area, rel=2e-2)
     np.testing.assert_allclose(lump.center, center, atol=3e-4)
-    assert lump.gyration_squared == pytest.approx(gyration, rel=2e-2)
+    assert lump.inertia / lump.mass == pytest.approx(gyration, rel=2e-2)
 
 
 def test_round_bars_and_balls_by_hand() -> None:
     arc, lump = made("part", shape(**{**ARC, "start_deg": 0, "end_deg": 180}, diameter_m=0.004), STRIPS)
     assert arc.kind == "round"
     # Half a ring of radius R: length pi R, centre 2 R / pi from that of the circle; round-off.
-    assert lump.volume == pytest.approx(np.pi * 0.002**2 * np.pi * 0.05, rel=1e-13)
+    assert lump.mass == pytest.approx(np.pi * 0.002**2 * np.pi * 0.05, rel=1e-13)
     np.testing.assert_allclose(lump.center, [0.01, -0.02 + 2 * 0.05 / np.pi], rtol=1e-13)
-    assert lump.gyration_squared == pytest.approx(0.05**2 - (2 * 0.05 / np.pi) ** 2 + 0.004**2 / 16, rel=1e-13)
+    assert lump.inertia / lump.mass == pytest.approx(0.05**2 - (2 * 0.05 / np.pi) ** 2 + 0.004**2 / 16, rel=1e-13)
     ball, lump = made("part", shape(type="sphere", diameter_m=0.02, center_m=[0.1, 0.2]), STRIPS)
     assert (ball.kind, ball.drop) == ("ball", 0.01)
-    assert lump.volume == pytest.approx(4 / 3 * np.pi * 0.01**3, rel=1e-14)
-    assert lump.gyration_squared == pytest.approx(0.4 * 0.01**2, rel=1e-14)
+    assert lump.mass == pytest.approx(4 / 3 * np.pi * 0.01**3, rel=1e-14)
+    assert lump.inertia / lump.mass == pytest.approx(0.4 * 0.01**2, rel=1e-14)
 
 
 def test_a_given_mass_stands_for_the_shapes(scene_of: Callable[..., Any]) -> None:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
-from granular_contact.scene.space.layout import Frame, Pose
-from granular_contact.scene.space.shapes import MassProperties, moved, part_of
-from granular_contact.scene.space.types import Part, SpatialRigidBody, Vector
+from granular_contact.scene.space.layout import Pose
+from granular_contact.scene.space.shapes import Mass, merged, moved, part_of
+from granular_contact.scene.space.types import Part, SpatialRigidBody
 
 
 @dataclass(frozen=True)
@@ -19,21 +19,7 @@ class Made:
     """A body of the config by itself, in its own frame: parts with their mass properties, and mass."""
 
     parts: list[Part]
-    mass: _Mass
-
-
-@dataclass(frozen=True)
-class _Mass:
-    """Mass (kg), centre (3,) m and inertia about it (3, 3) kg m2."""
-
-    mass: float
-    center: Vector
-    inertia: Vector
-
-    def placed(self, frame: Frame) -> _Mass:
-        """The same in the world, of a body whose frame lies there."""
-        R = frame.rotation
-        return _Mass(self.mass, frame.world(self.center), R @ self.inertia @ R.T)
+    mass: Mass
 
 
 def bodies_of(
@@ -58,7 +44,7 @@ def bodies_of(
             parts.append(part)
             notes += [scene_fault(place, words) for words in part.notes]
             own.append(properties)
-            if body.density_kg_m3 is not None and not properties.volume > 0.0:
+            if body.density_kg_m3 is not None and not properties.mass > 0.0:
                 words = "a sheet without thickness_m has no mass, but its body has a density; give it a thickness"
                 faults.append(scene_fault(key, words))
         if len(faults) == before:
@@ -66,12 +52,12 @@ def bodies_of(
     return found if len(faults) == before else None
 
 
-def _made(body: schema.SpatialBody, parts: list[Part], own: list[MassProperties]) -> Made:
+def _made(body: schema.SpatialBody, parts: list[Part], own: list[Mass]) -> Made:
     """A body with its mass, as given or of its shapes; a ball knows its own mass."""
     if isinstance(body, schema.SpatialLink) or body.density_kg_m3 is not None:
         density = body.density_kg_m3
         assert density is not None
-        masses = [_of(density, one) for one in own]
+        masses = [one.of_density(density) for one in own]
         of_parts = [_with_mass(part, one.mass) for part, one in zip(parts, masses, strict=True)]
         return Made(of_parts, merged(masses))
     assert body.mass_kg is not None  # the schema takes a density, or both
@@ -79,12 +65,7 @@ def _made(body: schema.SpatialBody, parts: list[Part], own: list[MassProperties]
     j = body.inertia_kg_m2
     inertia = np.array([[j.xx, j.xy, j.xz], [j.xy, j.yy, j.yz], [j.xz, j.yz, j.zz]])
     center = np.array(body.center_of_mass_m or (0.0, 0.0, 0.0), float)
-    return Made([_with_mass(part, body.mass_kg) for part in parts], _Mass(body.mass_kg, center, inertia))
-
-
-def _of(density: float, shape: MassProperties) -> _Mass:
-    mass = density * shape.volume
-    return _Mass(mass, shape.center, mass * (np.trace(shape.second) * np.eye(3) - shape.second))
+    return Made([_with_mass(part, body.mass_kg) for part in parts], Mass(body.mass_kg, center, inertia))
 
 
 def _with_mass(part: Part, mass: float) -> Part:
@@ -92,28 +73,15 @@ def _with_mass(part: Part, mass: float) -> Part:
     return replace(part, shape=replace(part.shape, mass=mass)) if "ball" in part.meets else part
 
 
-def merged(masses: Iterable[_Mass]) -> _Mass:
-    """Several masses as one, about their common centre."""
-    parts = list(masses)
-    mass = sum(part.mass for part in parts)
-    center: Vector = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for part in parts:
-        arm = part.center - center
-        inertia += part.inertia + part.mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
-    return _Mass(mass, center, inertia)
-
-
 def rigid_body(made: dict[str, Made], group: list[str], placed: Pose) -> SpatialRigidBody:
     """Merge a group of welded bodies; the frame has the axes of the first and its origin at their centre of mass."""
-    whole = merged(made[name].mass.placed(placed.frames[name]) for name in group)
-    frame = Frame(whole.center, placed.frames[group[0]].rotation)
-    R = frame.rotation
+    whole = merged(made[name].mass.placed(placed[name].position, placed[name].rotation) for name in group)
+    first = placed[group[0]]
+    motion = replace(first, position=whole.center, velocity=first.speed_at(whole.center))
+    R = motion.rotation
     parts = []
     for name in group:
-        own = placed.frames[name]
-        at, turn = frame.local(own.origin), R.T @ own.rotation
+        at, turn = motion.local(placed[name].position), R.T @ placed[name].rotation
         parts += [moved(part, at, turn) for part in made[name].parts]
     inertia = R.T @ whole.inertia @ R
-    motion = placed.motion(group[0], frame)
     return SpatialRigidBody("+".join(group), whole.mass, 0.5 * (inertia + inertia.T), tuple(parts), motion)

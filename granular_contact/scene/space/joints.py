@@ -12,7 +12,7 @@ from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.scene.joint_law import joint_law
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.space import rotations
-from granular_contact.scene.space.layout import Frame, JointState, Pose, axis_of
+from granular_contact.scene.space.layout import STILL, JointState, Pose, axis_of
 from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, Vector
 
@@ -25,15 +25,10 @@ def joints_of(
     needed: Mapping[str, tuple[bool, ...]],
 ) -> Iterator[SpatialJoint]:
     """Joints and closures between what moves on its own; needed: which constraints of closures count."""
-    homes = {
-        name: (body.name, Frame(body.motion.position, body.motion.rotation))
-        for body in rigid
-        for name in body.name.split("+")
-    }
-    fixed = (None, Frame(np.zeros(3), np.eye(3)))
+    homes = {name: (body.name, body.motion) for body in rigid for name in body.name.split("+")}
     for name, joint in (model.all_joints | model.closures).items():
-        parent, parent_frame = homes.get(joint.parent, fixed)
-        child, child_frame = homes.get(joint.child, fixed)
+        parent, parent_frame = homes.get(joint.parent, (None, STILL))
+        child, child_frame = homes.get(joint.child, (None, STILL))
         if child == parent:
             continue
         assert child is not None  # closures with child and parent swapped are refused before
@@ -41,7 +36,7 @@ def joints_of(
         at_parent = _origin(placed, joint) if joint.type == "slider" else at_child
         on_child = turn  # closed to round-off
         if joint.type in ("hinge", "ball", "free"):
-            on_child = placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+            on_child = placed[joint.child].rotation @ rotations.to_axis(axis_of(joint))
         start, rate = coordinate(name, joint, placed, states)
         yield SpatialJoint(
             name=name,
@@ -62,7 +57,7 @@ def joints_of(
 
 def _origin(placed: Pose, joint: AnyJoint | AnyClosure) -> Vector:
     """Point (3,) m of a joint on its parent: of a slider another one than that on its child."""
-    return placed.frames[joint.parent].world(np.array(joint.parent_point_m))
+    return placed[joint.parent].world(np.array(joint.parent_point_m))
 
 
 def coordinate(
@@ -74,15 +69,14 @@ def coordinate(
     if name in states:
         return states[name].coordinate, float(states[name].rates[0])
     turn, at_child = joint_frame(joint, placed)
-    axis = turn[:, 2]
+    axis, parent, child = turn[:, 2], placed[joint.parent], placed[joint.child]
     if joint.type == "slider":
-        apart = at_child - _origin(placed, joint)
-        speed = placed.velocity(joint.child, at_child) - placed.velocity(joint.parent, at_child)
+        apart, speed = at_child - _origin(placed, joint), child.speed_at(at_child) - parent.speed_at(at_child)
         return float(axis @ apart), float(axis @ speed)
-    relative = turn.T @ placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+    relative = turn.T @ child.rotation @ rotations.to_axis(axis_of(joint))
     # Which turn it is in can't be known: the one nearest to zero.
     angle = math.atan2(relative[1, 0], relative[0, 0])
-    return angle, float(axis @ (placed.twists[joint.child].rate - placed.twists[joint.parent].rate))
+    return angle, float(axis @ (child.rate - parent.rate))
 
 
 def on_ground(model: schema.SpatialModel) -> list[AnyJoint]:

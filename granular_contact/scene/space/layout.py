@@ -1,4 +1,4 @@
-"""Frames and twists of all bodies of a mechanism in space, in a state of its joints."""
+"""Where all bodies of a mechanism in space are and how they move, in a state of its joints."""
 
 from __future__ import annotations
 
@@ -15,32 +15,8 @@ from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import SpatialMotion, Vector
 
 ZERO = np.zeros(3)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Where a body's frame lies: origin (3,) m in the world, rotation (3, 3)."""
-
-    origin: Vector
-    rotation: Vector
-
-    def world(self, point: Vector) -> Vector:
-        """World position of a point (3,) m of the body."""
-        moved: Vector = self.origin + self.rotation @ point
-        return moved
-
-    def local(self, point: Vector) -> Vector:
-        """Body-frame position of a world point (3,) m."""
-        moved: Vector = self.rotation.T @ (point - self.origin)
-        return moved
-
-
-@dataclass(frozen=True)
-class Twist:
-    """How a body's frame moves: velocity (3,) m/s of its origin, rate (3,) rad/s, world frame."""
-
-    velocity: Vector
-    rate: Vector
+STILL = SpatialMotion(ZERO, np.eye(3), ZERO, ZERO)
+Pose = dict[str, SpatialMotion]  # of all bodies, the ground among them
 
 
 @dataclass(frozen=True)
@@ -79,38 +55,17 @@ def axis_of(joint: AnyJoint | AnyClosure) -> Vector:
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-@dataclass(frozen=True)
-class Pose:
-    """Frames and twists of all bodies, the ground among them."""
-
-    frames: dict[str, Frame]
-    twists: dict[str, Twist]
-
-    def velocity(self, body: str, world: Vector) -> Vector:
-        """Velocity (3,) m/s of the point of a body that is at a world position (3,) m."""
-        twist = self.twists[body]
-        moved: Vector = twist.velocity + np.cross(twist.rate, world - self.frames[body].origin)
-        return moved
-
-    def motion(self, body: str, frame: Frame) -> SpatialMotion:
-        """Pose and velocity of a frame that moves with a body."""
-        velocity = self.velocity(body, frame.origin)
-        return SpatialMotion(frame.origin, frame.rotation, velocity, self.twists[body].rate)
-
-
 def pose(model: schema.SpatialModel, states: Mapping[str, JointState]) -> Pose:
     """Place and move all bodies."""
-    placed = Pose({GROUND: Frame(ZERO, np.eye(3))}, {GROUND: Twist(ZERO, ZERO)})
+    placed = {GROUND: STILL}
     for name, joint in joints_outward(model):
-        frame, moves = _child(joint, states.get(name), placed)
-        placed.frames[joint.child], placed.twists[joint.child] = frame, moves
+        placed[joint.child] = _child(joint, states.get(name), placed[joint.parent])
     return placed
 
 
-def _child(joint: AnyJoint, state: JointState | None, placed: Pose) -> tuple[Frame, Twist]:
-    """Frame and twist of the child of a joint."""
-    parent, rate = placed.frames[joint.parent], placed.twists[joint.parent].rate
-    pin, home, speed = parent.world(np.array(joint.parent_point_m)), orientation(joint), ZERO
+def _child(joint: AnyJoint, state: JointState | None, parent: SpatialMotion) -> SpatialMotion:
+    """Pose and velocity of the child of a joint."""
+    pin, home, speed, rate = parent.world(np.array(joint.parent_point_m)), orientation(joint), ZERO, parent.rate
     turn = parent.rotation @ home
     if state is not None and joint.type == "slider":
         along = turn @ axis_of(joint)
@@ -123,7 +78,5 @@ def _child(joint: AnyJoint, state: JointState | None, placed: Pose) -> tuple[Fra
     elif state is not None:
         pin, turn, speed, rate = pin + state.position, state.turn, state.rates[:3], rate + state.rates[3:]
     arm = turn @ np.array(joint.child_point_m)
-    frame = Frame(pin - arm, turn)
     # (On a slider the point of the parent that is at the pin now moves on with the parent.)
-    velocity = placed.velocity(joint.parent, pin) + speed - np.cross(rate, arm)
-    return frame, Twist(velocity, rate)
+    return SpatialMotion(pin - arm, turn, parent.speed_at(pin) + speed - np.cross(rate, arm), rate)

@@ -45,8 +45,8 @@ class SpatialLoops(Loops):
         """Residual (6,) of a closure along and about the axes of its frame: m, rad; what it leaves free is zero."""
         joint = self.model.closures[name]
         frame, at_child = joint_frame(joint, placed)
-        at_parent = placed.frames[joint.parent].world(np.array(joint.parent_point_m))
-        turn = frame.T @ placed.frames[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+        at_parent = placed[joint.parent].world(np.array(joint.parent_point_m))
+        turn = frame.T @ placed[joint.child].rotation @ rotations.to_axis(axis_of(joint))
         gap = np.concatenate([frame.T @ (at_child - at_parent), _misaligned(joint, turn)])
         return np.where(CONSTRAINED[joint.type], gap, 0.0)
 
@@ -54,8 +54,8 @@ class SpatialLoops(Loops):
         """Rates (6,) of a closed loop's residual."""
         joint = self.model.closures[name]
         frame, at_child = joint_frame(joint, placed)
-        apart = placed.velocity(joint.child, at_child) - placed.velocity(joint.parent, at_child)
-        spin = placed.twists[joint.child].rate - placed.twists[joint.parent].rate
+        parent, child = placed[joint.parent], placed[joint.child]
+        apart, spin = child.speed_at(at_child) - parent.speed_at(at_child), child.rate - parent.rate
         return np.where(CONSTRAINED[joint.type], np.concatenate([frame.T @ apart, frame.T @ spin]), 0.0)
 
     def apart(self, name: str, gap: Vector) -> tuple[float, float]:  # noqa: ARG002
@@ -65,8 +65,8 @@ class SpatialLoops(Loops):
 
 def joint_frame(joint: AnyJoint | AnyClosure, placed: Pose) -> tuple[Vector, Vector]:
     """Axes (3, 3) of a joint's frame on its parent, in the world, and the joint's point (3,) m on its child."""
-    turn = placed.frames[joint.parent].rotation @ orientation(joint) @ rotations.to_axis(axis_of(joint))
-    return turn, placed.frames[joint.child].world(np.array(joint.child_point_m))
+    turn = placed[joint.parent].rotation @ orientation(joint) @ rotations.to_axis(axis_of(joint))
+    return turn, placed[joint.child].world(np.array(joint.child_point_m))
 
 
 def _misaligned(joint: AnyClosure, turn: Vector) -> Vector:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -27,17 +27,21 @@ NOT_CUT = math.inf
 
 
 @dataclass(frozen=True)
-class MassProperties:
-    """Volume (m3), centre of mass (3,) m, and mean of r r^T about it (3, 3) m2: second moments per volume."""
+class Mass:
+    """Mass (kg), centre (3,) m, inertia about it (3, 3) kg m2; of a shape alone at a density of 1, so its volume."""
 
-    volume: float
+    mass: float
     center: Vector
-    second: Vector
+    inertia: Vector
 
-    def placed(self, position: Vector, rotation: Vector) -> MassProperties:
+    def placed(self, position: Vector, rotation: Vector) -> Mass:
         """The same in a frame in which the present one lies at a position (3,) m, turned by (3, 3)."""
         center: Vector = position + rotation @ self.center
-        return MassProperties(self.volume, center, rotation @ self.second @ rotation.T)
+        return Mass(self.mass, center, rotation @ self.inertia @ rotation.T)
+
+    def of_density(self, density: float) -> Mass:
+        """That of a shape with a density (kg/m3)."""
+        return Mass(density * self.mass, self.center, density * self.inertia)
 
 
 def orientation(spec: Oriented) -> Vector:
@@ -47,7 +51,7 @@ def orientation(spec: Oriented) -> Vector:
     return np.eye(3) if spec.rpy_deg is None else rotations.of_rpy(np.radians(spec.rpy_deg))
 
 
-def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[Part, MassProperties]:
+def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[Part, Mass]:
     """A shape of a config, in the frame of its body, with its mass properties.
 
     media: as what the media of the run meet shapes: "surface", "bar", "ball"; strips: of a bar.
@@ -100,7 +104,7 @@ def _bar(name: str, line: Any, in_sand: bool) -> Part:
     return Part(name, line, ("bar",), np.zeros(3), np.eye(3), in_sand, None, np.concatenate(drawn), line.line)
 
 
-def _link(name: str, spec: schema.SpatialLink, media: Collection[str], strips: int) -> tuple[Part, MassProperties]:
+def _link(name: str, spec: schema.SpatialLink, media: Collection[str], strips: int) -> tuple[Part, Mass]:
     """A link: a bar where the media take bars, else a cylinder."""
     line = made.Bar(np.array([[0.0, 0.0, 0.0], [spec.length_m, 0.0, 0.0]]), spec.diameter_m, strips)
     if "bar" in media or not media:
@@ -124,7 +128,7 @@ def moved(part: Part, position: Vector, rotation: Vector) -> Part:
 # ---- shapes in their own frames ----
 
 
-def _made(spec: Any) -> tuple[Any, MassProperties]:
+def _made(spec: Any) -> tuple[Any, Mass]:
     """Shape of a config in its own frame, with its mass properties."""
     if isinstance(spec, shapes_schema.SpatialMesh):
         found = made.Mesh.read(Path(spec.file), scale=spec.scale, thin=spec.thin)
@@ -138,17 +142,17 @@ def _made(spec: Any) -> tuple[Any, MassProperties]:
     zero = np.zeros(3)
     if isinstance(spec, shapes_schema.SpatialBox):
         a, b, c = spec.size_m
-        return made.Box(spec.size_m), MassProperties(a * b * c, zero, np.diag([a * a, b * b, c * c]) / 12.0)
+        return made.Box(spec.size_m), _solid(a * b * c, zero, np.diag([a * a, b * b, c * c]) / 12.0)
     if isinstance(spec, shapes_schema.SpatialPlate):
         a, b, t = *spec.size_m, spec.thickness_m
-        return made.Plate(spec.size_m), MassProperties(a * b * t, zero, np.diag([a * a, b * b, t * t]) / 12.0)
+        return made.Plate(spec.size_m), _solid(a * b * t, zero, np.diag([a * a, b * b, t * t]) / 12.0)
     d = spec.diameter_m
     if isinstance(spec, shapes_schema.SpatialSphere):
-        return made.Sphere(d), MassProperties(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
+        return made.Sphere(d), _solid(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
     if isinstance(spec, shapes_schema.SpatialCone):
         h = spec.height_m
         second = np.diag([3.0 * d * d / 80.0, 3.0 * d * d / 80.0, 3.0 * h * h / 80.0])
-        return made.Cone(d, h), MassProperties(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
+        return made.Cone(d, h), _solid(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
     length = _length(spec)
     if isinstance(spec, shapes_schema.SpatialCapsule):
         return made.Capsule(d, length), _of_capsule(d, length)
@@ -215,7 +219,7 @@ _DIRECTIONS = _around(400)
 # ---- mass properties ----
 
 
-def of_surface(corners: Vector) -> MassProperties:
+def of_surface(corners: Vector) -> Mass:
     """Of the body that triangles (n, 3, 3) m enclose, from the tetrahedra that they form with their middle."""
     origin = corners.reshape(-1, 3).mean(axis=0)
     a, b, c = np.moveaxis(corners - origin, 1, 0)
@@ -224,10 +228,10 @@ def of_surface(corners: Vector) -> MassProperties:
     center = volumes @ (a + b + c) / (4.0 * total)
     whole = a + b + c
     second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, whole)) / (20.0 * total)
-    return MassProperties(total, origin + center, second - np.outer(center, center))
+    return _solid(total, origin + center, second - np.outer(center, center))
 
 
-def _of_sheet(sheet: Any, thickness: float) -> MassProperties:
+def _of_sheet(sheet: Any, thickness: float) -> Mass:
     corners = sheet.vertices[sheet.faces]
     areas = np.linalg.norm(mesh.areas(corners), axis=1)
     total = float(areas.sum())
@@ -235,23 +239,23 @@ def _of_sheet(sheet: Any, thickness: float) -> MassProperties:
     arms = corners - center
     whole = arms.sum(axis=1)
     second = np.einsum("i,inj,ink->jk", areas, arms, arms) + np.einsum("i,ij,ik->jk", areas, whole, whole)
-    return MassProperties(total * thickness, center, second / (12.0 * total) + np.eye(3) * thickness**2 / 36.0)
+    return _solid(total * thickness, center, second / (12.0 * total) + np.eye(3) * thickness**2 / 36.0)
 
 
-def _of_cylinder(d: float, length: float) -> MassProperties:
+def _of_cylinder(d: float, length: float) -> Mass:
     second = np.diag([d * d / 16.0, d * d / 16.0, length * length / 12.0])
-    return MassProperties(math.pi / 4.0 * d * d * length, np.zeros(3), second)
+    return _solid(math.pi / 4.0 * d * d * length, np.zeros(3), second)
 
 
-def _of_capsule(d: float, length: float) -> MassProperties:
+def _of_capsule(d: float, length: float) -> Mass:
     tube, ends = math.pi / 4.0 * d * d * length, math.pi / 6.0 * d**3
     r = 0.5 * d
     across = (tube * r * r / 4.0 + ends * r * r / 5.0) / (tube + ends)
     along = tube * length**2 / 12.0 + ends * (0.25 * length**2 + 0.375 * r * length + r * r / 5.0)
-    return MassProperties(tube + ends, np.zeros(3), np.diag([across, across, along / (tube + ends)]))
+    return _solid(tube + ends, np.zeros(3), np.diag([across, across, along / (tube + ends)]))
 
 
-def _of_arc(spec: Any) -> MassProperties:
+def _of_arc(spec: Any) -> Mass:
     """Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector."""
     start, end = math.radians(spec.from_deg), math.radians(spec.to_deg)
     half, middle, R, t = 0.5 * abs(end - start), 0.5 * (start + end), spec.radius_m, spec.thickness_m
@@ -259,10 +263,10 @@ def _of_arc(spec: Any) -> MassProperties:
     u, v = (np.array([math.cos(a), 0.0, -math.sin(a)]) for a in (middle, middle + 0.5 * math.pi))
     second = (R * R * (0.5 + cut) - off**2) * np.outer(u, u) + R * R * (0.5 - cut) * np.outer(v, v)
     second += t * t / 24.0 * (np.outer(u, u) + np.outer(v, v)) + np.diag([0.0, spec.width_m**2 / 12.0, 0.0])
-    return MassProperties(2.0 * half * R * t * spec.width_m, off * u, second)
+    return _solid(2.0 * half * R * t * spec.width_m, off * u, second)
 
 
-def _of_line(line: Any) -> MassProperties:
+def _of_line(line: Any) -> Mass:
     pieces = []
     for a, b in pairwise(line.line):
         one = _of_cylinder(line.diameter, float(np.linalg.norm(b - a)))
@@ -270,12 +274,18 @@ def _of_line(line: Any) -> MassProperties:
     return merged(pieces)
 
 
-def merged(pieces: list[MassProperties]) -> MassProperties:
-    """Several bodies of one density as one."""
-    volume = sum(one.volume for one in pieces)
-    center: Vector = sum((one.volume * one.center for one in pieces), np.zeros(3)) / volume
-    second = sum(
-        (one.volume * (one.second + np.outer(one.center - center, one.center - center)) for one in pieces),
-        np.zeros((3, 3)),
-    )
-    return MassProperties(volume, center, second / volume)
+def _solid(volume: float, center: Vector, second: Vector) -> Mass:
+    """Of a shape with a volume (m3), from the mean of r r^T about its centre (3, 3) m2."""
+    return Mass(volume, center, volume * (np.trace(second) * np.eye(3) - second))
+
+
+def merged(pieces: Iterable[Mass]) -> Mass:
+    """Several masses as one, about their common centre."""
+    parts = list(pieces)
+    mass = sum(part.mass for part in parts)
+    center: Vector = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = part.center - center
+        inertia += part.inertia + part.mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+    return Mass(mass, center, inertia)

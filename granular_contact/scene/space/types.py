@@ -49,8 +49,8 @@ class Part:
 
 @dataclass(frozen=True)
 class SpatialMotion:
-    """Initial pose and velocity of a body: position (3,) m, rotation (3, 3), velocity (3,) m/s, rate (3,) rad/s, all in
-    the world frame.
+    """Initial pose and velocity of a body's frame: position (3,) m, rotation (3, 3), velocity (3,) m/s of its origin,
+    rate (3,) rad/s, all in the world frame.
     """
 
     position: Vector
@@ -62,6 +62,16 @@ class SpatialMotion:
         """World positions (n, 3) m of points of the body, (n, 3) or (3,)."""
         placed: Vector = self.position + points @ self.rotation.T
         return placed
+
+    def local(self, point: Vector) -> Vector:
+        """Body-frame position of a world point (3,) m."""
+        placed: Vector = self.rotation.T @ (point - self.position)
+        return placed
+
+    def speed_at(self, world: Vector) -> Vector:
+        """Velocity (3,) m/s of the body's point at a world position (3,) m."""
+        speed: Vector = self.velocity + np.cross(self.rate, world - self.position)
+        return speed
 
 
 @dataclass(frozen=True)
