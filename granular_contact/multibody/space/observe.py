@@ -63,7 +63,7 @@ def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Ve
             poses.append(pose)
     arrows = {}
     for name, wrench in forces.items():
-        center, radius = motion.center(name)[0], system.scene.radius(system.scene.body(name))
+        center, radius = motion.center(name)[0], system.scene.radius(system.rigid[name].body)
         arrows[mechanism.label(name)] = _arrow(resample(t.time, wrench, at), center, radius)
     shown = np.stack(poses, axis=1) if poses else np.zeros((len(at), 0, 7))
     return Motion(at, tuple(parts), shown, {}, arrows)

@@ -6,7 +6,6 @@ A body's frame has its origin at the centre of mass of all that is welded togeth
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -162,15 +161,6 @@ class SpatialScene(Scene):
         """Height of the free surface at the origin (m); None without one."""
         return None if self.bed is None else float(self.bed.height(np.zeros(1), np.zeros(1))[0])
 
-    @cached_property
-    def bodies(self) -> Sequence[SpatialRigidBody]:  # type: ignore[override]
-        """All bodies."""
-        return self.rigid
-
-    def body(self, name: str) -> SpatialRigidBody:  # type: ignore[override]
-        """Body of this name."""
-        return next(body for body in self.rigid if body.name == name)
-
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
         """Distance (m) from a body's centre of mass to the farthest point of its parts and joints."""
         joints = [c.child_point for c in self.joints if c.child == body.name and c.kind != "free"]
@@ -182,18 +172,6 @@ class SpatialScene(Scene):
         return max(far, default=0.0)
 
     @cached_property
-    def tip_position(self) -> Vector:
-        """Initial world position (3,) m of the tip."""
-        name, point = self.tip
-        return self.body(name).motion.world(point)
-
-    @cached_property
-    def length(self) -> float:
-        """Size (m) of the mechanism at the start: from the tip to the farthest body; at least the radius of each."""
-        far = [float(np.linalg.norm(self.tip_position - body.motion.position)) for body in self.rigid]
-        return max(*far, *(self.radius(body) for body in self.rigid), 0.0)
-
-    @cached_property
     def speed(self) -> float:
         """Greatest speed (m/s) of a point at the start, a bound."""
         return max(
@@ -203,9 +181,4 @@ class SpatialScene(Scene):
     @property
     def pivot(self) -> None:
         """There is none in space: nothing is reported of one hinge on the ground alone."""
-        return
-
-    @property
-    def pendulum(self) -> None:
-        """There is none in space."""
         return
