@@ -151,6 +151,12 @@ def plain(value: Any) -> str:
     return minus(f"{value:.5g}")
 
 
+def scaled(key: str, values: Array) -> tuple[str, Array]:
+    """Label of the axis of a key, with a unit that suits its values (any shape), and these in that unit."""
+    words, numbers = column(key, values.ravel().tolist())
+    return words, np.array(numbers, dtype=float).reshape(values.shape)
+
+
 def column(key: str, values: Sequence[Any]) -> tuple[str, list[Any]]:
     """Heading of the column of a key, with a unit that suits all its values, and these in that unit.
 

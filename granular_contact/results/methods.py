@@ -157,10 +157,10 @@ def _status(summary: dict[str, Any], file: Path) -> Status:
 
 def _table(folder: Folder, name: str, columns: Sequence[Column]) -> NDArray[np.float64]:
     _need(folder, name)
-    head, table = folder.numbers(name)
-    if head != [column.name for column in columns]:
+    found = folder.numbers(name)
+    if list(found) != [column.name for column in columns]:
         raise ResultsError(f"{folder.path / name}: has other columns than summary.json says")
-    return table
+    return np.column_stack(list(found.values()))
 
 
 def _need(folder: Folder, name: str) -> None:

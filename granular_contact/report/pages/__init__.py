@@ -20,7 +20,7 @@ from typing import Any
 
 from jinja2 import TemplateError
 
-from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, version
+from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, SCENARIO, SUMMARY, version
 from granular_contact.report.pages import comparison, fit, gallery, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
 from granular_contact.report.pages.live import nothing_live
@@ -37,23 +37,11 @@ _ODD = (
 )
 
 
-def _still(_folder: Folder) -> dict[str, Any]:
-    return nothing_live()
-
-
-# What is reported of each kind of results; what is drawn over time and played; what is drawn of many rows.
+# What is shown of each kind of results; of the others their tables and figures.
 _CONTENTS: dict[str, Callable[[Folder], dict[str, Any]]] = {
     **dict.fromkeys(("compare", "compare-media"), comparison.content),
-    "fit": fit.content,
-    "optimise": optimise.content,
+    **{"run": run.content, "fit": fit.content, "optimise": optimise.content},
 }
-_LIVE: dict[str, Callable[[Folder], dict[str, Any]]] = {
-    **dict.fromkeys(("compare", "compare-media"), comparison.live),
-    "sweep": sweep.live,
-    "fit": fit.live,
-    "optimise": optimise.live,
-}
-_CHARTS = {"sweep": sweep.data, "optimise": optimise.data, "fit": fit.data}
 
 
 def html(directory: Path) -> str:
@@ -66,15 +54,12 @@ def html(directory: Path) -> str:
     """
     folder = open_folder(directory)
     try:
-        if folder.kind == "run":
-            return run.page(folder)
-        shown = _LIVE.get(folder.kind, _still)(folder)
-        cases = _CHARTS[folder.kind](folder) if folder.kind in _CHARTS else {}
-        page_data = {"files": _files(folder)} | shown.pop("data") | ({"cases": cases} if cases else {})
         with tempfile.TemporaryDirectory() as place:
-            content = _CONTENTS.get(folder.kind, _tables)
-            found = sweep.content(folder, Path(place)) if folder.kind == "sweep" else content(folder)
-            return rendered(folder.kind, found | shown, page_data, draws=bool(cases or shown["groups"]))
+            of_kind = _CONTENTS.get(folder.kind, _tables)
+            content = sweep.content(folder, Path(place)) if folder.kind == "sweep" else of_kind(folder)
+            data, cases = {"files": _files(folder)} | content.pop("data"), content.pop("cases", {})
+            data |= {"cases": cases} if cases else {}
+            return rendered(folder.kind, content, data, draws=bool(cases or content["groups"]))
     except _ODD as error:  # what is written here has other types somewhere
         held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
         named = " or ".join(name for name in held if Path(name).is_file())
@@ -82,7 +67,12 @@ def html(directory: Path) -> str:
 
 
 def _files(folder: Folder) -> dict[str, str]:
-    """Texts that can be saved from the page, by their names; none of a size that would make the page unwieldy."""
+    """Texts that can be saved from the page, by their names; none of a size that would make the page unwieldy.
+
+    A run gives all but its table, which the page holds for its scripts.
+    """
+    if folder.kind == "run":
+        return {name: str(folder.text(name)) for name in (SUMMARY, SCENARIO, MOTION) if folder.has(name)}
     given = (OVERLAY, MOTION)  # which the page holds for its scripts
     names = [one for one in ENTRIES[folder.kind] if one.endswith((".json", ".csv", ".yaml")) and one not in given]
     small = [name for name in names if folder.has(name) and (folder.path / name).stat().st_size <= MOST_BYTES]
@@ -96,6 +86,7 @@ def _tables(folder: Folder) -> dict[str, Any]:
         "version": version(),
         "tables": {path.name: folder.table(path.name) for path in sorted(folder.path.glob("*.csv"))},
         "pictures": [*folder.figures(), *sorted(folder.path.glob("*.png"))],
+        **nothing_live(),
     }
 
 

@@ -19,34 +19,29 @@ _NOT_SHOWN = ("warnings", "energy_imbalance_relative")  # of media: shown elsewh
 def content(folder: Folder) -> dict[str, Any]:
     """Content for its template."""
     of_media = folder.kind == "compare-media"
-    head, rows = folder.table(OF_MEDIA if of_media else COMPARISON)
+    table = folder.table(OF_MEDIA if of_media else COMPARISON)
+    head, names = table.head, [str(row[0]) for row in table.rows]
     summary = folder.read(SUMMARY) if folder.has(SUMMARY) else {}
     columns = [name for name in head if name not in _NOT_SHOWN] if of_media else [n for n in _OF_MODELS if n in head]
     imbalance = summary.get("imbalance_relative") or {}
     if of_media and "energy_imbalance_relative" in head:
-        imbalance = {str(row[0]): row[head.index("energy_imbalance_relative")] for row in rows}
+        imbalance = dict(zip(names, table.column("energy_imbalance_relative"), strict=True))
     if of_media and "warnings" in head:
-        found = [(row[0], row[head.index("warnings")]) for row in rows]
+        found = zip(names, table.column("warnings"), strict=True)
         summary = {"warnings": [f"{name}: {words}" for name, words in found if words]}
+    live = nothing_live()  # of a folder of an earlier version
+    if folder.has(OVERLAY):
+        reference = names[-1] if names and not of_media else ""
+        live = live_overlay(names, folder.numbers(OVERLAY), folder.played(), reference)
     return {
         "title": summary.get("name") or folder.path.name,
         "version": (summary.get("versions") or {}).get(PROGRAM) or version(),
         "summary": summary,
         "of_media": of_media,
         "columns": columns,
-        "rows": [[row[head.index(name)] for name in columns] for row in rows],
+        "rows": table.of(columns),
         "pictures": folder.figures(),
         "audit": [[name, quantity("imbalance_relative", share)] for name, share in imbalance.items()],
         "scenario": folder.text(SCENARIO),
+        **live,
     }
-
-
-def live(folder: Folder) -> dict[str, Any]:
-    """What is drawn and played of it, as of `pages.live`; nothing of a folder of an earlier version."""
-    if not folder.has(OVERLAY):
-        return nothing_live()
-    _, rows = folder.table(OF_MEDIA if folder.kind == "compare-media" else COMPARISON)
-    names = [str(row[0]) for row in rows]
-    head, table = folder.numbers(OVERLAY)
-    reference = names[-1] if names and folder.kind == "compare" else ""
-    return live_overlay(names, dict(zip(head, table.T, strict=True)), folder.played(), reference)

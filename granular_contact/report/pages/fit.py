@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,10 @@ import numpy as np
 from granular_contact.report import PROGRAM
 from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.pages.chart import chart
-from granular_contact.report.pages.folder import Folder
+from granular_contact.report.pages.folder import Folder, Table
 from granular_contact.report.pages.live import live_curves, nothing_live
 from granular_contact.report.pages.rendering import flat
-from granular_contact.report.units import column, is_number, label, plain, split
+from granular_contact.report.units import Array, column, is_number, label, plain, split
 
 RECORD, RESIDUALS = "fit.json", "residuals.csv"
 # Told by a section of their own; what else a record holds is shown as it is.
@@ -39,35 +39,43 @@ def content(folder: Folder) -> dict[str, Any]:
         "pictures": folder.figures(),
         "correlation": _correlation(record.get("correlation") or {}),
         "directions": list(_directions(record.get("directions") or [])),
-        "residuals": _residuals(folder),
+        "residuals": list(_residuals(folder)),
         "others": {key: value for key, value in record.items() if key not in _TOLD},
         "media": {path.name: folder.text(path.name) for path in sorted(folder.path.glob("medium*.yaml"))},
+        **_live(folder),
+        "cases": _cases(folder),
     }
 
 
-def data(folder: Folder) -> dict[str, Any]:
+def _cases(folder: Folder) -> dict[str, Any]:
     """Data for the scripts: residuals in units of the noise, over time, or over what a force test prescribed."""
-    head, rows = folder.table(RESIDUALS) if folder.has(RESIDUALS) else ([], [])
-    if not {"run", "column", "residual_over_noise"} <= set(head):
+    if not folder.has(RESIDUALS):
         return {}
-    columns = {name: [row[i] for row in rows] for i, name in enumerate(head) if name not in ("run", "column")}
-    names = [f"{row[head.index('run')]}, {row[head.index('column')]}" for row in rows]
+    table = folder.table(RESIDUALS)
+    if not {"run", "column", "residual_over_noise"} <= set(table.head):
+        return {}
+    columns = {name: table.column(name) for name in table.head if name not in ("run", "column")}
+    names = [f"{run}, {name}" for run, name in table.of(("run", "column"))]
     along = ("time_s", *(name for name in columns if name not in _RESIDUAL_COLUMNS))
     drawn = (chart(names, columns, name, "residual_over_noise") for name in along if name in columns)
     return next((one for one in drawn if one), {})
 
 
-def live(folder: Folder) -> dict[str, Any]:
+def _measured(folder: Folder, names: Sequence[str]) -> dict[tuple[str, str], Array]:
+    """These columns of the residuals (columns, rows) by run and measured column, of rows that have numbers in all."""
+    table = folder.table(RESIDUALS) if folder.has(RESIDUALS) else Table([], [])
+    found: dict[tuple[str, str], list[list[float]]] = {}
+    if {"run", "column", *names} <= set(table.head):
+        for run, name, *values in table.of(("run", "column", *names)):
+            if all(map(is_number, values)):
+                found.setdefault((str(run), str(name)), []).append(values)
+    return {key: np.array(values, float).T for key, values in found.items()}
+
+
+def _live(folder: Folder) -> dict[str, Any]:
     """Data and model over time, a panel for each measured column of each run."""
-    head, rows = folder.table(RESIDUALS) if folder.has(RESIDUALS) else ([], [])
-    if not {*_RESIDUAL_COLUMNS, "time_s"} <= set(head):
-        return nothing_live()
-    measured: dict[tuple[str, str], list[list[float]]] = {}
-    for row in rows:
-        run, name, time, data, model = (row[head.index(one)] for one in ("run", "column", "time_s", "data", "model"))
-        if all(is_number(one) for one in (time, data, model)):
-            measured.setdefault((str(run), str(name)), []).append([time, data, model])
-    tables = {one: np.array(values).T for one, values in measured.items() if len(values) > 1}
+    measured = _measured(folder, ("time_s", "data", "model"))
+    tables = {key: values for key, values in measured.items() if values.shape[1] > 1}
     if not tables:
         return nothing_live()
     clock = np.unique(np.concatenate([table[0] for table in tables.values()]))
@@ -115,21 +123,11 @@ def _directions(directions: list[dict[str, Any]]) -> Iterator[list[Any]]:
         yield ["unknown" if size is None else f"{100 * size:.3g} %", flat(moved)]
 
 
-def _residuals(folder: Folder) -> list[list[Any]]:
+def _residuals(folder: Folder) -> Iterator[list[Any]]:
     """How large the residuals are, by run and column."""
-    head, rows = folder.table(RESIDUALS) if folder.has(RESIDUALS) else ([], [])
-    if not set(_RESIDUAL_COLUMNS) <= set(head):
-        return []
-    groups: dict[tuple[str, str], list[tuple[float, float]]] = {}
-    for row in rows:
-        run, name, data, model, scaled = (row[head.index(one)] for one in _RESIDUAL_COLUMNS)
-        if is_number(data) and is_number(model) and is_number(scaled):
-            groups.setdefault((str(run), str(name)), []).append((data - model, scaled))
-    return [_spread(run, name, np.array(values)) for (run, name), values in groups.items()]
-
-
-def _spread(run: str, name: str, values: np.ndarray[Any, np.dtype[np.float64]]) -> list[Any]:
-    rms, scaled = np.sqrt(np.mean(values**2, axis=0))
-    heading, (one, largest) = column(name, [float(rms), float(np.abs(values[:, 0]).max())])
-    unit = heading.rpartition("(")[2].rstrip(")") if split(name)[1] else ""
-    return [run, name, len(values), f"{plain(one)} {unit}".strip(), f"{plain(largest)} {unit}".strip(), float(scaled)]
+    for (run, name), (data, model, scaled) in _measured(folder, _RESIDUAL_COLUMNS[2:]).items():
+        rms, largest = np.sqrt(np.mean((data - model) ** 2)), np.abs(data - model).max()
+        heading, sizes = column(name, [float(rms), float(largest)])
+        unit = heading.rpartition("(")[2].rstrip(")") if split(name)[1] else ""
+        words = (f"{plain(one)} {unit}".strip() for one in sizes)
+        yield [run, name, len(data), *words, float(np.sqrt(np.mean(scaled**2)))]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from granular_contact.config.csv_table import ragged, table_of
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault, ResultsError
 from granular_contact.report import ANIMATION, ENTRIES, FIGURES, MOTION, kind_of
+from granular_contact.report.units import is_number
 from granular_contact.results.motion import Motion, of_plain
 
 
@@ -29,6 +31,27 @@ _TYPES: dict[str, tuple[type, str]] = {
     "warnings": _LIST,
     **dict.fromkeys(("energy", "contacts", "columns", "cost", "versions"), _OBJECT),
 }
+
+
+class Table(NamedTuple):
+    """A CSV file: its head, and rows with numbers as numbers, empty cells as None."""
+
+    head: list[str]
+    rows: Rows
+
+    def column(self, name: str) -> list[Any]:
+        """Values of a column."""
+        i = self.head.index(name)
+        return [row[i] for row in self.rows]
+
+    def numbers(self, name: str) -> Array:
+        """Values (rows,) of a column, NaN where there is no number."""
+        return np.array([value if is_number(value) else np.nan for value in self.column(name)], dtype=float)
+
+    def of(self, names: Sequence[str]) -> Rows:
+        """Rows of these columns alone."""
+        places = [self.head.index(name) for name in names]
+        return [[row[i] for i in places] for row in self.rows]
 
 
 @dataclass(frozen=True)
@@ -48,7 +71,7 @@ class Folder:
 
     path: Path
     kind: str
-    _tables: dict[str, tuple[list[str], Rows]] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _tables: dict[str, Table] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def has(self, name: str) -> bool:
         """Whether there is a file of this name."""
@@ -67,23 +90,23 @@ class Folder:
                 raise FolderError(f"{self.path / name}: {key} is not {words}, as this program writes it")
         return found
 
-    def table(self, name: str) -> tuple[list[str], Rows]:
-        """Head and rows of a CSV file, which is read once; numbers as numbers, empty cells as None."""
+    def table(self, name: str) -> Table:
+        """A CSV file, which is read once."""
         if name not in self._tables:
             self._tables[name] = self._table(name)
         return self._tables[name]
 
-    def _table(self, name: str) -> tuple[list[str], Rows]:
+    def _table(self, name: str) -> Table:
         faults: list[Fault] = []
         table = table_of(self._text(name), str(self.path / name), faults)
         if table is not None:
             faults += ragged(table)
         if table is None or faults:
             raise FolderError(str(faults[0]))
-        return list(table.header), [[_value(cell) for cell in row] for row in table.rows]
+        return Table(list(table.header), [[_value(cell) for cell in row] for row in table.rows])
 
-    def numbers(self, name: str) -> tuple[list[str], Array]:
-        """Head and rows (n, columns) of a CSV file that holds numbers alone."""
+    def numbers(self, name: str) -> dict[str, Array]:
+        """Columns (rows,) of a CSV file that holds numbers alone, by name."""
         file = self.path / name
         try:
             with file.open(encoding="utf-8") as lines:
@@ -94,7 +117,7 @@ class Folder:
             raise FolderError(f"{file}: can't be read as a table: {words}") from None
         if table.size and table.shape[1] != len(head):
             raise FolderError(f"{file}: has {table.shape[1]} columns below {len(head)} headings")
-        return head, table.reshape(-1, len(head))
+        return dict(zip(head, table.reshape(-1, len(head)).T, strict=True))
 
     def text(self, name: str) -> str | None:
         """A text file as it is, YAML checked for its form; None if there is none."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.report import MOTION, OVERLAY, SCENARIO, SERIES, SUMMARY
+from granular_contact.report import OVERLAY, SERIES
 from granular_contact.report.histories import Curve, Group, groups, others
 from granular_contact.report.overlay import keys, panels
 from granular_contact.report.pages.folder import Bed, Folder
@@ -31,16 +31,15 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     """Data for scripts, and what templates need of it: stage and groups of panels; empty without a table."""
     if not folder.has(SERIES):
         return nothing_live()
-    names, table = folder.numbers(SERIES)
-    columns = dict(zip(names, table.T, strict=True))
-    found = _groups(names, columns) if len(table) > 1 else []
-    played = folder.played() if len(table) > 1 else None
-    moments = _moments(summary, columns) if len(table) else {}
+    columns = folder.numbers(SERIES)
+    rows = len(columns["time_s"])
+    found = _groups(columns) if rows > 1 else []
+    played = folder.played() if rows > 1 else None
+    moments = _moments(summary, columns) if rows else {}
     shown = _stage(*played, columns, moments) if played is not None and not played[0].in_space else None
     page = _page(columns, found, played, shown)
-    more = {"name": summary.get("name") or folder.path.name, "columns": others(names), "moments": moments}
-    files = {name: folder.text(name) for name in (SUMMARY, SCENARIO, MOTION) if folder.has(name)}
-    return page | {"data": page["data"] | more | {"files": files}}
+    more = {"name": summary.get("name") or folder.path.name, "columns": others(list(columns)), "moments": moments}
+    return page | {"data": page["data"] | more}
 
 
 def live_overlay(
@@ -112,9 +111,9 @@ def _page(
     return nothing_live() | kept | {"data": data}
 
 
-def _groups(names: list[str], columns: dict[str, Array]) -> list[Group]:
-    terms = [n.removesuffix(_TERM) for n in names if n.endswith(_TERM)]
-    return groups(names, terms, columns.__getitem__)
+def _groups(columns: dict[str, Array]) -> list[Group]:
+    terms = [n.removesuffix(_TERM) for n in columns if n.endswith(_TERM)]
+    return groups(list(columns), terms, columns.__getitem__)
 
 
 def _group_data(group: Group) -> dict[str, Any]:

@@ -22,10 +22,10 @@ _WORDS = {
 def content(folder: Folder) -> dict[str, Any]:
     """What its template asks for."""
     outcome = folder.read(OPTIMUM)
-    head, rows = folder.table(HISTORY)
+    table = folder.table(HISTORY)
     parameters = outcome["parameters"]
     shown = ["run", "generation", *parameters, "objective", "excess", "failure"]
-    places = [head.index(name) for name in shown]
+    drawn = {name: table.column(name) for name in ("run", *parameters, "objective")}
     reasons = sorted(outcome["failures"].items(), key=lambda item: -item[1])
     return {
         "title": outcome["name"],
@@ -48,26 +48,19 @@ def content(folder: Folder) -> dict[str, Any]:
         "config": folder.text(BEST_CONFIG),
         "search": folder.text(OPTIMISE),
         "columns": shown,
-        "rows": [[row[place] for place in places] for row in rows],
+        "rows": table.of(shown),
         "most": MOST_ROWS,
+        **_live(folder),
+        "cases": chart([f"run {plain(run)}" for run in drawn["run"]], drawn, "run", "objective"),
     }
 
 
-def data(folder: Folder) -> dict[str, Any]:
-    """Data for the scripts: parameters and objective of every run."""
-    outcome = folder.read(OPTIMUM)
-    head, rows = folder.table(HISTORY)
-    columns = {name: [row[head.index(name)] for row in rows] for name in ("run", *outcome["parameters"], "objective")}
-    return chart([f"run {plain(run)}" for run in columns["run"]], columns, "run", "objective")
-
-
-def live(folder: Folder) -> dict[str, Any]:
+def _live(folder: Folder) -> dict[str, Any]:
     """The best run, as on a page of its own."""
     best = Folder(folder.path / BEST, "run")
     if not best.has(SUMMARY):
         return nothing_live()
     shown = of_run(best, best.read(SUMMARY))
-    shown["data"].pop("files", None)
     return shown | {"data": shown["data"] | {"table_name": f"{BEST}_{SERIES}"}}
 
 

@@ -8,7 +8,6 @@ from typing import Any
 from granular_contact.report import PROGRAM, SCENARIO, SUMMARY
 from granular_contact.report.pages.folder import Folder
 from granular_contact.report.pages.live import live
-from granular_contact.report.pages.rendering import rendered
 from granular_contact.report.units import is_number, label, quantity
 from granular_contact.results import FINISHED, REST_MEASURE
 
@@ -28,16 +27,9 @@ NOW = 1e-9  # s: a touch before that is the start
 MOST_CONTACTS = 8  # of a body, that are reported one by one
 
 
-def page(folder: Folder) -> str:
-    """The page."""
-    summary = folder.read(SUMMARY)
-    shown = live(folder, summary)
-    data = shown.pop("data")
-    return rendered("run", content(folder, summary) | shown, data, draws=bool(data.get("groups")))
-
-
-def content(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
+def content(folder: Folder) -> dict[str, Any]:
     """Content for its template."""
+    summary = folder.read(SUMMARY)
     energy, measure = summary.get("energy") or {}, summary.get("stopping_time_measure")
     status, imbalance = str(summary.get("status", "unknown")), energy.get("imbalance_relative")
     pictures = folder.figures()
@@ -64,6 +56,7 @@ def content(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
         "stride_period": (summary.get("strides") or {}).get("period_s"),
         "contacts": list(_contacts(summary.get("contacts") or {})),
         "scenario": folder.text(SCENARIO),
+        **live(folder, summary),
     }
 
 

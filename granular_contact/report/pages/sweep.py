@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.report import BANDS, CASES, SENSITIVITY, SERIES, SWEEP, TABLE
 from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.overlay import History, motion
 from granular_contact.report.overlay import table as overlaid
 from granular_contact.report.pages.chart import chart
-from granular_contact.report.pages.folder import Folder, Rows
+from granular_contact.report.pages.folder import Array, Folder, Rows, Table
 from granular_contact.report.pages.live import live_curves, live_overlay, nothing_live
-from granular_contact.report.units import column, is_number, label, quantity
+from granular_contact.report.units import label, quantity
 from granular_contact.results import FINISHED
 
 MOST_RUNS = 6  # of cases that were kept, side by side
@@ -41,88 +39,70 @@ _FIRST = (
 _NOT_DRAWN = ("hub_stopping_time_s",)
 MOST_WARNINGS = 10  # kinds
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
-Values = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class _Table:
-    """table.csv; varied: what the sweep varies; found: what came of it, key numbers only."""
+class _Cases(NamedTuple):
+    """table.csv, and of it the cases that ended regularly: numbers of the others are those of where they stopped.
 
-    head: list[str]
-    rows: Rows
+    varied: what the sweep varies; found: what came of it, key numbers only.
+    """
+
+    table: Table
+    ended: Table
     varied: list[str]
     found: list[str]
-
-    @property
-    def finished(self) -> _Table:
-        """Only the cases that ended regularly: numbers of the others are those of where they stopped."""
-        rows = [row for row, status in zip(self.rows, self.column("status"), strict=True) if status in FINISHED]
-        return replace(self, rows=rows)
-
-    def column(self, name: str) -> list[Any]:
-        """Values of a column, in the order of the cases."""
-        i = self.head.index(name)
-        return [row[i] for row in self.rows]
-
-    def numbers(self, name: str) -> Values:
-        """Values of a column, NaN where there is no number."""
-        return np.array([value if is_number(value) else np.nan for value in self.column(name)], dtype=float)
 
 
 def content(folder: Folder, place: Path) -> dict[str, Any]:
     """Content for its template; place: a folder for pictures that are drawn for the page."""
-    table = _read(folder)
+    cases = _read(folder)
+    table = cases.table
     counts = Counter(str(status) for status in table.column("status"))
-    ended = table.finished
-    names = [table.head[0], *table.varied, "status", *_ordered(table.found)[:6]]
+    names = [table.head[0], *cases.varied, "status", *_ordered(cases.found)[:6]]
     return {
         "title": folder.path.name,
         "version": next(iter(_distinct(table, "versions.granular-contact")), ""),
         "count": len(table.rows),
         "counts": counts.most_common(),
         "failed": sum(count for status, count in counts.items() if status not in FINISHED),
-        "varied": table.varied,
+        "varied": cases.varied,
         "warnings": [*_warnings(table), *_vague(folder)],
-        "statistics": list(_statistics(ended)),
-        "pictures": [*((path, _caption(path.stem)) for path in folder.figures()), *_overviews(ended, place)],
+        "statistics": list(_statistics(cases)),
+        "pictures": [*((path, _caption(path.stem)) for path in folder.figures()), *_overviews(cases, place)],
         "sensitivity": folder.table(SENSITIVITY) if folder.has(SENSITIVITY) else None,
         "failures": _failures(table),
-        "audit": _audit(ended),
+        "audit": _audit(cases.ended),
         "columns": names,
-        "cases": list(zip(*(table.column(name) for name in names), strict=True)),
+        "rows": table.of(names),
         "most": MOST_ROWS,
         "sweep": folder.text(SWEEP),
         "seconds": float(np.nansum(table.numbers(SECONDS))) if SECONDS in table.head else None,
         "versions": {n[9:]: ", ".join(map(str, _distinct(table, n))) for n in table.head if n[:9] == "versions."},
+        **_live(folder),
+        "cases": _chart(cases),
     }
 
 
-def data(folder: Folder) -> dict[str, Any]:
+def _chart(cases: _Cases) -> dict[str, Any]:
     """Data for the scripts: numbers that differ between the cases that came to an end; nothing where there are none."""
-    table = _read(folder).finished
-    drawn = _drawn(table)
-    along = [name for name in table.varied if len(set(table.numbers(name)[np.isfinite(table.numbers(name))])) > 1]
+    drawn, along, table = _drawn(cases), _differing(cases, cases.varied), cases.ended
     if not drawn or not along:
         return {}
-    columns = {name: table.numbers(name).tolist() for name in (*table.varied, *table.found)}
+    columns = {name: table.numbers(name).tolist() for name in (*cases.varied, *cases.found)}
     return chart([str(name) for name in table.column(table.head[0])], columns, along[0], drawn[0])
 
 
-def live(folder: Folder) -> dict[str, Any]:
+def _live(folder: Folder) -> dict[str, Any]:
     """Bands of histories of an ensemble; or the runs of some cases, where they were kept: the first, the last, and some
     between.
     """
     if folder.has(BANDS):
-        head, table = folder.numbers(BANDS)
-        columns = dict(zip(head, table.T, strict=True))
+        columns = folder.numbers(BANDS)
         return live_curves(columns, _bands(columns), BANDS)
     places = sorted(one for one in (folder.path / CASES).glob("*") if (one / SERIES).is_file())
     chosen = [places[i] for i in np.unique(np.linspace(0, len(places) - 1, MOST_RUNS).astype(int))] if places else []
     kept = [Folder(one, "run") for one in chosen]
-    runs = []
-    for one in kept:
-        head, table = one.numbers(SERIES)
-        runs.append(History(one.path.name, dict(zip(head, table.T, strict=True)), one.motion()))
+    runs = [History(one.path.name, one.numbers(SERIES), one.motion()) for one in kept]
     if len(runs) < 2:
         return nothing_live()
     moved, played = motion(runs), kept[0].played()
@@ -130,7 +110,7 @@ def live(folder: Folder) -> dict[str, Any]:
     return live_overlay([one.name for one in runs], overlaid(runs), bed)
 
 
-def _bands(columns: dict[str, Values]) -> list[Group]:
+def _bands(columns: dict[str, Array]) -> list[Group]:
     """A panel of quantiles for each column that has some."""
     found: dict[str, list[Curve]] = {}
     for name in columns:
@@ -142,25 +122,26 @@ def _bands(columns: dict[str, Values]) -> list[Group]:
     return [Group("bands", "Bands", "So many of all runs lie below each curve.", tuple(panels))] if panels else []
 
 
-def _read(folder: Folder) -> _Table:
-    head, rows = folder.table(TABLE)
+def _read(folder: Folder) -> _Cases:
+    table = folder.table(TABLE)
+    head = table.head
     begin = next((i for i, name in enumerate(head) if name in ("name", "status")), len(head))
-    table = _Table(head, rows, head[1:begin], [])
-    finished = table.finished
+    statuses = zip(table.rows, table.column("status"), strict=True)
+    ended = Table(head, [row for row, status in statuses if status in FINISHED])
     found = [
         name
         for name in head[begin:]
-        if not name.startswith(_NOT_KEY) and np.isfinite(finished.numbers(name)).any() and name != "touch_time_s"
+        if not name.startswith(_NOT_KEY) and np.isfinite(ended.numbers(name)).any() and name != "touch_time_s"
     ]
-    return _Table(head, rows, head[1:begin], found)
+    return _Cases(table, ended, head[1:begin], found)
 
 
-def _distinct(table: _Table, name: str) -> list[Any]:
+def _distinct(table: Table, name: str) -> list[Any]:
     """Distinct values of a column; none if there is no such column."""
     return list(dict.fromkeys(v for v in table.column(name) if v is not None)) if name in table.head else []
 
 
-def _warnings(table: _Table) -> list[str]:
+def _warnings(table: Table) -> list[str]:
     """Warnings of the cases, those that differ only in numbers as one kind; the most frequent first."""
     if "warnings" not in table.head:
         return []
@@ -184,36 +165,34 @@ def _vague(folder: Folder) -> list[str]:
     """Sensitivities that are not known well enough."""
     if not folder.has(SENSITIVITY):
         return []
-    head, rows = folder.table(SENSITIVITY)
-    if not {"output", "input", "note", "first_order"} <= set(head):
+    table, names = folder.table(SENSITIVITY), ("output", "input", "note", "first_order")
+    if not set(names) <= set(table.head):
         return []
-    cells = (dict(zip(head, row, strict=True)) for row in rows)
     return [
-        f"sensitivity of {label(str(one['output']))} to {label(str(one['input']))}: {one['note']}"
-        for one in cells
-        if one["note"] and one["first_order"] is not None
+        f"sensitivity of {label(str(output))} to {label(str(of))}: {note}"
+        for output, of, note, first_order in table.of(names)
+        if note and first_order is not None
     ]
 
 
-def _statistics(table: _Table) -> Iterator[list[Any]]:
-    for name in _ordered(table.found):
-        values = table.numbers(name)
+def _statistics(cases: _Cases) -> Iterator[list[Any]]:
+    for name in _ordered(cases.found):
+        values = cases.ended.numbers(name)
         values = values[np.isfinite(values)]
         spread = (values.min(), np.median(values), values.max())
         yield [label(name), len(values), *(quantity(name, float(value)) for value in spread)]
 
 
-def _overviews(table: _Table, place: Path) -> Iterator[tuple[Path, str]]:
+def _overviews(cases: _Cases, place: Path) -> Iterator[tuple[Path, str]]:
     """Drawings of key numbers against the varied quantities, and their captions."""
-    columns = [(name, table.numbers(name)) for name in table.varied]
-    varied = [(name, values) for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
-    if not varied or not table.found:
+    varied = _differing(cases, cases.varied)
+    if not varied or not cases.found:
         return
     from granular_contact.report.figures.overview import MOST, draw
 
-    for i, name in enumerate(_drawn(table)[:MOST]):
+    for i, name in enumerate(_drawn(cases)[:MOST]):
         path = place / f"overview_{i}.png"
-        draw(dict(_axis(*one) for one in varied), _axis(name, table.numbers(name)), path)
+        draw({key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name)), path)
         yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
 
 
@@ -224,10 +203,15 @@ def _caption(stem: str) -> str:
     return f"Sobol indices of {label(output)}." if kind == "sensitivity" else stem.replace("_", " ")
 
 
-def _drawn(table: _Table) -> list[str]:
-    """Numbers that differ between cases, the most important first."""
-    differ = [name for name in table.found if np.nanmin(table.numbers(name)) < np.nanmax(table.numbers(name))]
-    return _ordered(name for name in differ if name not in _NOT_DRAWN)
+def _differing(cases: _Cases, names: Sequence[str]) -> list[str]:
+    """Those of the numbers that differ between cases."""
+    columns = ((name, cases.ended.numbers(name)) for name in names)
+    return [name for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
+
+
+def _drawn(cases: _Cases) -> list[str]:
+    """Key numbers that differ between cases, the most important first."""
+    return _ordered(name for name in _differing(cases, cases.found) if name not in _NOT_DRAWN)
 
 
 def _ordered(names: Iterable[str]) -> list[str]:
@@ -235,18 +219,12 @@ def _ordered(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda one: _FIRST.index(one) if one in _FIRST else len(_FIRST))
 
 
-def _axis(key: str, values: Values) -> tuple[str, Values]:
-    """Label of an axis with its unit, and the numbers in this unit."""
-    words, numbers = column(key, values.tolist())
-    return words, np.array(numbers)
+def _failures(table: Table) -> Rows:
+    rows = table.of((table.head[0], "message", "status"))
+    return [[case, message] for case, message, status in rows if status not in FINISHED]
 
 
-def _failures(table: _Table) -> Rows:
-    columns = (table.column(name) for name in (table.head[0], "message", "status"))
-    return [[case, message] for case, message, status in zip(*columns, strict=True) if status not in FINISHED]
-
-
-def _audit(table: _Table) -> dict[str, Any] | None:
+def _audit(table: Table) -> dict[str, Any] | None:
     """Energy imbalance: in the median, and in the worst case."""
     values = table.numbers(IMBALANCE) if IMBALANCE in table.head else np.zeros(0)
     if not np.isfinite(values).any():
