@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import Sweep, load_sweep
-from granular_contact.report.figures.sensitivity import Bars, draw_sensitivity
+from granular_contact.report.figures.sensitivity import draw_sensitivity
 from granular_contact.scene import build
 from granular_contact.studies.sweep import Journal, WorkerPool, run, sensitivity
 from granular_contact.studies.sweep.sensitivity import Indices
@@ -132,7 +132,7 @@ def draw(found: dict[str, list[Indices]]) -> str:
     for design, name in zip(DESIGNS, ("six", "coefficients"), strict=True):
         one = found[design.name][0]
         file = FIGURES / f"sensitivity_{name}.png"
-        bars = Bars("first order", one.first, one.first_interval), Bars("total", one.total, one.total_interval)
+        bars = (one.first, one.first_interval), (one.total, one.total_interval)
         draw_sensitivity("the stopping time", [SYMBOLS[key] for key in one.inputs], *bars, file)
         links.append(f"![Sobol indices of the stopping time: {design.name}](figures/{file.name})")
     return "\n".join(links)

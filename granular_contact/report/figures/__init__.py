@@ -13,7 +13,7 @@ studies  histories, media, laws     models and media compared, a law
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -50,28 +50,27 @@ def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -
 def figures(results: Results) -> dict[str, Figure]:
     """The figures of `results` by name, on Agg canvases; to be made and drawn within `style()`."""
     has = {column.name for column in results.columns}
-    made: dict[str, Callable[[Results], Figure]] = {}
+    made: dict[str, Figure] = {}
     histories = groups_of(results) if len(results.table) > 1 else {}
     if "travel" in histories:
-        made["travel"] = lambda one: over_time(one, list(histories["travel"].panels))
+        made["travel"] = over_time(results, list(histories["travel"].panels))
         if "joints" in histories:
-            made["joints"] = lambda one: joints(one, histories["joints"])
+            made["joints"] = joints(results, histories["joints"])
     elif len(results.table):
-        made["motion"] = motion
+        made["motion"] = motion(results)
     if len(results.table):
         if "deflection_m" in has:
-            made["deflection"] = deflection
+            made["deflection"] = deflection(results)
         if results.terms:
-            made["forces"] = forces
+            made["forces"] = forces(results)
         if "kinetic_J" in has:
-            made["energy"] = energy
+            made["energy"] = energy(results)
     if histories and len(in_contact(results)) > 1:
-        made["contacts"] = lambda one: contacts(one, histories.get("depth"))
+        made["contacts"] = contacts(results, histories.get("depth"))
     elif "travel" in histories and "depth" in histories and any(one.along for one in histories["depth"].panels):
-        made["depth"] = lambda one: against_depth(one, histories["depth"])
+        made["depth"] = against_depth(results, histories["depth"])
     if results.motion is not None and results.motion.in_space and results.motion.parts:
-        moved = results.motion
-        made["views"] = lambda one: views(one, moved)
+        made["views"] = views(results, results.motion)
     elif results.snapshots:
-        made["mechanism"] = mechanism
-    return {name: make(results) for name, make in made.items()}
+        made["mechanism"] = mechanism(results)
+    return made

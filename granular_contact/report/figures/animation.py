@@ -203,17 +203,8 @@ def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
     across = np.array([-along[1], along[0]])
     head = min(HEAD, 0.7 * length)
     size = head / HEAD
-    px = np.array(
-        [
-            (0, SHAFT / 2 * size),
-            (length - head, SHAFT / 2 * size),
-            (length - head, 0.48 * head),
-            (length, 0),
-            (length - head, -0.48 * head),
-            (length - head, -SHAFT / 2 * size),
-            (0, -SHAFT / 2 * size),
-        ]
-    )
+    one = [(0, SHAFT / 2 * size), (length - head, SHAFT / 2 * size), (length - head, 0.48 * head)]
+    px = np.array([*one, (length, 0), *((x, -y) for x, y in reversed(one))])
     return np.asarray(tail + (px[:, :1] * along + px[:, 1:] * across) / stage.scale)
 
 

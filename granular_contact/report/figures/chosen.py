@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.events import mark_events
 from granular_contact.report.figures.panels import curve, finish, fitting_columns, stacked
 from granular_contact.report.figures.style import PALETTE
-from granular_contact.report.units import column, label, split
+from granular_contact.report.units import label, scaled, split
 from granular_contact.results import Results
 
 PANEL = 45.0  # mm
@@ -31,14 +31,12 @@ def chosen(results: Results, names: Sequence[str]) -> Figure:
     units: dict[str, list[str]] = {}
     for name in names:
         units.setdefault(split(name)[1], []).append(name)
-    series = {name: results[name] for name in names}
     figure, panels, time = stacked(results, 12.0 + PANEL * len(units), (1.0,) * len(units))
     for axes, alike in zip(panels, units.values(), strict=True):
-        together = np.concatenate([series[name] for name in alike])
-        words, values = column(alike[0], together.tolist())
+        words, values = scaled(alike[0], np.array([results[name] for name in alike]))
         labels = [label(name) for name in alike]
         several = len(alike) > 1
-        for i, part in enumerate(np.split(np.array(values), len(alike))):
+        for i, part in enumerate(values):
             curve(axes, time, part, PALETTE[i % len(PALETTE)], labels[i] if several else "")
         unit = words.rpartition("(")[2].rstrip(")") if several else ""
         finish(axes, unit or words, columns=fitting_columns(labels, 3) if several else 0)

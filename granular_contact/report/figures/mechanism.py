@@ -48,7 +48,7 @@ def mechanism(results: Results) -> Figure:
     if tip is not None:
         tip = panels[1].view
         panels[0] = panels[0].showing(tip)
-    unit = unit_for(np.array([whole.width, whole.height]), "m")
+    unit = unit_for(whole.size, "m")
     for panel in panels:
         _scene(panel.axes, results, unit, panel.view)
     pivots = fixed_points(results)
@@ -76,9 +76,8 @@ def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
         for outline in shot.outlines:
             look = {**_pose(shot), "linewidth": 0.7}
             axes.add_patch(Polygon(edge(outline) * unit.factor, **look))
-    axes.set_xlim(view.left * unit.factor, (view.left + view.width) * unit.factor)
-    axes.set_ylim(view.bottom * unit.factor, (view.bottom + view.height) * unit.factor)
-    axes.set_aspect("equal")
+    (left, bottom), (right, top) = view.low * unit.factor, view.high * unit.factor
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
 
 
 def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
@@ -86,18 +85,19 @@ def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
     surface = results.surface
     if surface is None:
         return
-    left, right = view.left, view.left + view.width
+    (left, bottom), (right, _) = view.low, view.high
     x = np.linspace(left, right, 401)
     top = surface_height(surface, x)
-    if top.max() <= view.bottom:
+    if top.max() <= bottom:
         return
-    corners = np.vstack([[left, view.bottom], np.column_stack([x, top]), [right, view.bottom]]) * unit.factor
+    corners = np.vstack([[left, bottom], np.column_stack([x, top]), [right, bottom]]) * unit.factor
     axes.add_patch(Polygon(corners, facecolor=SAND, edgecolor="none", zorder=0))
     place = np.random.default_rng(7)
-    depth = min(float(top.max()) - view.bottom, view.height)
-    count = int(2500 * depth / view.height)
+    width, height = view.size
+    depth = min(float(top.max()) - bottom, height)
+    count = int(2500 * depth / height)
     for colour in GRAINS:
-        across, up = left + view.width * place.random(count // 2), view.bottom + depth * place.random(count // 2)
+        across, up = left + width * place.random(count // 2), bottom + depth * place.random(count // 2)
         size = place.uniform(0.05, 0.9, count // 2)
         under = up < surface_height(surface, across)
         across, up = across[under] * unit.factor, up[under] * unit.factor
@@ -105,10 +105,9 @@ def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
     axes.plot(*corners[1:-1].T, color=SAND_EDGE, linewidth=0.9, zorder=2)
     for depth in results.layers:
         axes.plot(x * unit.factor, (top - depth) * unit.factor, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=2)
-    if results.floor is not None and results.floor > view.bottom:
-        low, high = view.bottom * unit.factor, results.floor * unit.factor
-        box = Rectangle((left * unit.factor, low), view.width * unit.factor, high - low, facecolor=FLOOR, zorder=2)
-        axes.add_patch(box)
+    if results.floor is not None and results.floor > bottom:
+        size = np.array([width, results.floor - bottom]) * unit.factor
+        axes.add_patch(Rectangle(tuple(view.low * unit.factor), *size, facecolor=FLOOR, zorder=2))
 
 
 def _pose(shot: Snapshot) -> dict[str, Any]:
@@ -129,8 +128,7 @@ def _caption(results: Results, shot: Snapshot) -> str:
 
 def _outline_view(axes: Axes, view: View, unit: Unit) -> None:
     """A thin frame where the enlarged view lies."""
-    corner, size = np.array([view.left, view.bottom]), np.array([view.width, view.height])
-    corner, size = corner * unit.factor, size * unit.factor
+    corner, size = view.low * unit.factor, view.size * unit.factor
     axes.add_patch(Rectangle(tuple(corner), *size, fill=False, edgecolor=INK, linewidth=0.5, zorder=7))
 
 

@@ -23,18 +23,16 @@ def draw_media(runs: Runs, file: Path) -> None:
         paths = [_path(one) for _, one in runs]
         length = unit_for(np.concatenate(paths), "m")
         walks = bool(_body(runs[0][1]))
-        for i, (name, one) in enumerate(runs):
-            look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
-            t = one["time_s"] * time.factor
-            panels[0].plot(t, paths[i] * length.factor, **look)
-            panels[1].plot(t, np.linalg.norm(resultant(one, one.terms), axis=0), **look)
-            panels[2].plot(t, -one["granular_work_J"], **look)
-        for axes, label in zip(
-            panels,
-            (f"{'distance' if walks else 'depth'} ({length.name})", "force of the medium (N)", "energy taken (J)"),
-            strict=True,
-        ):
+        drawn = {
+            f"{'distance' if walks else 'depth'} ({length.name})": [path * length.factor for path in paths],
+            "force of the medium (N)": [np.linalg.norm(resultant(one, one.terms), axis=0) for _, one in runs],
+            "energy taken (J)": [-one["granular_work_J"] for _, one in runs],
+        }
+        for axes, (label, curves) in zip(panels, drawn.items(), strict=True):
             axes.set_ylabel(label)
+            for i, ((name, one), values) in enumerate(zip(runs, curves, strict=True)):
+                look = {"color": PALETTE[i % len(PALETTE)], "linestyle": LINES[i % len(LINES)], "label": name}
+                axes.plot(one["time_s"] * time.factor, values, **look)
         if not walks:
             panels[0].invert_yaxis()
         panels[0].legend()

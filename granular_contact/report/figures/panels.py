@@ -57,6 +57,13 @@ def save(figure: Figure, file: Path) -> None:
     figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
+def column_of(figure: Figure, count: int, **options: Any) -> list[Axes]:
+    """Panels under each other that share their horizontal axis."""
+    panels: list[Axes] = list(figure.subplots(count, sharex=True, squeeze=False, **options)[:, 0])
+    figure.align_ylabels(panels)
+    return panels
+
+
 def cleared(values: Array, scale: float) -> Array:
     """Values, but zeros if they are only the round-off of a quantity of this scale."""
     return np.zeros_like(values) if greatest(values) < ROUND_OFF * scale else values
@@ -71,9 +78,7 @@ def size_of(results: Results) -> float:
 def stacked(results: Results, height: float, ratios: tuple[float, ...]) -> tuple[Figure, list[Axes], Array]:
     """A column of panels of these relative heights that share the time axis, and the times (rows,) in its unit."""
     figure = blank(SINGLE, height, layout="constrained")
-    grid = figure.subplots(len(ratios), sharex=True, squeeze=False, height_ratios=ratios)
-    panels: list[Axes] = list(grid[:, 0])
-    figure.align_ylabels(panels)
+    panels = column_of(figure, len(ratios), height_ratios=ratios)
     unit = time_unit(results)
     time = results["time_s"] * unit.factor
     panels[0].set_xlim(*((time[0], time[-1]) if time[-1] > time[0] else (time[0] - 1, time[0] + 1)))

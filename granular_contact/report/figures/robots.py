@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.panels import blank, curve, finish, fitting_columns, stacked
 from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, PALETTE, SINGLE
 from granular_contact.report.histories import Group, Panel, groups
-from granular_contact.report.units import Array, time_unit, unit_for
+from granular_contact.report.units import time_unit, unit_for
 from granular_contact.results import Results
 
 PANEL = 31.0  # mm
@@ -73,11 +73,11 @@ def contacts(results: Results, depth: Group | None) -> Figure:
     figure = blank(DOUBLE, max(52.0, 20.0 + 5.0 * len(spans)), layout="constrained")
     panels = figure.subplots(1, 3 if against else 2, squeeze=False)[0]
     unit = time_unit(results)
-    _bars(panels[0], {body: [(a * unit.factor, b * unit.factor) for a, b in ones] for body, ones in spans.items()})
+    _bars(panels[0], spans, unit.factor)
     panels[0].set(xlabel=f"time ({unit.name})", title="in the medium")
     places = {body: _places(results, body, ones) for body, ones in spans.items()}
     length = unit_for(np.array([end for ones in places.values() for one in ones for end in one]), "m")
-    _bars(panels[1], {body: [(a * length.factor, b * length.factor) for a, b in ones] for body, ones in places.items()})
+    _bars(panels[1], places, length.factor)
     panels[1].set(xlabel=f"x ({length.name})", title="footprints")
     panels[1].set_yticklabels([])
     if against:
@@ -102,10 +102,10 @@ def _places(results: Results, body: str, spans: list[tuple[float, float]]) -> li
     return [(float(np.interp(on, time, x)), float(np.interp(off, time, x))) for on, off in spans]
 
 
-def _bars(axes: Axes, spans: dict[str, list[tuple[float, float]]]) -> None:
+def _bars(axes: Axes, spans: dict[str, list[tuple[float, float]]], factor: float) -> None:
     """A row of bars for each body, the first on top."""
     for i, ones in enumerate(spans.values()):
-        bars = [(min(a, b), max(abs(b - a), 1e-12)) for a, b in ones]
+        bars = [(min(a, b) * factor, max(abs(b - a) * factor, 1e-12)) for a, b in ones]
         axes.broken_barh(bars, (-i - 0.36, 0.72), color=PALETTE[i % len(PALETTE)], alpha=0.75, linewidth=0)
     axes.set_yticks(range(0, -len(spans), -1), list(spans))
     axes.set_ylim(-len(spans) + 0.4, 0.6)
@@ -116,14 +116,10 @@ def _against_depth(axes: Axes, results: Results, panels: list[Panel]) -> None:
     """Vertical force of the medium against depth, of bodies or of all together."""
     forces = [panel.curves[0].values(results.__getitem__) for panel in panels]
     depths = [results[panel.along] for panel in panels]
-    newton, length = unit_for(np.concatenate(forces), "N"), unit_for(_below(depths), "m")
+    newton, length = unit_for(np.concatenate(forces), "N"), unit_for(np.maximum(np.concatenate(depths), 0.0), "m")
     for i, (panel, force, depth) in enumerate(zip(panels, forces, depths, strict=True)):
         under = depth >= 0.0
         label = panel.along.removesuffix("_depth_m") if panel.along != "depth_m" else ""
         x, colour = np.where(under, depth, np.nan) * length.factor, PALETTE[i % len(PALETTE)]
         axes.plot(x, force * newton.factor, color=colour, label=label, linewidth=0.7)
     axes.set(xlabel=f"depth ({length.name})", ylabel=f"vertical force ({newton.name})", title="force against depth")
-
-
-def _below(depths: list[Array]) -> Array:
-    return np.maximum(np.concatenate(depths), 0.0)

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from granular_contact.report.figures.panels import saved_figure
+from granular_contact.report.figures.panels import column_of, saved_figure
 from granular_contact.report.figures.style import BLUE, FAINT, INK, VERMILION
-from granular_contact.report.units import Array, column
+from granular_contact.report.units import Array, scaled
 
 Number = float | None
 PANEL = 26.0  # mm
@@ -25,25 +25,16 @@ def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool,
     """
     with saved_figure(file, 66.0) as figure:
         axes = figure.subplots()
-        values = np.array([np.nan if value is None else value for _, value in runs])
-        label, shown = column(words, values.tolist()) if " " not in words else (words, values.tolist())
-        values, index = np.array(shown, dtype=float), np.arange(len(values))
+        values, index = np.array([value for _, value in runs], dtype=float), np.arange(len(runs))
+        label, values = (words, values) if " " in words else scaled(words, values)
         _spread(axes, np.array([generation for generation, _ in runs]), values)
-        axes.plot(index, values, ".", color=BLUE, markersize=3, alpha=0.7, label="run", linestyle="none")
+        axes.plot(index, values, ".", color=BLUE, markersize=3, alpha=0.7, label="run")
         lost = np.isnan(values)
         best = (np.fmax if greatest else np.fmin).accumulate(values)
         axes.step(index, best, where="post", color=VERMILION, label="best so far")
         if lost.any():
-            axes.plot(
-                index[lost],
-                np.full(lost.sum(), 0.02),
-                "x",
-                color=INK,
-                markersize=3,
-                transform=axes.get_xaxis_transform(),
-                label="failed or outside",
-                linestyle="none",
-            )
+            at_foot, low = axes.get_xaxis_transform(), np.full(lost.sum(), 0.02)
+            axes.plot(index[lost], low, "x", color=INK, markersize=3, transform=at_foot, label="failed or outside")
         axes.set_xlabel("run")
         axes.set_ylabel(label if len(label) <= MOST_WORDS else "objective")
         axes.set_xlim(0, max(len(runs) - 1, 1))
@@ -57,10 +48,8 @@ def _spread(axes: Axes, generations: Array, values: Array) -> None:
         known = values[there][np.isfinite(values[there])]
         if len(known) > 1:
             low, high = np.quantile(known, [0.25, 0.75])
-            ends = there[0] - 0.5, there[-1] + 0.5
-            axes.fill_between(
-                ends, low, high, color=FAINT, alpha=0.5, linewidth=0, label="half of a generation" * (i == 1)
-            )
+            ends, words = (there[0] - 0.5, there[-1] + 0.5), "half of a generation" * (i == 1)
+            axes.fill_between(ends, low, high, color=FAINT, alpha=0.5, linewidth=0, label=words)
 
 
 def draw_parameters(
@@ -75,16 +64,14 @@ def draw_parameters(
     ranges: ends and scale of each; allowed: whether a run came to an end within all constraints.
     """
     with saved_figure(file, 14.0 + PANEL * len(tried)) as figure:
-        panels = figure.subplots(len(tried), sharex=True, squeeze=False)[:, 0]
+        panels = column_of(figure, len(tried))
         fine = np.array(allowed)
         for axes, (name, numbers) in zip(panels, tried.items(), strict=True):
             start, stop, scale = ranges[name]
-            values = np.array([np.nan if number is None else number for number in numbers])
-            label, shown = column(name, [*values.tolist(), start, stop])
-            *drawn, low, high = shown
-            values, index = np.array(drawn, dtype=float), np.arange(len(drawn))
-            axes.plot(index[fine], values[fine], ".", color=BLUE, markersize=3, linestyle="none")
-            axes.plot(index[~fine], values[~fine], "x", color=FAINT, markersize=3, linestyle="none")
+            label, shown = scaled(name, np.array([*numbers, start, stop], dtype=float))
+            values, (low, high), index = shown[:-2], shown[-2:], np.arange(len(numbers))
+            axes.plot(index[fine], values[fine], ".", color=BLUE, markersize=3)
+            axes.plot(index[~fine], values[~fine], "x", color=FAINT, markersize=3)
             if best is not None:
                 axes.axhline(values[best], color=VERMILION, linewidth=0.8)
             axes.set_yscale(scale)
@@ -93,4 +80,3 @@ def draw_parameters(
             axes.set_ylabel(label)
         panels[-1].set_xlabel("run")
         panels[-1].set_xlim(0, max(len(fine) - 1, 1))
-        figure.align_ylabels(panels)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from granular_contact.report.figures.panels import saved_figure
@@ -11,24 +10,16 @@ from granular_contact.report.figures.style import DOUBLE, INK, PALETTE
 from granular_contact.report.units import Array
 
 
-@dataclass(frozen=True)
-class SlipCurve:
-    """Of one wheel (n,): slip in rising order, pull (N), torque (N m) and sinkage (m)."""
+def draw_slip(curves: Mapping[str, Array], file: Path) -> None:
+    """Draw curves by their labels (one label may be empty) into a PNG; sinkage grows downward.
 
-    slip: Array
-    pull: Array
-    torque: Array
-    sinkage: Array
-
-
-def draw_slip(curves: Mapping[str, SlipCurve], file: Path) -> None:
-    """Draw the curves, by their labels (one label may be empty), into a PNG; sinkage grows downward."""
+    Each (4, n) is of one wheel: slip in rising order, pull (N), torque (N m) and sinkage (m).
+    """
     with saved_figure(file, 62.0, DOUBLE) as figure:
         panels = figure.subplots(1, 3)
-        for i, (label, one) in enumerate(curves.items()):
-            colour = PALETTE[i % len(PALETTE)]
-            for axes, values in zip(panels, (one.pull, one.torque, 1e3 * one.sinkage), strict=True):
-                axes.plot(one.slip, values, "o-", color=colour, label=label)
+        for i, (label, (slip, pull, torque, sinkage)) in enumerate(curves.items()):
+            for axes, values in zip(panels, (pull, torque, 1e3 * sinkage), strict=True):
+                axes.plot(slip, values, "o-", color=PALETTE[i % len(PALETTE)], label=label)
         for axes, words in zip(panels, ("drawbar pull (N)", "torque (N\N{MIDDLE DOT}m)", "sinkage (mm)"), strict=True):
             axes.set_xlabel("slip")
             axes.set_ylabel(words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,31 +11,33 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.outlines import add_sand, around, deepest_point, edge, submerged
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import DOUBLE, LEGEND_ROW, SINGLE
+from granular_contact.report.units import Array
 from granular_contact.results import Results
 from granular_contact.results.frames import surface_height
 
 
 @dataclass(frozen=True)
 class View:
-    """A window on the plane: lower left corner, width and height (m, world frame)."""
+    """A window on the plane: its lower left and upper right corner (2,) m, world frame."""
 
     title: str
-    left: float
-    bottom: float
-    width: float
-    height: float
+    low: Array
+    high: Array
+
+    @property
+    def size(self) -> Array:
+        """Width and height (m)."""
+        return self.high - self.low
 
     def grown(self, share: float) -> View:
         """The view with a margin, a fraction of its larger side."""
-        margin = share * max(self.width, self.height)
-        wide, high = self.width + 2 * margin, self.height + 2 * margin
-        return replace(self, left=self.left - margin, bottom=self.bottom - margin, width=wide, height=high)
+        margin = share * self.size.max()
+        return View(self.title, self.low - margin, self.high + margin)
 
     def filling(self, aspect: float) -> View:
         """The smallest view around this one whose width is `aspect` times its height."""
-        width, height = max(self.width, self.height * aspect), max(self.height, self.width / aspect)
-        left, bottom = self.left - (width - self.width) / 2, self.bottom - (height - self.height) / 2
-        return replace(self, left=left, bottom=bottom, width=width, height=height)
+        margin = np.maximum(self.size, self.size[::-1] * [aspect, 1 / aspect]) - self.size
+        return View(self.title, self.low - margin / 2, self.high + margin / 2)
 
 
 @dataclass(frozen=True)
@@ -48,11 +50,10 @@ class Panel:
     def showing(self, other: View) -> Panel:
         """The same axes with a view that takes in the other view too."""
         view = self.view
-        left, bottom = min(view.left, other.left), min(view.bottom, other.bottom)
-        right = max(view.left + view.width, other.left + other.width)
-        top = max(view.bottom + view.height, other.bottom + other.height)
-        both = replace(view, left=left, bottom=bottom, width=right - left, height=top - bottom)
-        return Panel(self.axes, view if both == view else both.grown(0.03).filling(view.width / view.height))
+        both = View(view.title, np.minimum(view.low, other.low), np.maximum(view.high, other.high))
+        if np.array_equal(both.size, view.size):
+            return self
+        return Panel(self.axes, both.grown(0.03).filling(view.size[0] / view.size[1]))
 
 
 def whole_view(results: Results) -> View:
@@ -60,7 +61,7 @@ def whole_view(results: Results) -> View:
     points = np.concatenate([edge(outline) for shot in results.snapshots for outline in shot.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
     add_sand(results.surface, low, high, 0.05)
-    return View("mechanism", low[0], low[1], high[0] - low[0], high[1] - low[1]).grown(0.06)
+    return View("mechanism", low, high).grown(0.06)
 
 
 def tip_view(results: Results) -> View | None:
@@ -78,14 +79,15 @@ def tip_view(results: Results) -> View | None:
     left, right = low[0] - 0.15 * size, high[0] + 0.15 * size
     beside = deepest.clear + 0.7 * deepest.side * size
     left, right = min(left, beside), max(right, beside)
-    return View("immersed part", left, low[1] - 0.2 * size, right - left, high[1] - low[1] + 0.55 * size)
+    corners = (left, low[1] - 0.2 * size), (right, high[1] + 0.35 * size)
+    return View("immersed part", *np.array(corners))
 
 
 def side_by_side(views: list[View], legend_rows: int) -> tuple[Figure, list[Panel]]:
     """A figure with one panel a view, side by side, to the same height and as wide as the page; views fill panels."""
     left, right, top, below, gap = 12.5, 2.5, 6.0, 12.0 + LEGEND_ROW * legend_rows, 15.0  # mm
     page = DOUBLE if len(views) > 1 else SINGLE
-    aspects = np.array([np.clip(view.width / view.height, 0.75, 2.2) for view in views])
+    aspects = np.array([np.clip(view.size[0] / view.size[1], 0.75, 2.2) for view in views])
     free = page - left - right - gap * (len(views) - 1)
     height = float(np.clip(free / aspects.sum(), 45, 82))
     widths = free * aspects / aspects.sum()

@@ -149,12 +149,11 @@ def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
     write_table(folder / SENSITIVITY, HEAD, (_cells(one, i) for one in found for i in range(len(one.inputs))))
     drawn = [one for one in found if figures and not one.refused]
     if drawn:
-        from granular_contact.report.figures.sensitivity import Bars, draw_sensitivity
+        from granular_contact.report.figures.sensitivity import draw_sensitivity
 
         (folder / FIGURES).mkdir(exist_ok=True)
         for one in drawn:
-            first = Bars("first order", one.first, one.first_interval)
-            total = Bars("total", one.total, one.total_interval)
+            first, total = (one.first, one.first_interval), (one.total, one.total_interval)
             draw_sensitivity(one.output, one.inputs, first, total, folder / FIGURES / f"sensitivity_{one.output}.png")
 
 

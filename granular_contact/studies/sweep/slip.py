@@ -30,7 +30,7 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
     drawn = {label: np.array(sorted(points)).T for label, points in list(curves.items())[:MOST] if len(points) > 1}
     if not drawn:
         return
-    from granular_contact.report.figures.slip import SlipCurve, draw_slip
+    from granular_contact.report.figures.slip import draw_slip
 
     (folder / FIGURES).mkdir(exist_ok=True)
-    draw_slip({label: SlipCurve(*points) for label, points in drawn.items()}, folder / FIGURES / FIGURE)
+    draw_slip(drawn, folder / FIGURES / FIGURE)
