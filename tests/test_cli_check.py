@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from granular_contact.cli import main
-from granular_contact.cli.common import folder_problem
+from granular_contact.cli.common import output_folder
 from granular_contact.errors import SolveError
 from granular_contact.results import Column, Results, Status
 
@@ -106,7 +106,7 @@ def test_a_folder_that_may_be_written_is_left_as_it_was(tmp_path):
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "summary.json").write_text("{}")
     for name in ("old", "new", "a/b/c"):
-        assert folder_problem(tmp_path / name) is None
+        assert output_folder(str(tmp_path / name), "unused") == tmp_path / name
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["old", "summary.json"]
 
 

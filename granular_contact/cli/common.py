@@ -89,10 +89,12 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
     parser.add_argument("--quiet", action="store_true", help="print faults only")
 
 
-def add_comparison(parser: argparse.ArgumentParser) -> None:
-    """Add what comparisons of several runs of one config take beside what they compare."""
+def add_comparison(parser: argparse.ArgumentParser, default: str, example: str = "medium.eta_h=9") -> None:
+    """Add what comparisons of several runs of one config take beside what they compare; as `add_output`, `add_set`."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     parser.add_argument("--no-plots", action="store_true", help="draw no figure")
+    add_set(parser, example)
+    add_output(parser, default)
 
 
 @contextmanager
@@ -114,25 +116,9 @@ def telling(shown: bool, text: str = "running {}") -> Iterator[Callable[..., Non
         yield lambda *what: status.update(text.format(*what))
 
 
-def number(value: float | None, factor: float, form: str) -> str:
-    """A number times a factor in a format; a dash for None."""
-    return "-" if value is None else format(factor * value, form)
-
-
 def there(shown: Shown, rows: Sequence[Mapping[str, Any]]) -> Shown:
     """Those of the shown numbers that any of the rows has."""
     return [one for one in shown if any(row.get(one[0]) is not None for row in rows)]
-
-
-def headings(shown: Shown) -> list[str]:
-    """Headings of the shown numbers."""
-    return [heading for _, heading, _, _ in shown]
-
-
-def numbers(values: Mapping[str, Any], shown: Shown) -> Iterator[str]:
-    """The shown numbers as text; a dash for None."""
-    for key, _, factor, form in shown:
-        yield number(values.get(key), factor, form)
 
 
 def print_wide(table: Any, least: int = 120) -> None:
@@ -141,6 +127,16 @@ def print_wide(table: Any, least: int = 120) -> None:
 
     console = Console()
     Console(width=max(least, console.width)).print(table)
+
+
+def print_numbers(heads: Sequence[str], shown: Shown, rows: Iterable[tuple[Sequence[str], Mapping[str, Any]]]) -> None:
+    """Print a table of the shown numbers, a dash for None, behind columns of words, whose heads are given."""
+
+    def cell(value: float | None, factor: float, form: str) -> str:
+        return "-" if value is None else format(factor * value, form)
+
+    cells = ([*words, *(cell(row.get(key), factor, form) for key, _, factor, form in shown)] for words, row in rows)
+    print_table(heads[0], [*heads[1:], *(heading for _, heading, _, _ in shown)], cells)
 
 
 def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -167,20 +163,18 @@ def print_table(first: str, heads: Sequence[str], rows: Iterable[Sequence[str]])
 
 
 def output_folder(out: str | None, name: str, kind: str = "run") -> Path:
-    """The folder that was asked for, or results/NAME; raises Refusal if it can't take results of a kind."""
-    folder = Path(out) if out else Path("results", name)
-    if (problem := folder_problem(folder, kind)) is not None:
-        raise Refusal(problem)
-    return folder
+    """The folder that was asked for, or results/NAME.
 
+    Whether it can take results of a kind (of `report.ENTRIES`) is tried before the run, and leaves nothing behind.
 
-def folder_problem(folder: Path, kind: str = "run") -> str | None:
-    """Why `folder` can't take results of a kind (of `report.ENTRIES`), or None.
-
-    This is tried before the run, and leaves nothing behind.
+    Raises
+    ------
+    Refusal
+        It can't.
     """
     from granular_contact import report
 
+    folder = Path(out) if out else Path("results", name)
     try:
         report.check_target(folder, kind)
         # The new folder is made beside the old one; where even the parent is missing, the nearest one there is decides.
@@ -188,10 +182,10 @@ def folder_problem(folder: Path, kind: str = "run") -> str | None:
         while not nearest.exists():
             nearest = nearest.parent
         if not nearest.is_dir():
-            return f"--out {folder}: {nearest} is a file, so no folder can be made in it"
+            raise Refusal(f"--out {folder}: {nearest} is a file, so no folder can be made in it")
         with tempfile.TemporaryDirectory(dir=nearest, prefix=f".{folder.resolve().name}."):
-            return None
+            return folder
     except OSError as error:
         # `check_target` raises sentences; the system raises numbers with a short reason.
         reason = f"can't be written: {error.strerror}" if error.strerror else str(error)
-        return f"--out {folder}: {reason}"
+        raise Refusal(f"--out {folder}: {reason}") from None

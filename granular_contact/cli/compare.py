@@ -5,18 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from granular_contact.cli.common import (
-    add_comparison,
-    add_output,
-    add_set,
-    headings,
-    numbers,
-    output_folder,
-    print_table,
-    running,
-    say,
-    worst,
-)
+from granular_contact.cli.common import add_comparison, output_folder, print_numbers, running, say, worst
 
 HELP = "run a config with several models and say which is accurate enough"
 SHOWN = (
@@ -34,12 +23,10 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_comparison(parser)
     parser.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help="modal models (0,1,2,5)")
     parser.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help="beams (4,8,16,32)")
     parser.add_argument("--tolerance", metavar="X", type=_tolerance, default=0.01, help="what is enough (0.01)")
-    add_set(parser)
-    add_output(parser, "results/NAME_OF_CONFIG_compare")
+    add_comparison(parser, "results/NAME_OF_CONFIG_compare")
 
 
 def _counts(text: str) -> tuple[int, ...]:
@@ -68,8 +55,7 @@ def execute(chosen: argparse.Namespace) -> int:
         comparison = compare(chosen.config, chosen.modes, chosen.elements, tolerance=chosen.tolerance, **progress)
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        rows = map(cells, comparison.rows)
-        print_table("model", headings(SHOWN), ([str(row["model"]), *numbers(row, SHOWN)] for row in rows))
+        print_numbers(["model"], SHOWN, (([row.model.name], cells(row)) for row in comparison.rows))
         say(comparison.verdict)
         say(f"saved in {folder}")
     return worst(row.results.status.code for row in comparison.rows)

@@ -5,19 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from granular_contact.cli.common import (
-    add_comparison,
-    add_output,
-    add_set,
-    headings,
-    numbers,
-    output_folder,
-    print_table,
-    running,
-    say,
-    there,
-    worst,
-)
+from granular_contact.cli.common import add_comparison, output_folder, print_numbers, running, say, there, worst
 
 HELP = "run a config in several media"
 SHOWN = (
@@ -34,11 +22,9 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_comparison(parser)
     words = "presets or YAML files of media; a+b for media that act together"
     parser.add_argument("--media", metavar="A,B", type=_names, required=True, help=words)
-    add_set(parser, example="initial.impact_speed_rad_s=4")
-    add_output(parser, "results/NAME_OF_CONFIG_media")
+    add_comparison(parser, "results/NAME_OF_CONFIG_media", "initial.impact_speed_rad_s=4")
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -54,13 +40,8 @@ def execute(chosen: argparse.Namespace) -> int:
         rows = compare_media(chosen.config, chosen.media, **progress)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        found = [cells(row) for row in rows]
-        shown = there(SHOWN, found)
-        heads = ["ended", *headings(shown)]
-        texts = (
-            (row.name, row.results.status.code, *numbers(one, shown)) for row, one in zip(rows, found, strict=True)
-        )
-        print_table("medium", heads, texts)
+        found = [([row.name, row.results.status.code], cells(row)) for row in rows]
+        print_numbers(["medium", "ended"], there(SHOWN, [numbers for _, numbers in found]), found)
         for row in rows:
             for warning in row.results.warnings:
                 say(f"{row.name}: {warning}")

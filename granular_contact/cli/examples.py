@@ -6,7 +6,7 @@ import argparse
 import shlex
 from pathlib import Path
 
-from granular_contact.cli.common import FAULTY_INPUT, FINE, complain
+from granular_contact.cli.common import FINE, Refusal
 
 HELP = "write the models and configs that come with the package into a folder"
 FIRST = "configs/pendulum.yaml"
@@ -26,8 +26,8 @@ def execute(chosen: argparse.Namespace) -> int:
         written = examples.write(folder)
     except OSError as error:
         # The project's own are sentences; the system's are numbers with a short reason.
-        complain(f"examples: {f'{folder} cannot be written: {error.strerror}' if error.strerror else error}")
-        return FAULTY_INPUT
+        why = f"{folder} cannot be written: {error.strerror}" if error.strerror else error
+        raise Refusal(f"examples: {why}") from None
     configs, models = (
         sum(name.startswith(f"{kind}/") and name.endswith(".yaml") for name in written)
         for kind in ("configs", "models")

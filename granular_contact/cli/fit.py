@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from granular_contact.cli.common import (
     FAILED,
-    FAULTY_INPUT,
     FINE,
+    Refusal,
     add_output,
     add_set,
     complain,
@@ -79,8 +79,7 @@ def execute(chosen: argparse.Namespace) -> int:
     try:
         write(found, folder, figures=not chosen.no_plots)
     except OSError as error:
-        complain(f"the fit can't be saved in {folder}: {reason(error)}")
-        return FAULTY_INPUT
+        raise Refusal(f"the fit can't be saved in {folder}: {reason(error)}") from None
     if not chosen.quiet:
         _show(found)
         say(f"saved in {folder}")

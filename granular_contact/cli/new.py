@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from granular_contact.cli.common import FAULTY_INPUT, FINE, Refusal, complain
+from granular_contact.cli.common import FINE, Refusal
 
 HELP = "write a commented config, with its mechanism in it, to start from"
 
@@ -35,11 +35,9 @@ def execute(chosen: argparse.Namespace) -> int:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        complain(f"{path} is there already; give another file with --out")
-        return FAULTY_INPUT
+        raise Refusal(f"{path} is there already; give another file with --out") from None
     except OSError as error:
-        complain(f"{path} can't be written: {error.strerror}")
-        return FAULTY_INPUT
+        raise Refusal(f"{path} can't be written: {error.strerror}") from None
     print(f"{path} holds the mechanism and its run; change it, and then:")
     print(f"  granular-contact check {path}")
     print(f"  granular-contact run {path} --animate")

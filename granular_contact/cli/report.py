@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from granular_contact.cli.common import FAULTY_INPUT, FINE, complain
+from granular_contact.cli.common import FINE, Refusal
 
 HELP = "make one HTML file of a results folder, to read, print and pass on"
 
@@ -28,10 +28,9 @@ def execute(chosen: argparse.Namespace) -> int:
         folders = [Path(one) for one in chosen.directory]
         written = pages.write(folders[0] if len(folders) == 1 else folders, file)
     except pages.FolderError as error:
-        complain(f"report: {error}")
-        return FAULTY_INPUT
+        raise Refusal(f"report: {error}") from None
     except OSError as error:
-        complain(f"report: {file or chosen.directory[0]} can't be written: {error.strerror or error}")
-        return FAULTY_INPUT
+        why = error.strerror or error
+        raise Refusal(f"report: {file or chosen.directory[0]} can't be written: {why}") from None
     print(f"saved in {written}")
     return FINE

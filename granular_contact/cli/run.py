@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli.common import (
     ENDS,
-    FAULTY_INPUT,
     FINE,
     NARROW,
     Refusal,
@@ -80,8 +79,10 @@ def _method(chosen: argparse.Namespace) -> Iterator[str]:
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     scenario, scene = read(chosen.config, [*_method(chosen), *chosen.set])
-    if problem := _film_problem(chosen.film) or _view_problem(chosen.view, scene):
-        raise Refusal(problem)
+    if chosen.film == "mp4" and shutil.which("ffmpeg") is None:
+        raise Refusal("--animate-mp4: there is no ffmpeg on the path; --animate saves a GIF, which needs none")
+    if chosen.view:
+        _refuse_view(scene)
     folder = output_folder(chosen.out, Path(chosen.config).stem)
 
     from granular_contact import report
@@ -94,8 +95,7 @@ def execute(chosen: argparse.Namespace) -> int:
         figures = scenario.output.figures and not chosen.no_plots
         report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
     except OSError as error:
-        complain(f"the results can't be saved in {folder}: {error}")
-        return FAULTY_INPUT
+        raise Refusal(f"the results can't be saved in {folder}: {error}") from None
     if not chosen.quiet:
         say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
     elif results.status.code in ENDS:
@@ -134,22 +134,16 @@ def _simulate(
 
 
 def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """Lines on the steps of a run, and on what it did without."""
+    """Lines on the steps of a run, and on what it did without; methods other than the engine have no system."""
     yield f"steps {scene.solver.why}"
     yield "left out:"
-    yield from (f"  {line}" for line in _left_out(solved))
-
-
-def _left_out(solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """What the run did without; methods other than the engine have no system."""
     if not solved:
-        yield "the engine: the method does without its solver" + (
-            "" if "exudyn" in sys.modules else ", and it is not imported"
-        )
+        also = "" if "exudyn" in sys.modules else ", and it is not imported"
+        yield f"  the engine: the method does without its solver{also}"
     for system, trajectory in solved:
         from granular_contact.multibody.omissions import left_out
 
-        yield from left_out(system, trajectory)
+        yield from (f"  {line}" for line in left_out(system, trajectory))
 
 
 def _surface_follows(scenario: Scenario) -> bool:
@@ -159,23 +153,14 @@ def _surface_follows(scenario: Scenario) -> bool:
     return any(start.height is not None for start in (scenario.initial.joints or {}).values())
 
 
-def _film_problem(film: str | None) -> str | None:
-    """Why there can be no such film, or None."""
-    if film == "mp4" and shutil.which("ffmpeg") is None:
-        return "--animate-mp4: there is no ffmpeg on the path; --animate saves a GIF, which needs none"
-    return None
-
-
-def _view_problem(asked: bool, scene: Scene) -> str | None:
-    """Why the run can't be viewed, or None."""
-    if not asked:
-        return None
+def _refuse_view(scene: Scene) -> None:
+    """Raise if the run can't be viewed."""
     if scene.method is not None:
-        return "--view: the viewer is the engine's, which this method does not run in; --animate shows both"
+        raise Refusal("--view: the viewer is the engine's, which this method does not run in; --animate shows both")
     from granular_contact.multibody import view
 
-    found = view.problem()
-    return None if found is None else f"--view: {found}; --animate saves an animation, which needs none"
+    if (problem := view.problem()) is not None:
+        raise Refusal(f"--view: {problem}; --animate saves an animation, which needs none")
 
 
 @contextmanager

@@ -11,17 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
-from granular_contact.cli.common import (
-    FAILED,
-    FINE,
-    complain,
-    headings,
-    numbers,
-    output_folder,
-    print_table,
-    say,
-    there,
-)
+from granular_contact.cli.common import FAILED, FINE, complain, output_folder, print_numbers, print_table, say, there
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
@@ -136,10 +126,9 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
             failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
     columns = there(_SHOWN if sweep.base.wheel is None else _OF_WHEEL, [row.summary for row in first])
     if not quiet:
-        heads = [*_short_names(keys), "status", *headings(columns)]
-        of_case = ((*(_value(row.values.get(key)) for key in keys), row.summary["status"]) for row in first)
-        values = (numbers(row.summary, columns) for row in first)
-        print_table("case", heads, [(r.name, *t, *v) for r, t, v in zip(first, of_case, values, strict=True)])
+        words = ([one.name, *(_value(one.values.get(key)) for key in keys), one.summary["status"]] for one in first)
+        cells = zip(words, (one.summary for one in first), strict=True)
+        print_numbers(["case", *_short_names(keys), "status"], columns, cells)
         if len(sweep.cases) > MOST_SHOWN:
             print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
         for line in failed:

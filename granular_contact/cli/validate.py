@@ -7,7 +7,7 @@ import importlib
 import sys
 from pathlib import Path
 
-from granular_contact.cli.common import FAULTY_INPUT, complain
+from granular_contact.cli.common import Refusal
 
 HELP = "run the studies of a checkout and say which claims hold"
 
@@ -23,8 +23,8 @@ def execute(chosen: argparse.Namespace) -> int:
     places = [Path.cwd(), Path(__file__).parents[2]]
     root = next((place for place in places if (place / "validation" / "run_all.py").is_file()), None)
     if root is None:
-        complain(f"validate: there is no validation/run_all.py in {places[0]}; run it in a checkout of the project")
-        return FAULTY_INPUT
+        words = "run it in a checkout of the project"
+        raise Refusal(f"validate: there is no validation/run_all.py in {places[0]}; {words}")
     sys.path.insert(0, str(root))
     code: int = importlib.import_module("validation.run_all").main(chosen.quick, chosen.record)
     return code

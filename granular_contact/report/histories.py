@@ -6,7 +6,7 @@ the same are drawn as one, those that are only round-off not at all.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -254,25 +254,26 @@ ENERGIES = (  # label, column, factor; gravity is counted from the start
     ("kinetic", "kinetic_J", 1.0),
     ("gravity, from start", "gravity_J", 1.0),
     ("elastic", "elastic_J", 1.0),
+    ("dissipated in medium", "granular_work_J", -1.0),
+    ("dissipated by damping", "damping_work_J", -1.0),
     ("springs and stops of joints", "spring_J", 1.0),
-    ("taken by the medium", "granular_work_J", -1.0),
-    ("taken by damping", "damping_work_J", -1.0),
-    ("taken by dampers of joints", "joint_damping_work_J", -1.0),
-    ("taken by dry friction", "friction_work_J", -1.0),
+    ("dissipated by dampers", "joint_damping_work_J", -1.0),
+    ("dissipated by dry friction", "friction_work_J", -1.0),
     ("taken by the floor", "floor_work_J", -1.0),
     ("less work of drives", "drive_work_J", -1.0),
 )
 
 
+def energies(names: Container[str]) -> tuple[Curve, ...]:
+    """Those energies and works that a table with these columns has."""
+    there = (one for one in ENERGIES if one[1] in names)
+    return tuple(Curve(words, ((name, factor),), start=name == "gravity_J") for words, name, factor in there)
+
+
 def _energy(found: _Names) -> Group:
     """Energies and works, and by how much their balance does not close."""
-    curves = [
-        Curve(words, ((name, factor),), start=name == "gravity_J")
-        for words, name, factor in ENERGIES
-        if name in found.has
-    ]
     panels = [
-        Panel("energy", "J", tuple(curves)),
+        Panel("energy", "J", energies(found.has)),
         found.panel("energy imbalance", "J", [("imbalance", "energy_imbalance_J")]),
     ]
     words = "Where the energy is and went; the sum is constant but for the imbalance."

@@ -11,7 +11,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -83,14 +82,12 @@ def motion(runs: Sequence[History]) -> Motion | None:
     for _, one in moved:
         bent |= {place + i: points for i, points in one.bent.items()}
         place += len(one.parts)
-    return Motion(
-        time,
-        tuple(replace(part, name=f"{name}: {part.name}") for name, one in moved for part in one.parts),
-        np.concatenate([one.poses for _, one in moved], axis=1),
-        bent,
-        {f"{name}: {body}": force for name, one in moved for body, force in one.forces.items()},
-        moved[-1][1].ground,
-        moved[-1][1].bedding,
+    return replace(
+        moved[-1][1],
+        parts=tuple(replace(part, name=f"{name}: {part.name}") for name, one in moved for part in one.parts),
+        poses=np.concatenate([one.poses for _, one in moved], axis=1),
+        bent=bent,
+        forces={f"{name}: {body}": force for name, one in moved for body, force in one.forces.items()},
     )
 
 
@@ -104,15 +101,9 @@ def _at(one: Motion, time: Array) -> Motion:
     drawn = _linear(one.time, poses, time)
     if one.in_space:
         drawn[..., 3:] /= np.linalg.norm(drawn[..., 3:], axis=2, keepdims=True)
-    return Motion(
-        time,
-        one.parts,
-        drawn,
-        {i: _linear(one.time, points, time) for i, points in one.bent.items()},
-        {body: (_linear(one.time, at, time), _linear(one.time, f, time)) for body, (at, f) in one.forces.items()},
-        one.ground,
-        one.bedding,
-    )
+    bent = {i: _linear(one.time, points, time) for i, points in one.bent.items()}
+    forces = {body: (_linear(one.time, at, time), _linear(one.time, f, time)) for body, (at, f) in one.forces.items()}
+    return replace(one, time=time, poses=drawn, bent=bent, forces=forces)
 
 
 def _linear(time: Array, values: Array, at: Array) -> Array:
@@ -141,7 +132,7 @@ def panels(names: Sequence[str], columns: Mapping[str, Array], reference: str = 
     """
     runs = dict(zip(keys(names), names, strict=True))
     found: dict[str, Group] = {}
-    quantities: dict[tuple[str, str], dict[str, _Quantity]] = {}  # of a group, by panel and curve, then by run
+    quantities: dict[tuple[str, str], dict[str, Panel]] = {}  # of a group, by title, then by run
     for key in runs:
         own = {name.removeprefix(f"{key}."): values for name, values in columns.items() if name.startswith(f"{key}.")}
         own["time_s"] = columns["time_s"]
@@ -158,15 +149,8 @@ def panels(names: Sequence[str], columns: Mapping[str, Array], reference: str = 
     return [group for group in made if group.panels]
 
 
-class _Quantity(NamedTuple):
-    """What is compared: its title, and the panel that has the curve of one run alone."""
-
-    title: str
-    panel: Panel
-
-
-def _quantities(group: Group, key: str, name: str) -> Iterator[_Quantity]:
-    """Quantities of a group of one run. Of forces the sum; of energies what is exchanged; of many joints the first."""
+def _quantities(group: Group, key: str, name: str) -> Iterator[Panel]:
+    """Panels of one curve of a run. Of forces the sum; of energies what is exchanged; of many joints the first."""
     for panel in group.panels:
         curves = panel.curves
         if group.name == "energy":
@@ -182,16 +166,14 @@ def _quantities(group: Group, key: str, name: str) -> Iterator[_Quantity]:
                 along = f"{key}.{panel.along}" if panel.along else ""
                 terms = tuple((f"{key}.{column}", factor) for column, factor in curve.terms)
                 drawn = replace(curve, label=name, terms=terms, along=along)
-                yield _Quantity(title, replace(panel, title=title, curves=(drawn,), along=along))
+                yield replace(panel, title=title, curves=(drawn,), along=along)
 
 
-def _drawn(
-    of_runs: Mapping[str, _Quantity], columns: Mapping[str, Array], base: str, reference: str
-) -> Iterator[Panel]:
+def _drawn(of_runs: Mapping[str, Panel], columns: Mapping[str, Array], base: str, reference: str) -> Iterator[Panel]:
     """A quantity with a curve for each run; and, for a reference, how far the others are from it."""
     column = columns.__getitem__
-    one = next(iter(of_runs.values())).panel
-    curves = {key: quantity.panel.curves[0] for key, quantity in of_runs.items()}
+    one = next(iter(of_runs.values()))
+    curves = {key: panel.curves[0] for key, panel in of_runs.items()}
     yield in_unit(replace(one, curves=tuple(curves.values())), column)
     if base not in curves or len(curves) < 2 or one.base not in _SMOOTH or one.along:
         return

@@ -12,16 +12,19 @@ from matplotlib.figure import Figure
 from granular_contact.report.figures.events import mark_events
 from granular_contact.report.figures.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
 from granular_contact.report.figures.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
+from granular_contact.report.histories import energies
 from granular_contact.report.units import Array, Unit, greatest, instant, minus, time_unit, unit_for
 from granular_contact.results import CENTRAL_MOMENT, MOMENT, Results
 
-_LOOKS = (  # of the terms of the granular force, one after another: colour, kind of line
-    (BLUE, "-"),
-    (VERMILION, (0, (4, 1.2))),
-    (GREEN, (0, (4, 1.2, 1, 1.2))),
-    (PURPLE, (0, (1, 1))),
-    (ORANGE, (0, (2, 1))),
-)
+_DASHED, _DOTTED, _SHORT, _MIXED = (0, (4, 1.2)), (0, (1, 1)), (0, (2, 1)), (0, (4, 1.2, 1, 1.2))  # kinds of lines
+# Of the terms of the granular force, one after another.
+_TERMS = ((BLUE, "-"), (VERMILION, _DASHED), (GREEN, _MIXED), (PURPLE, _DOTTED), (ORANGE, _SHORT))
+_ENERGIES = {
+    **{"kinetic_J": (BLUE, "-"), "gravity_J": (GREEN, _DASHED), "elastic_J": (PURPLE, _DOTTED)},
+    **{"granular_work_J": (VERMILION, _MIXED), "damping_work_J": (ORANGE, _SHORT)},
+    **{"spring_J": (SKY, _DOTTED), "joint_damping_work_J": (ORANGE, _DASHED), "friction_work_J": (PURPLE, _SHORT)},
+    **{"floor_work_J": (FAINT, _DASHED), "drive_work_J": (SKY, _MIXED)},
+}
 
 
 def deflection(results: Results) -> Figure:
@@ -75,7 +78,7 @@ def _terms(results: Results, rows: Sequence[tuple[str, float, Unit, str]]) -> Fi
         parts = [cleared(results[f"{term}_{column}"], scale) * unit.factor for term in results.terms]
         if len(parts) > 1:
             curve(axes, time, np.sum(parts, axis=0), INK, "sum", linewidth=0.7)
-        for part, term, (colour, kind) in zip(parts, results.terms, cycle(_LOOKS), strict=False):
+        for part, term, (colour, kind) in zip(parts, results.terms, cycle(_TERMS), strict=False):
             curve(axes, time, part, colour, term.replace("_", " "), linestyle=kind)
         labels = ["sum", *(term.replace("_", " ") for term in results.terms)]
         has_legend = axes is panels[0] and len(parts) > 1
@@ -87,34 +90,15 @@ def _terms(results: Results, rows: Sequence[tuple[str, float, Unit, str]]) -> Fi
 def energy(results: Results) -> Figure:
     """Energies and dissipated work over time, their total, which should be constant, and the imbalance."""
     figure, (upper, lower), time = stacked(results, 98.0, (3, 1))
-    recorded = {column.name for column in results.columns}
-    parts = [  # gravity counted from the start, work turned into what is dissipated
-        ("kinetic", "kinetic_J", 1.0, BLUE, "-"),
-        ("gravity, from start", "gravity_J", 1.0, GREEN, (0, (4, 1.2))),
-        ("elastic", "elastic_J", 1.0, PURPLE, (0, (1, 1))),
-        ("dissipated in medium", "granular_work_J", -1.0, VERMILION, (0, (4, 1.2, 1, 1.2))),
-    ]
-    if "elastic_J" in recorded:  # a flexible link, which alone can lose energy by damping
-        parts.append(("dissipated by damping", "damping_work_J", -1.0, ORANGE, (0, (2, 1))))
-    parts += [  # of joints, where a mechanism has such things
-        ("springs and stops of joints", "spring_J", 1.0, SKY, (0, (1, 1))),
-        ("dissipated by dampers", "joint_damping_work_J", -1.0, ORANGE, (0, (4, 1.2))),
-        ("dissipated by dry friction", "friction_work_J", -1.0, PURPLE, (0, (2, 1))),
-        ("taken by the floor", "floor_work_J", -1.0, FAINT, (0, (4, 1.2))),
-        ("less work of drives", "drive_work_J", -1.0, SKY, (0, (4, 1.2, 1, 1.2))),
-    ]
-    curves = []
-    for label, name, sign, colour, kind in parts:
-        if name in recorded:
-            values = sign * results[name]
-            curves.append((label, values - values[0] if name == "gravity_J" else values, colour, kind))
-    total = np.sum([values for _, values, _, _ in curves], axis=0)
-    scale = max(greatest(values) for _, values, _, _ in curves)
-    curves = [one for one in curves if greatest(one[1]) >= ROUND_OFF * scale]
+    parts = [(one, one.values(results.__getitem__)) for one in energies(results.names)]
+    scale = max(greatest(values) for _, values in parts)
     unit = unit_for(np.array([scale]), "J")
+    total = np.sum([values for _, values in parts], axis=0)
     curve(upper, time, total * unit.factor, INK, "total", linewidth=0.8)
-    for label, values, colour, kind in curves:
-        curve(upper, time, values * unit.factor, colour, label, linestyle=kind)
+    for one, values in parts:
+        if greatest(values) >= ROUND_OFF * scale:
+            colour, kind = _ENERGIES[one.terms[0][0]]
+            curve(upper, time, values * unit.factor, colour, one.label, linestyle=kind)
     finish(upper, f"energy ({unit.name})", columns=2)
     _imbalance(lower, results, time, scale)
     mark_events(results, [upper, lower])

@@ -99,7 +99,7 @@ def _page(
     every = max(1, -(-table.size // MOST_NUMBERS))
     data: dict[str, Any] = {
         "table": _packed(list(columns), table[::every]),
-        "groups": [_group_data(group) for group in found],
+        "groups": [asdict(group) for group in found],
         "moments": {},
     }
     if shown is not None:
@@ -114,23 +114,6 @@ def _page(
 def _groups(columns: dict[str, Array]) -> list[Group]:
     terms = [n.removesuffix(_TERM) for n in columns if n.endswith(_TERM)]
     return groups(list(columns), terms, columns.__getitem__)
-
-
-def _group_data(group: Group) -> dict[str, Any]:
-    """A group as JSON."""
-    return {
-        "name": group.name,
-        "panels": [
-            {
-                "title": panel.title,
-                "unit": panel.unit.name,
-                "factor": panel.unit.factor,
-                "along": panel.along,
-                "curves": [asdict(curve) for curve in panel.curves],
-            }
-            for panel in group.panels
-        ],
-    }
 
 
 def _packed(names: list[str], table: Array) -> dict[str, Any]:

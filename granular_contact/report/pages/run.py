@@ -13,16 +13,6 @@ from granular_contact.results import FINISHED, REST_MEASURE
 
 # Told elsewhere on the page, or of no use as a single number.
 _ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions", "drives", "strides")
-ENERGIES = {
-    "initial_J": "energy at the start",
-    "final_J": "energy at the end",
-    "granular_work_J": "work of the medium",
-    "damping_work_J": "work of the links' internal damping",
-    "joint_damping_work_J": "work of dampers in joints",
-    "friction_work_J": "work of dry friction in joints",
-    "drive_work_J": "work of drives",
-    "floor_work_J": "work of the floor",
-}
 NOW = 1e-9  # s: a touch before that is the start
 MOST_CONTACTS = 8  # of a body, that are reported one by one
 
@@ -49,7 +39,7 @@ def content(folder: Folder) -> dict[str, Any]:
         "pictures": pictures,
         "film": folder.film(),
         "still": next((path for path in pictures if path.stem in ("mechanism", "views")), None),
-        "energies": [[words, quantity(k, energy[k])] for k, words in ENERGIES.items() if energy.get(k) is not None],
+        "energy": energy,
         "drives": list(_drives(summary.get("drives") or {})),
         "strides": list(_strides(summary.get("strides") or {})),
         "stride_count": (summary.get("strides") or {}).get("count"),

@@ -80,7 +80,7 @@ class Panel {
     this.columns = columns;
     this.all = all;
     this.time = columns.time_s;
-    this.curves = spec.curves.map((curve) => valuesOf(curve, columns, spec.factor));
+    this.curves = spec.curves.map((curve) => valuesOf(curve, columns, spec.unit.factor));
     this.runs = spec.curves.map((curve, c) => (data.runs ? runOf(curve.terms[0][0], ".") : c)); // of several runs each has its colour
     this.range = [this.time[0], this.time[this.time.length - 1]];
     this.plot = make("div", { class: "plot" });
@@ -92,7 +92,7 @@ class Panel {
       key.style.setProperty("--tone", colourOf(this.runs[i]));
       return { key, value };
     });
-    const head = make("div", { class: "head" }, make("h3", {}, spec.unit ? `${spec.title} (${spec.unit})` : spec.title));
+    const head = make("div", { class: "head" }, make("h3", {}, spec.unit.name ? `${spec.title} (${spec.unit.name})` : spec.title));
     head.append(...this.readings.map((one) => one.key));
     this.element = make("div", { class: "panel" }, head, make("div", { class: "frame" }, this.plot, this.cursor));
     this.plot.addEventListener("pointermove", (event) => this.point(event));
@@ -239,7 +239,7 @@ function chosen(columns, add, all, watch) {
     const curves = (data.runs || [{ name: words }])
       .map((run) => ({ label: run.name, terms: [[run.key ? `${run.key}.${select.value}` : select.value, 1]] }))
       .filter((curve) => curve.terms[0][0] in columns);
-    panel = add({ title: select.value, unit: "SI or deg", factor: 1, along: "", curves }, $("#chosen"));
+    panel = add({ title: select.value, unit: { name: "SI or deg", factor: 1 }, along: "", curves }, $("#chosen"));
     panel.range = all.panels.length > 1 ? [...all.panels[0].range] : panel.range;
   });
 }
