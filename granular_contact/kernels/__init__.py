@@ -7,7 +7,7 @@ laws in the plane   law, joining, forces         what a law provides, how it is 
 friction state      friction, planar_friction, space_friction
                     scatter, path_length, wheels scatter of grains, shear displacement, the surface behind a wheel
 a bed in the plane  planar_sand, batches, lines  all media; one; one contact line
-                    kinematics, spatial, layers  how bodies move stations; layers
+                    kinematics, spatial          how bodies move stations
 a bed in space      space_law, space_joining     as `law` and `joining`
                     space_bodies                 rigid bodies with all elements on them
                     facets, slices, facet_layers, facet_scatter, space_balls    the elements; bars are in `bars`
@@ -19,7 +19,7 @@ reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip
                     runge_kutta, march, modal_looks                                 its steps, and what is found in them
 trees               tree, tree_load, tree_march, chebyshev
 how it is compiled  compiled, compiling, hurry, counting, loaded
-                    entry, lending, borrowing, memory    calls and arrays without numba's general forms
+                    entry, lending, memory    calls and arrays without numba's general forms
 
 numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;
 it does not see that a function of another file, inlined into it, has changed. So what is older than any kernel or law

@@ -23,9 +23,8 @@ from granular_contact.kernels import space_law as law
 from granular_contact.kernels.bar_statics import vertical_force as planar_vertical_force
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
-from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS
+from granular_contact.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, inside
 from granular_contact.kernels.law import TERMS
-from granular_contact.kernels.layers import inside
 from granular_contact.kernels.memory import clear, room2, room3, rows
 from granular_contact.kernels.planar_friction import drive, mobilised
 

@@ -3,7 +3,7 @@
 A strip runs from end 0 to end 1; its points are named by xi in [0, 1], and the depth below the surface varies linearly,
 z(xi) = (1 - xi) z0 + xi z1, positive below. With N_0 = 1 - xi and N_1 = xi, the integrals
 
-    J_e = int z^lam N_e dxi        over the part of the strip with z > 0
+    J_e = int z^lam N_e dxi        over a part of the strip with z > 0
 
 are what turns a force density proportional to z^lam into forces at the two ends. They are closed forms, so the point
 where the strip crosses the surface costs no accuracy. lam = 1, which most laws have, needs no power.
@@ -36,59 +36,32 @@ def immersed_interval(z0: float, z1: float) -> tuple[float, float]:
 
 
 @part
-def depth_integrals(z0: float, z1: float, lam: float) -> tuple[float, float]:
-    """Integrals J_0, J_1 of z^lam N_e over the immersed part (m^lam); end depths z0, z1 (m), exponent lam >= 0."""
-    if z0 > z1:
-        j1, j0 = depth_integrals_rising(z1, z0, lam)
-        return j0, j1
-    return depth_integrals_rising(z0, z1, lam)
+def inside(z0, z1, line):
+    """Part (a, b) of a strip with end depths z0, z1 (m) that lies in the medium; (0, 0) when none does.
 
-
-@part
-def depth_integrals_rising(z0: float, z1: float, lam: float) -> tuple[float, float]:
-    """`depth_integrals` for z0 <= z1."""
-    if z1 <= 0.0:
+    In a layer strips are cut at its boundaries. Depths stay those below the free surface, so the pressure of what lies
+    above is in them as if it were the same medium.
+    """
+    if not line.layered:
+        return immersed_interval(z0, z1)
+    low, high = min(z0, z1), max(z0, z1)
+    if high <= line.top or low >= line.bottom or high <= 0.0:
         return 0.0, 0.0
-    if z0 <= 0.0:
-        beta = z1 / (z1 - z0)  # immersed fraction
-        p = z1 if lam == 1.0 else z1**lam
-        total = beta * p / (lam + 1.0)
-        j1 = beta * p * ((1.0 - beta) / (lam + 1.0) + beta / (lam + 2.0))
-        return total - j1, j1
-    if lam == 1.0:
-        return z0 / 3.0 + z1 / 6.0, z0 / 6.0 + z1 / 3.0
-    dz = z1 - z0
-    if dz <= LEVEL * (z0 + z1):
-        middle = 0.5 * (z0 + z1)
-        low, high = 5.0 / 18.0 * (middle - FAR * dz) ** lam, 5.0 / 18.0 * (middle + FAR * dz) ** lam
-        half = 0.5 * (low + 8.0 / 18.0 * middle**lam + high)
-        return half - FAR * (high - low), half + FAR * (high - low)
-    p0 = z0 ** (lam + 1.0)
-    p1 = z1 ** (lam + 1.0)
-    total = (p1 - p0) / ((lam + 1.0) * dz)
-    j1 = (p1 - (p1 * z1 - p0 * z0) / ((lam + 2.0) * dz)) / ((lam + 1.0) * dz)
-    return total - j1, j1
-
-
-@part
-def pressure_integrals(z0: float, z1: float) -> tuple[float, float]:
-    """`depth_integrals` for lam = 1 (m), where they are plain polynomials."""
-    if z0 >= 0.0 and z1 >= 0.0:
-        return (2.0 * z0 + z1) / 6.0, (z0 + 2.0 * z1) / 6.0
-    if z0 <= 0.0 and z1 <= 0.0:
-        return 0.0, 0.0
-    deep, beta = (z1, z1 / (z1 - z0)) if z1 > 0.0 else (z0, z0 / (z0 - z1))  # beta: immersed fraction
-    far = deep * beta * beta / 6.0  # at the end above the surface
-    near = 0.5 * deep * beta - far
-    return (far, near) if z1 > 0.0 else (near, far)
+    a, b = 0.0, 1.0
+    if low < line.top:
+        cut = (line.top - z0) / (z1 - z0)
+        a, b = (cut, b) if z0 < z1 else (a, cut)
+    if high > line.bottom:
+        cut = (line.bottom - z0) / (z1 - z0)
+        a, b = (a, cut) if z0 < z1 else (cut, b)
+    return a, b
 
 
 @part
 def part_integrals(a, b, z0, z1, lam):
-    """`depth_integrals` over the part of a strip from a to b, where it lies below the surface."""
+    """Integrals J_0, J_1 of z^lam N_e (m^lam) over the part of a strip from a to b, which lies below the surface."""
     dz = z1 - z0
-    za, zb = max(0.0, z0 + a * dz), max(0.0, z0 + b * dz)
-    j0, j1 = pressure_integrals(za, zb) if lam == 1.0 else depth_integrals(za, zb, lam)
+    j0, j1, _ = moments(max(0.0, z0 + a * dz), max(0.0, z0 + b * dz), lam)
     return (b - a) * ((1.0 - a) * j0 + (1.0 - b) * j1), (b - a) * (a * j0 + b * j1)
 
 

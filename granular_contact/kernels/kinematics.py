@@ -37,11 +37,7 @@ def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]
 
     Every piece of the line has at least one strip.
     """
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    shares = np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
-    pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(points, points[1:], shares, strict=False)]
-    stations = _at_places(np.vstack([*pieces, points[-1:]]))
-    stations["kept"] = np.concatenate([*(_every_second(n) for n in shares), [True]])
+    ((stations, _),) = curved_stations(points, np.zeros(len(points) - 1), strips)
     return stations
 
 
@@ -57,8 +53,6 @@ def curved_stations(
 
     Runs of neighbouring sides whose strips turn by the same angle, and that angle.
     """
-    if not turns.any():
-        return [(rigid_stations(points, strips), 0.0)]
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     shares = np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
     each = turns / shares

@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from granular_contact.kernels.borrowing import borrowed
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
-from granular_contact.kernels.memory import clear, copy, piece, room1, room2
+from granular_contact.kernels.memory import borrowed, clear, copy, piece, room1, room2
 from granular_contact.kernels.memory import rows as rows_of
 from granular_contact.kernels.modal import SIZE
 from granular_contact.kernels.modal_calls import rates
@@ -294,7 +293,7 @@ def march(share, codes, state, stacked, control, allowed, room):
 
 @part
 def lent_room(room):
-    """The same room for the time of a call, see `borrowing`."""
+    """The same room for the time of a call, see `memory.borrowed`."""
     return Room(borrowed(room.pair), borrowed(room.slopes), borrowed(room.path), borrowed(room.end))
 
 

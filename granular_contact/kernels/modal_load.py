@@ -11,11 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from granular_contact.kernels.borrowing import borrowed
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.law import forces
 from granular_contact.kernels.lines import drag_anchors
-from granular_contact.kernels.memory import clear, piece, rows
+from granular_contact.kernels.memory import borrowed, clear, piece, rows
 from granular_contact.kernels.modal import modal_scatter, modal_stations, place_stations, within_reach
 
 
@@ -41,7 +40,7 @@ class PendulumArrays(NamedTuple):
 
 @part
 def lent(w):
-    """The same arrays for the time of a call, see `borrowing`."""
+    """The same arrays for the time of a call, see `memory.borrowed`."""
     return PendulumArrays(
         borrowed(w.pendulum), borrowed(w.geometry), borrowed(w.starts), borrowed(w.lines), borrowed(w.profile),
         borrowed(w.medium), borrowed(w.anchors), borrowed(w.room), borrowed(w.depths),

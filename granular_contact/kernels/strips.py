@@ -13,9 +13,8 @@ import numpy as np
 
 from granular_contact.kernels import law
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.immersion import immersed_interval
+from granular_contact.kernels.immersion import immersed_interval, inside
 from granular_contact.kernels.law import TERMS
-from granular_contact.kernels.layers import inside
 from granular_contact.kernels.memory import clear, room3
 from granular_contact.kernels.surface import depth
 
