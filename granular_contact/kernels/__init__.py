@@ -19,7 +19,7 @@ reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip
                     runge_kutta, march, modal_looks                                 its steps, and what is found in them
 trees               tree, tree_load, tree_march, chebyshev
 how it is compiled  compiled, compiling, hurry, counting, loaded
-                    entry, lending, memory    calls and arrays without numba's general forms
+                    records, entry, lending, memory    record types; calls and arrays without numba's general forms
 
 numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;
 it does not see that a function of another file, inlined into it, has changed. So what is older than any kernel or law

@@ -17,6 +17,7 @@ import math
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.memory import clear
+from granular_contact.kernels.records import fields
 
 HINGE, SLIDER = 0, 1
 RIGID, CABLE = 3, 4  # coordinates of a node; the ground has none
@@ -24,11 +25,8 @@ RIGID, CABLE = 3, 4  # coordinates of a node; the ground has none
 # parent, child: how many coordinates their nodes have. axis: of a slider, in the parent's frame; seat (m): where along
 # it the joint's point on the parent is. arm (2,) m: from the child's node to the joint's point, in its frame.
 COORDINATE = [
-    ("kind", "i8"),
-    ("parent", "i8"),
-    ("child", "i8"),
-    ("offset", "f8"),
-    ("seat", "f8"),
+    *fields("i8", "kind", "parent", "child"),
+    *fields("f8", "offset", "seat"),
     ("axis", "f8", (2,)),
     ("arm", "f8", (2,)),
     ("parent_reference", "f8", (4,)),

@@ -19,12 +19,13 @@ from granular_contact.kernels.joint_coordinates import COORDINATE, coordinate
 from granular_contact.kernels.joint_laws import follow, total
 from granular_contact.kernels.lines import difference
 from granular_contact.kernels.memory import room1, rows
+from granular_contact.kernels.records import fields
 
 ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
 _STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
 LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
 DRIVE = ("gain", "rate_gain", "limit")
-JOINT = np.dtype([*COORDINATE, ("drive", "i8"), *((name, "f8") for name in (*LAW, *DRIVE))])
+JOINT = np.dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
 MOST = 8  # coordinates of two nodes
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.records import fields
 from granular_contact.kernels.spatial import spatial_scatter, spatial_stations
 
 # Kinds of bodies; a line is on one body.
@@ -20,15 +21,7 @@ RIGID, CABLE, SPATIAL = 0, 1, 2
 # x, y, z: place on a rigid body (m). first, shape: first coordinate of a cable's element, and N_1 .. N_4 there.
 # kept: whether a station also belongs to the division into strips of twice the length, see `lines.accept`.
 STATION = np.dtype(
-    [
-        ("kind", "i8"),
-        ("x", "f8"),
-        ("y", "f8"),
-        ("z", "f8"),
-        ("first", "i8"),
-        ("shape", "f8", (4,)),
-        ("kept", "?"),
-    ]
+    [("kind", "i8"), *fields("f8", "x", "y", "z"), ("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")]
 )
 
 

@@ -24,6 +24,7 @@ from numba.extending import intrinsic, overload
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.kinematics import STATION
+from granular_contact.kernels.records import fields
 
 TERMS = 3
 
@@ -40,28 +41,10 @@ TERMS = 3
 # length, place (m) where the line begins, seed a whole number, and static has the bits of the terms that scatter.
 LINE = np.dtype(
     [
-        ("width", "f8"),
-        ("side", "f8"),
-        ("turn", "f8"),
-        ("drop", "f8"),
-        ("beside", "f8"),
-        ("mass", "f8"),
-        ("top", "f8"),
-        ("bottom", "f8"),
-        ("j0", "f8"),
-        ("j1", "f8"),
-        ("radius", "f8"),
-        ("hub_along", "f8"),
-        ("hub_left", "f8"),
-        ("behind", "f8"),
-        ("scatter", "f8"),
-        ("grain", "f8"),
-        ("place", "f8"),
-        ("seed", "f8"),
+        *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom", "j0", "j1"),
+        *fields("f8", "radius", "hub_along", "hub_left", "behind", "scatter", "grain", "place", "seed"),
         ("static", "i8"),
-        ("layered", "?"),
-        ("cap", "?"),
-        ("resultant", "?"),
+        *fields("?", "layered", "cap", "resultant"),
     ]
 )
 
@@ -72,7 +55,7 @@ FUNCTIONS = (
     *("forces", "strip_force", "cap_force", "ball_force", "drag_anchor"),
     *("line_force", "count_shear", "count_path", "scattered", "lowering"),
 )
-LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), ("own", "f8", (SIZE,))])
+LAW = np.dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
 
 _LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))

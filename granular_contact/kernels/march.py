@@ -18,6 +18,7 @@ from granular_contact.kernels.modal import SIZE
 from granular_contact.kernels.modal_calls import rates
 from granular_contact.kernels.modal_load import PendulumArrays, drag, lent
 from granular_contact.kernels.modal_motion import decide, follow
+from granular_contact.kernels.records import fields
 from granular_contact.kernels.runge_kutta import STAGES, error, inside, interpolant, step
 from granular_contact.kernels.slip import middle, slip_velocity
 
@@ -32,14 +33,8 @@ CROWD = 50  # ends of regimes within `crowd` that are taken for chattering
 # medium, which cost an evaluation each.
 CONTROL = np.dtype(
     [
-        ("end", "f8"),
-        ("longest", "f8"),
-        ("interval", "f8"),
-        ("reach", "f8"),
-        ("rest_speed", "f8"),
-        ("rest_time", "f8"),
-        ("crowd", "f8"),
-        ("blurred", "f8"),
+        *fields("f8", "end", "longest", "interval", "reach"),
+        *fields("f8", "rest_speed", "rest_time", "crowd", "blurred"),
         ("forces", "?"),
     ]
 )

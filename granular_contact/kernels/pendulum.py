@@ -20,6 +20,7 @@ import numpy as np
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.modal import MOST_MODES
+from granular_contact.kernels.records import fields
 
 # Units: J kg m2; S_e, S_n kg m; b m; m kg; c kg m; p kg; k N/m; d N s/m; g m/s2. true_sign: whether the static law
 # is that of `slip`; still: speed (m/s, rad/s without modes) that counts as none there; rates, margins, hold: addresses,
@@ -28,20 +29,12 @@ PENDULUM = np.dtype(
     [
         ("modes", "i8"),
         ("true_sign", "?"),
-        ("still", "f8"),
-        ("J", "f8"),
-        ("S_e", "f8"),
-        ("S_n", "f8"),
-        ("b", "f8"),
-        ("m", "f8"),
-        ("g", "f8"),
+        *fields("f8", "still", "J", "S_e", "S_n", "b", "m", "g"),
         ("c", "f8", (MOST_MODES,)),
         ("p", "f8", (MOST_MODES,)),
         ("k", "f8", (MOST_MODES,)),
         ("d", "f8", (MOST_MODES,)),
-        ("rates", "i8"),
-        ("margins", "i8"),
-        ("hold", "i8"),
+        *fields("i8", "rates", "margins", "hold"),
     ]
 )
 

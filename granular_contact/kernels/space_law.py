@@ -19,41 +19,23 @@ from numba import from_dtype, types
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import OWN, SIZE, caller, filled
+from granular_contact.kernels.records import fields
 
 # A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
 # width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter,
 # grain (m), seed, static: of the medium, see `scatter`; static has a bit for each term that scatters.
 CLUSTER = np.dtype(
     [
-        ("x", "f8"),
-        ("y", "f8"),
-        ("z", "f8"),
-        ("radius", "f8"),
-        ("first", "i8"),
-        ("last", "i8"),
-        ("body", "i8"),
-        ("width", "f8"),
-        ("mass", "f8"),
+        *fields("f8", "x", "y", "z", "radius"),
+        *fields("i8", "first", "last", "body"),
+        *fields("f8", "width", "mass"),
         ("cap", "?"),
-        ("scatter", "f8"),
-        ("grain", "f8"),
-        ("seed", "i8"),
-        ("static", "i8"),
+        *fields("f8", "scatter", "grain"),
+        *fields("i8", "seed", "static"),
     ]
 )
 # size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
-BODY = np.dtype(
-    [
-        ("size", "i8"),
-        ("start", "i8"),
-        ("first", "i8"),
-        ("last", "i8"),
-        ("x", "f8"),
-        ("y", "f8"),
-        ("z", "f8"),
-        ("radius", "f8"),
-    ]
-)
+BODY = np.dtype([*fields("i8", "size", "start", "first", "last"), *fields("f8", "x", "y", "z", "radius")])
 # Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is
 # immersed.
 DEPTH, SPEED, LOWEST = 0, 1, 2
@@ -61,7 +43,7 @@ DEPTH, SPEED, LOWEST = 0, 1, 2
 FUNCTIONS = ("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body")
 # layered: the medium lies between the depths top and bottom (m) only.
 LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
-SPACE_LAW = np.dtype([*((name, "i8") for name in FUNCTIONS), *LAYER, ("own", "f8", (SIZE,))])
+SPACE_LAW = np.dtype([*fields("i8", *FUNCTIONS), *LAYER, ("own", "f8", (SIZE,))])
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))

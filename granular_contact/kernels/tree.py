@@ -28,19 +28,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.records import fields
 
 # parent: index of the body it hangs on, -1 for the ground; on_parent (2,) m: the hinge in the parent's frame, seen from
 # its centre of mass (in the world, on the ground); hinge (2,) m: the same in the body's own frame; mass kg; inertia
 # kg m2 about the centre of mass; radius m: of the farthest point from the centre of mass.
 BODY = np.dtype(
-    [
-        ("parent", "i8"),
-        ("on_parent", "f8", (2,)),
-        ("hinge", "f8", (2,)),
-        ("mass", "f8"),
-        ("inertia", "f8"),
-        ("radius", "f8"),
-    ]
+    [("parent", "i8"), ("on_parent", "f8", (2,)), ("hinge", "f8", (2,)), *fields("f8", "mass", "inertia", "radius")]
 )
 
 # Of a row of an articulated body: M_xx, M_xy, M_yy, G, H, p, g.

@@ -11,21 +11,14 @@ from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, 
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.lines import TIME
 from granular_contact.kernels.memory import copy
+from granular_contact.kernels.records import fields
 from granular_contact.kernels.tree_load import accept, fastest, rates
 
 # Why `march` came back: the table is full, everything rests, the end, no step is small enough.
 PAUSE, REST, END, FAILED = 0, 1, 2, 3
 
 # Times and speeds in SI units; allowed: error of a step, in position (m) and in velocity (m/s).
-CONTROL = np.dtype(
-    [
-        ("end", "f8"),
-        ("longest", "f8"),
-        ("rest_speed", "f8"),
-        ("rest_time", "f8"),
-        ("allowed", "f8", (2,)),
-    ]
-)
+CONTROL = np.dtype([*fields("f8", "end", "longest", "rest_speed", "rest_time"), ("allowed", "f8", (2,))])
 NOW, STEP, RESTING_SINCE, RADIUS, AGE = 0, 1, 2, 3, 4  # of clock (5,): s, s, s, 1/s and steps since that was found
 STEPS, REJECTED, RATES = 0, 1, 2  # of counts (3,)
 OLD = 20  # steps after which the spectral radius is looked at anew
