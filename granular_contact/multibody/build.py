@@ -75,7 +75,7 @@ def _any_node(system: AnySystem) -> tuple[list[int], int]:
     return [next(iter(system.links.values())).nodes[0]], 4
 
 
-def _add_rigid(mbs: Any, body: RigidBody, origin: Vector) -> RigidHandle:
+def _add_rigid(mbs: Any, body: RigidBody, origin: Vector) -> RigidHandle[RigidBody]:
     motion = body.motion
     node = mbs.AddNode(
         items.NodeRigidBody2D(

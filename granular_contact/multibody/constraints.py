@@ -92,7 +92,7 @@ class Constraints:
         rows = self._none(2)
         if name is None:
             return rows
-        places = self.motion.places(name, point)
+        places = self.motion.system.places(name, point)
         rows.J[:, [0, 1], places[:2]] = 1.0
         if len(places) == 3:
             arm = self.motion.position(name, point)[0] - self.motion.trajectory.q[:, places[:2]]
@@ -106,7 +106,7 @@ class Constraints:
         rows = self._none(1)
         if name is None:
             return rows
-        places = self.motion.places(name, point)
+        places = self.motion.system.places(name, point)
         if len(places) == 3:
             rows.J[:, 0, places[2]] = 1.0
             return rows

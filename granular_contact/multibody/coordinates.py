@@ -5,9 +5,9 @@ Used with engine coordinates: without reference values.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from granular_contact.kernels.entry import entry
 from granular_contact.kernels.joint_coordinates import SLIDER
 from granular_contact.kernels.joint_loads import JOINT, MOST
 from granular_contact.scene.types import Joint, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.multibody.system import System
 
 Numbers = list[float]
 
@@ -36,6 +39,27 @@ class End:
     def size(self) -> int:
         """Number of coordinates."""
         return len(self.reference)
+
+
+def coordinate(system: System, joint: Joint, origin: Vector, *, whole: bool) -> Coordinate:
+    """Coordinate of a joint of a system, whose ground has its origin at a place (2,) m of the world frame.
+
+    whole: for those who have the reference values in the coordinates already.
+    """
+
+    def end(body: str | None, point: Vector) -> End:
+        if body is None:
+            return End([], (point - origin).tolist())
+        at, size = (point.tolist(), 3) if body in system.rigid else ([0.0, 0.0], 4)
+        of_node = [0.0] * size if whole else reference(system, [system.node_at(body, point)])
+        return End(of_node, at, system.scene.body(body).motion.angle)
+
+    return Coordinate(joint, end(joint.parent, joint.parent_point), end(joint.child, joint.child_point))
+
+
+def reference(system: System, nodes: Sequence[int]) -> Numbers:
+    """Reference values of the coordinates of nodes, one after another."""
+    return [float(x) for node in nodes for x in system.mbs.GetNode(node)["referenceCoordinates"]]
 
 
 class Coordinate:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
@@ -16,7 +17,7 @@ from granular_contact.multibody.system import System
 from granular_contact.scene.types import Drive, Joint, Vector, rotation
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.coordinates import Coordinate, End, Numbers
+    from granular_contact.multibody.coordinates import Coordinate, Numbers
     from granular_contact.scene.signals import Signal
 
 
@@ -26,19 +27,33 @@ def add_joint(system: System, ground: Any, joint: Joint) -> None:
     if not joint.has_coordinate:
         return
     drive = system.scene.drive(joint.name)
-    rigid = joint.child in system.rigid and (joint.parent is None or joint.parent in system.rigid)
-    if drive is not None and drive.kind == "motion":
-        turns = joint.kind == "hinge" and rigid
-        system.motions[joint.name] = (_add_turning if turns else _add_motion)(system, joint, drive)
+    turns = joint.kind == "hinge" and not {joint.parent, joint.child} & system.links.keys()
+    if turns and drive is not None and drive.kind == "motion":
+        _add_turning(system, joint, drive)
         drive = None
     if drive is None and joint.law.is_idle:
         return
-    if drive is None and joint.law.is_linear and joint.kind == "hinge" and rigid:
+    if turns and drive is None and joint.law.is_linear:
         _add_spring(system, joint)
         return
+    from granular_contact.multibody.coordinates import coordinate
+
+    let_act(system, joint, drive, partial(coordinate, system, joint, system.origin))
+
+
+def let_act(system: System, joint: Any, drive: Drive | None, coordinate: Callable[..., Coordinate]) -> None:
+    """Let a drive, spring, damper, stops and friction act along a coordinate, in the plane or in space.
+
+    coordinate: makes one; with `whole` for those who have the reference values in the coordinates already.
+    """
     from granular_contact.multibody.joint_loads import JointLoad
 
-    system.loads[joint.name] = JointLoad(_coordinate(system, joint), _nodes(system, joint), joint.law, drive)
+    if drive is not None and drive.kind == "motion":
+        # Markers of nodes have the reference values already.
+        system.motions[joint.name] = _add_motion(system, coordinate(whole=True), system.nodes_of(joint), drive)
+        drive = None
+    if drive is not None or not joint.law.is_idle:
+        system.loads[joint.name] = JointLoad(coordinate(whole=False), system.nodes_of(joint), joint.law, drive)
 
 
 def _constrain(system: System, ground: Any, joint: Joint) -> None:
@@ -92,30 +107,7 @@ def _angle(system: System, name: str | None) -> float:
     return 0.0 if name is None else system.scene.body(name).motion.angle
 
 
-# ---- coordinates ----
-
-
-def _nodes(system: System, joint: Joint) -> list[int]:
-    ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
-    return [system.node_at(body, point) for body, point in ends if body is not None]
-
-
-def _coordinate(system: System, joint: Joint, *, whole: bool = False) -> Coordinate:
-    """Coordinate of a joint; whole: for those who have the reference values in the coordinates already."""
-    from granular_contact.multibody.coordinates import Coordinate
-
-    ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
-    return Coordinate(joint, *(_end(system, *end, whole=whole) for end in ends))
-
-
-def _end(system: System, body: str | None, point: Vector, *, whole: bool) -> End:
-    from granular_contact.multibody.coordinates import End
-
-    if body is None:
-        return End([], (point - system.origin).tolist())
-    reference = [float(x) for x in system.mbs.GetNode(system.node_at(body, point))["referenceCoordinates"]]
-    at = point.tolist() if body in system.rigid else [0.0, 0.0]
-    return End([0.0] * len(reference) if whole else reference, at, system.scene.body(body).motion.angle)
+# ---- what acts in them ----
 
 
 def _add_spring(system: System, joint: Joint) -> None:
@@ -140,22 +132,16 @@ def _angle_marker(system: System, body: str | None) -> Any:
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0 if body is None else 2))
 
 
-def _add_turning(system: System, joint: Joint, drive: Drive) -> int:
+def _add_turning(system: System, joint: Joint, drive: Drive) -> None:
     """Motion of a hinge of rigid bodies: the engine's own constraint between their angles."""
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
     number = int(system.mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=ends)))
     system.turning.append(Turning(number, drive.signal, joint.start))
-    return number
+    system.motions[joint.name] = number
 
 
-def _add_motion(system: System, joint: Joint, drive: Drive) -> int:
-    """Constraint s(q) = signal(t)."""
-    s = _coordinate(system, joint, whole=True)  # as markers of nodes have them
-    return add_constraint(system, s, _nodes(system, joint), drive)
-
-
-def add_constraint(system: System, s: Coordinate, nodes: list[int], drive: Drive) -> int:
-    """Constraint of a coordinate to a signal; nodes: of parent and child, without the ground's."""
+def _add_motion(system: System, s: Coordinate, nodes: list[int], drive: Drive) -> int:
+    """Constraint s(q) = signal(t) of a coordinate; nodes: of parent and child, without the ground's."""
     system.turns.append(s.last_angles)
     mbs = system.mbs
     sizes = [int(s.record[end][0]) for end in ("parent", "child")]

@@ -8,6 +8,7 @@ import numpy as np
 
 from granular_contact.bed.work import beyond
 from granular_contact.multibody.constraints import Constraints
+from granular_contact.multibody.mass_and_gravity import center_shares
 from granular_contact.multibody.recorder import levers
 from granular_contact.multibody.system import System, Trajectory
 from granular_contact.results import Outline
@@ -41,17 +42,11 @@ class Kinematics:
         """What joints ask of accelerations."""
         return Constraints(self)
 
-    def places(self, name: str, point: Vector) -> list[int]:
-        """Places of the coordinates of a rigid body (3), or of the node at the root or tip of a link (4)."""
-        if name in self._links:
-            return list(self._links[name][self.system.links[name].end(point)])
-        return list(self._rigid[name])
-
     def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""
         q, v = self.trajectory.q, self.trajectory.v
         if name in self._links:
-            node = self._links[name][self.system.links[name].end(point)]
+            node = self.system.places(name, point)
             return q[:, node[:2]], v[:, node[:2]]
         x, y, phi = self._rigid[name]
         c, s = np.cos(q[:, phi]), np.sin(q[:, phi])
@@ -67,7 +62,7 @@ class Kinematics:
         if name in self._rigid:
             phi = self._rigid[name][2]
             return q[:, phi], v[:, phi]
-        node = self._links[name][self.system.links[name].end(point)]
+        node = self.system.places(name, point)
         tx, ty = q[:, node[2]], q[:, node[3]]
         start = self.scene.body(name).motion.angle
         turned = np.unwrap(np.arctan2(ty, tx))
@@ -117,16 +112,8 @@ class Kinematics:
         t = self.trajectory
         if name in self._rigid:
             return self.position(name, np.zeros(2))
-        nodes = np.array(self._links[name])
-        centers = []
-        for axis in (0, 1):
-            along = np.zeros(t.q.shape[1])
-            along[nodes[:, axis]] = 1.0
-            # Row of the mass matrix that gives the link's momentum: its nodes are its own.
-            shares = t.mass @ along / (along @ t.mass @ along)
-            centers.append((t.q @ shares, t.v @ shares))
-        (x, vx), (y, vy) = centers
-        return np.column_stack([x, y]), np.column_stack([vx, vy])
+        shares = center_shares(t.mass, np.array(self._links[name]))
+        return t.q @ shares.T, t.v @ shares.T
 
     @cached_property
     def common_center(self) -> tuple[Vector, Vector]:

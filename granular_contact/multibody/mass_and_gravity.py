@@ -65,6 +65,19 @@ def gravity_loads(system: System) -> dict[int, Vector]:
     return on
 
 
+def center_shares(mass: Any, nodes: NDArray[np.int64]) -> Vector:
+    """Shares (2, m) of all coordinates in the centre of mass x, y of a link; nodes (k, 4): places of its own.
+
+    mass (m, m): of which a row gives the link's momentum, as its nodes are its own.
+    """
+    shares = []
+    for axis in (0, 1):
+        along = np.zeros(mass.shape[0])
+        along[nodes[:, axis]] = 1.0
+        shares.append(mass @ along / (along @ mass @ along))
+    return np.array(shares)
+
+
 def mass_matrix(system: System) -> Any:
     """Mass matrix of the assembled system, sparse if it is large."""
     data = system.mbs.systemData

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.multibody.mass_and_gravity import mass_matrix
+from granular_contact.multibody.mass_and_gravity import center_shares, mass_matrix
 from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.system import System
 from granular_contact.results.observed import Instant, Observations, Seen, known
@@ -18,12 +18,13 @@ from granular_contact.scene.types import Joint, Vector
 
 if TYPE_CHECKING:
     from granular_contact.bed.load import GranularLoad
-    from granular_contact.multibody.coordinates import Coordinate, End
+    from granular_contact.multibody.coordinates import Coordinate
     from granular_contact.multibody.kinematics import Kinematics
     from granular_contact.multibody.system import Trajectory
 
 
 Places = NDArray[np.int64]
+ROOT = np.zeros(2)  # of a body, m in its frame
 
 
 class Senses:
@@ -51,13 +52,9 @@ class Senses:
     def _find(self, joints: list[Joint]) -> None:
         """Where the coordinates of joints and bodies are, and the lines of bodies."""
         system = self.system
-        self._nodes: dict[str, list[list[int]]] = {
-            name: [list(system.mbs.systemData.GetNodeLTGODE2(node)) for node in nodes]
-            for name, nodes in self._all_nodes().items()
-        }
         self._turning: list[tuple[Vector, list[int]]] = []  # angles (1,) of ends on links, places of coordinates
         self._joints = {i: self._joint(joint) for i, joint in enumerate(joints) if not self._turns_rigid(joint)}
-        self._rigid = np.array([self._nodes[name][0] for name in system.rigid], int).reshape(-1, 3)
+        self._rigid = np.array([system.places(name, ROOT) for name in system.rigid], int).reshape(-1, 3)
         self._links = [self._link(name) for name in system.links]
         self._hinges = self._rigid_hinges(joints)
         self._lines = _lines_of(self.load)
@@ -74,56 +71,34 @@ class Senses:
 
         return Kinematics(self.system, trajectory)
 
-    def _all_nodes(self) -> dict[str, tuple[int, ...]]:
-        rigid = {name: (handle.node,) for name, handle in self.system.rigid.items()}
-        return rigid | {name: handle.nodes for name, handle in self.system.links.items()}
-
     # ---- set up ----
 
     def _turns_rigid(self, joint: Joint) -> bool:
         """Whether it is a hinge of rigid bodies."""
         return joint.kind == "hinge" and not {joint.parent, joint.child} & self.system.links.keys()
 
-    def _places(self, body: str, point: Vector) -> list[int]:
-        """Places of the coordinates of the node at a point of a body."""
-        return self._nodes[body][self.system.links[body].end(point) if body in self.system.links else 0]
-
-    def _end(self, body: str | None, point: Vector) -> tuple[End, list[int]]:
-        """End of a joint for coordinates with their reference values, and the places of these."""
-        from granular_contact.multibody.coordinates import End
-
-        if body is None:
-            return End([], point.tolist()), []
-        places = self._places(body, point)
-        at = [0.0, 0.0] if body in self.system.links else point.tolist()
-        return End([0.0] * len(places), at, self.system.scene.body(body).motion.angle), places
-
     def _joint(self, joint: Joint) -> tuple[Coordinate, list[int]]:
-        from granular_contact.multibody.coordinates import Coordinate
+        """Coordinate of a joint, and the places of what it depends on; both with reference values."""
+        from granular_contact.multibody.coordinates import coordinate
 
-        (parent, first), (child, second) = (
-            self._end(joint.parent, joint.parent_point),
-            self._end(joint.child, joint.child_point),
-        )
-        made = Coordinate(joint, parent, child)
-        for i, (body, places) in enumerate(((joint.parent, first), (joint.child, second))):
-            if body in self.system.links:
-                self._turning.append((made.last_angles[i : i + 1], places))
+        made, found = coordinate(self.system, joint, np.zeros(2), whole=True), []
+        for i, (body, point) in enumerate(((joint.parent, joint.parent_point), (joint.child, joint.child_point))):
+            if body is not None:
+                places = self.system.places(body, point)
+                found += places
+                if body in self.system.links:
+                    self._turning.append((made.last_angles[i : i + 1], places))
         self.system.turns.append(made.last_angles)
-        return made, first + second
+        return made, found
 
     def _link(self, name: str) -> tuple[Vector, Root, list[int]]:
         """Shares (2, m) of coordinates in a link's centre of mass, the angle at its root, and its places."""
-        mass, nodes = mass_matrix(self.system), np.array(self._nodes[name])
-        shares = []
-        for axis in (0, 1):
-            along = np.zeros(mass.shape[0])
-            along[nodes[:, axis]] = 1.0
-            shares.append(mass @ along / (along @ mass @ along))
-        root, places = Root(np.array([self.system.scene.body(name).motion.angle])), self._places(name, np.zeros(2))
+        system, data = self.system, self.system.mbs.systemData
+        nodes = np.array([data.GetNodeLTGODE2(node) for node in system.links[name].nodes])
+        root, places = Root(np.array([system.scene.body(name).motion.angle])), system.places(name, ROOT)
         self._turning.append((root.last_angles, places))
-        self.system.turns.append(root.last_angles)
-        return np.array(shares), root, places
+        system.turns.append(root.last_angles)
+        return center_shares(mass_matrix(system), nodes), root, places
 
     def _rigid_hinges(self, joints: list[Joint]) -> tuple[Vector, Vector]:
         """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies."""
@@ -131,9 +106,9 @@ class Senses:
         for i, joint in enumerate(joints):
             if i not in self._joints:
                 offsets[i] = joint.offset
-                matrix[i, self._places(joint.child, joint.child_point)[2]] = -1.0
+                matrix[i, self.system.places(joint.child, joint.child_point)[2]] = -1.0
                 if joint.parent is not None:
-                    matrix[i, self._places(joint.parent, joint.parent_point)[2]] = 1.0
+                    matrix[i, self.system.places(joint.parent, joint.parent_point)[2]] = 1.0
         return matrix, offsets
 
     # ---- read ----

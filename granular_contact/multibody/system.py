@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -19,11 +19,14 @@ if TYPE_CHECKING:
     from granular_contact.multibody.senses import Senses
 
 
+AnyBody = TypeVar("AnyBody")
+
+
 @dataclass(frozen=True)
-class RigidHandle:
+class RigidHandle(Generic[AnyBody]):
     """Exudyn numbers of a rigid body, and its body."""
 
-    body: RigidBody
+    body: AnyBody
     node: int
     object: int
 
@@ -57,7 +60,7 @@ class System:
     scene: Scene
     container: Any
     mbs: Any
-    rigid: dict[str, RigidHandle]
+    rigid: dict[str, RigidHandle[RigidBody]]
     links: dict[str, LinkHandle]
     bed: Coupling | None
     loads: dict[str, JointLoad] = field(default_factory=dict)
@@ -90,6 +93,15 @@ class System:
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""
         return self.rigid[body].node if body in self.rigid else self.links[body].nodes[self.links[body].end(point)]
+
+    def nodes_of(self, joint: Any) -> list[int]:
+        """Nodes of the parent and the child of a joint, in the plane or in space, without the ground's."""
+        ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
+        return [self.node_at(body, point) for body, point in ends if body is not None]
+
+    def places(self, body: str, point: Vector) -> list[int]:
+        """Places of the coordinates of the node at a point of a body: 3 of a rigid one, in space 7, 4 of a link."""
+        return list(self.mbs.systemData.GetNodeLTGODE2(self.node_at(body, point)))
 
 
 @dataclass(frozen=True)

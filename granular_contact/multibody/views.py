@@ -29,53 +29,32 @@ def reference(mbs: Any, nodes: Iterable[int], origin: Vector) -> Vector:
     return found
 
 
+def _view(getter: str, *configuration: Any) -> cached_property[Vector]:
+    """Attribute of a vector that the engine is asked for once."""
+
+    def view(of: Views) -> Vector:
+        found: Vector = getattr(of.data, getter)(*configuration, copy=False)
+        return found
+
+    return cached_property(view)
+
+
 class Views:
     """Vectors of the present state and, `_before`, of the start of the step; to be made anew for each part of a solve.
 
     q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints.
-    where: addresses of the two states and their size; while these stay, all vectors do.
     """
 
-    def __init__(self, mbs: Any) -> None:
-        self._data = mbs.systemData
+    q, q_before = _view("GetODE2Coordinates"), _view("GetODE2Coordinates", START)
+    v, v_before = _view("GetODE2Coordinates_t"), _view("GetODE2Coordinates_t", START)
+    a, a_before = _view("GetODE2Coordinates_tt"), _view("GetODE2Coordinates_tt", START)
+    multipliers, multipliers_before = _view("GetAECoordinates"), _view("GetAECoordinates", START)
 
-    def _view(self, getter: str, *configuration: Any) -> Vector:
-        view: Vector = getattr(self._data, getter)(*configuration, copy=False)
-        return view
+    def __init__(self, mbs: Any) -> None:
+        self.data = mbs.systemData
 
     @cached_property
     def where(self) -> tuple[int, int, int]:
+        """Addresses of the two states and their size; while these stay, all vectors do."""
         now, before = (addressof(c_char.from_buffer(one.data)) for one in (self.q, self.q_before))
         return now, before, len(self.q)
-
-    @cached_property
-    def q(self) -> Vector:
-        return self._view("GetODE2Coordinates")
-
-    @cached_property
-    def v(self) -> Vector:
-        return self._view("GetODE2Coordinates_t")
-
-    @cached_property
-    def a(self) -> Vector:
-        return self._view("GetODE2Coordinates_tt")
-
-    @cached_property
-    def multipliers(self) -> Vector:
-        return self._view("GetAECoordinates")
-
-    @cached_property
-    def q_before(self) -> Vector:
-        return self._view("GetODE2Coordinates", START)
-
-    @cached_property
-    def v_before(self) -> Vector:
-        return self._view("GetODE2Coordinates_t", START)
-
-    @cached_property
-    def a_before(self) -> Vector:
-        return self._view("GetODE2Coordinates_tt", START)
-
-    @cached_property
-    def multipliers_before(self) -> Vector:
-        return self._view("GetAECoordinates", START)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import exudyn as exu
@@ -14,10 +15,10 @@ from granular_contact.errors import scene_error
 from granular_contact.kernels.space_bodies import turning
 from granular_contact.multibody.build import assembled
 from granular_contact.multibody.coupling import Coupling
-from granular_contact.multibody.joint_loads import JointLoad
-from granular_contact.multibody.joints import add_constraint, rigid_marker
-from granular_contact.multibody.space.coordinates import SpatialCoordinate
-from granular_contact.multibody.space.system import SpatialHandle, SpatialSystem
+from granular_contact.multibody.joints import let_act, rigid_marker
+from granular_contact.multibody.space.coordinates import coordinate
+from granular_contact.multibody.space.system import SpatialSystem
+from granular_contact.multibody.system import RigidHandle
 from granular_contact.scene.space import rotations
 from granular_contact.scene.space.loops import CONSTRAINED
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
@@ -39,26 +40,11 @@ def build(scene: SpatialScene) -> SpatialSystem:
     for joint in scene.joints:
         _constrain(system, ground, joint)
         if joint.has_coordinate or joint.is_sprung:
-            _let_act(system, joint)
+            let_act(system, joint, scene.drive(joint.name), partial(coordinate, system, joint))
     return assembled(replace(system, bed=_granular_load(system)))
 
 
-def _let_act(system: SpatialSystem, joint: SpatialJoint) -> None:
-    """Spring, damper, stops, friction and drive of a joint."""
-    handles = [system.rigid[name] for name in (joint.parent, joint.child) if name is not None]
-    nodes = [handle.node for handle in handles]
-    drive = system.scene.drive(joint.name)
-    if drive is not None and drive.kind == "motion":
-        s = SpatialCoordinate(joint, [0.0] * 7 * len(nodes))  # markers of nodes have the reference values already
-        system.motions[joint.name] = add_constraint(system, s, nodes, drive)
-        drive = None
-    if drive is None and joint.law.is_idle:
-        return
-    references = [float(x) for node in nodes for x in system.mbs.GetNode(node)["referenceCoordinates"]]
-    system.loads[joint.name] = JointLoad(SpatialCoordinate(joint, references), nodes, joint.law, drive)
-
-
-def _add(mbs: Any, body: SpatialRigidBody) -> SpatialHandle:
+def _add(mbs: Any, body: SpatialRigidBody) -> RigidHandle[SpatialRigidBody]:
     motion, J = body.motion, body.inertia
     e = rotations.quaternion_of(motion.rotation)
     G = np.empty((3, 4))
@@ -77,7 +63,7 @@ def _add(mbs: Any, body: SpatialRigidBody) -> SpatialHandle:
             name=body.name,
         )
     )
-    return SpatialHandle(body, node, obj)
+    return RigidHandle(body, node, obj)
 
 
 def _constrain(system: SpatialSystem, ground: Any, joint: SpatialJoint) -> None:

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granular_contact.kernels import space_joints
 from granular_contact.kernels.joint_coordinates import HINGE, SLIDER
-from granular_contact.multibody.coordinates import Coordinate
+from granular_contact.multibody.coordinates import Coordinate, reference
 from granular_contact.scene.space.types import SpatialJoint
 
+if TYPE_CHECKING:
+    from granular_contact.multibody.space.system import SpatialSystem
+
 KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
+
+
+def coordinate(system: SpatialSystem, joint: SpatialJoint, *, whole: bool) -> SpatialCoordinate:
+    """As of `multibody.coordinates`."""
+    nodes = system.nodes_of(joint)
+    return SpatialCoordinate(joint, [0.0] * 7 * len(nodes) if whole else reference(system, nodes))
 
 
 class SpatialCoordinate(Coordinate):

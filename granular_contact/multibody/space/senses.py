@@ -8,7 +8,7 @@ import numpy as np
 
 from granular_contact.bed.work import about
 from granular_contact.multibody.senses import Senses
-from granular_contact.multibody.space.coordinates import SpatialCoordinate
+from granular_contact.multibody.space.coordinates import coordinate
 from granular_contact.multibody.space.kinematics import SpatialKinematics, angular
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
@@ -26,14 +26,14 @@ class SpatialSenses(Senses):
 
     def _find(self, joints: list[Any]) -> None:
         system, data = self.system, self.system.mbs.systemData
-        at = {name: np.array(data.GetNodeLTGODE2(handle.node)) for name, handle in system.rigid.items()}
-        self._at = np.array([at[body.name] for body in system.scene.bodies], int).reshape(-1, 7)
-        self._coordinates = []
-        for joint in joints:
-            nodes = [at[name] for name in (joint.parent, joint.child) if name is not None]
-            coordinate = SpatialCoordinate(joint, [0.0] * 7 * len(nodes))
-            system.turns.append(coordinate.last_angles)
-            self._coordinates.append((coordinate, np.concatenate(nodes)))
+        at = [data.GetNodeLTGODE2(system.rigid[body.name].node) for body in system.scene.bodies]
+        self._at = np.array(at, int).reshape(-1, 7)
+
+        def at_nodes(joint: Any) -> list[int]:
+            return [place for node in system.nodes_of(joint) for place in data.GetNodeLTGODE2(node)]
+
+        self._coordinates = [(coordinate(system, joint, whole=True), at_nodes(joint)) for joint in joints]
+        system.turns.extend(made.last_angles for made, _ in self._coordinates)
 
     @property
     def follows(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from granular_contact.multibody.system import System
+from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene
 
 if TYPE_CHECKING:
@@ -13,20 +13,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class SpatialHandle:
-    """Exudyn numbers of a rigid body, and its body."""
-
-    body: SpatialRigidBody
-    node: int
-    object: int
-
-
-@dataclass(frozen=True)
 class SpatialSystem(System):
     """As `System`."""
 
     scene: SpatialScene
-    rigid: dict[str, SpatialHandle]  # type: ignore[assignment]
+    rigid: dict[str, RigidHandle[SpatialRigidBody]]  # type: ignore[assignment]
 
     def senses(self) -> Senses:
         """As of `System`."""
