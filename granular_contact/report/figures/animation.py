@@ -31,7 +31,7 @@ from granular_contact.report.figures.stage import (
     stage_of,
     strongest,
 )
-from granular_contact.report.figures.style import INK, SAND, VERMILION
+from granular_contact.report.figures.style import INK, PIN, SAND, VERMILION
 from granular_contact.report.units import Array, minus, round_below, unit_for
 from granular_contact.results import Force, Results, Snapshot
 from granular_contact.results.frames import pace, surface_height
@@ -42,6 +42,7 @@ DPI = 100
 STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
 HEAD, SHAFT, LEAST_ARROW = 12.0, 4.0, 2.0  # px
 LONGEST_TRACE = 1.0  # of the width
+_PIN: dict[str, Any] = {**PIN, "markersize": 5.5, "markeredgecolor": STEEL_EDGE, "markeredgewidth": 1.2}
 FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 
 
@@ -68,7 +69,7 @@ class Film:
         self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
-        self.canvas = _canvas(figure)
+        self.canvas: Any = FigureCanvasAgg(figure)  # its methods have no types
         self.axes = figure.add_axes((0, 0, 1, 1))
         self.axes.set_axis_off()
         extent = (self.stage.left, self.stage.right, self.stage.bottom, self.stage.top)
@@ -178,21 +179,6 @@ class Film:
         number = f"{seconds * unit.factor:.{digits}f}"
         width = len(f"{end * unit.factor:.{digits}f}")
         return minus(f"{number:>{width}} {unit.name}").replace(" ", "\N{FIGURE SPACE}", width - len(number))
-
-
-_PIN: dict[str, Any] = {
-    "marker": "o",
-    "markersize": 5.5,
-    "markerfacecolor": "white",
-    "markeredgecolor": STEEL_EDGE,
-    "markeredgewidth": 1.2,
-    "linestyle": "none",
-}
-
-
-def _canvas(figure: Figure) -> Any:
-    """An Agg canvas, whose methods have no types."""
-    return FigureCanvasAgg(figure)
 
 
 def arrow(tail: Array, tip: Array, stage: Stage) -> Array:

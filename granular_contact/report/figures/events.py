@@ -44,26 +44,15 @@ def _vertical(panels: list[Axes], time: float, kind: Any) -> None:
 def _above(axes: Axes, share: float, words: str) -> None:
     """Words above the panel at this share of its width, leaning inwards near its ends."""
     side = "left" if share < 0.3 else "right" if share > 0.7 else "center"
-    axes.annotate(
-        words,
-        (min(share, 1.0), 1.0),
-        (0, 2.5),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        ha=side,
-        fontsize=7.5,
-    )
+    look: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": side, "fontsize": 7.5}
+    axes.annotate(words, (min(share, 1.0), 1.0), (0, 2.5), **look)
 
 
 def _ending(results: Results) -> str:
     """How a run without a stop ended, in two words."""
-    last = instant(results, results["time_s"][-1])
-    words = {
-        "failed": f"run failed at {last}",
-        "interrupted": f"interrupted at {last}",
-        "time_limit": f"out of time at {last}",
-    }
+    words = {"failed": "run failed", "interrupted": "interrupted", "time_limit": "out of time"}
+    if results.status.code in words:
+        return f"{words[results.status.code]} at {instant(results, results['time_s'][-1])}"
     # What is driven has no stop to look for.
     measure = results.summary.get("stopping_time_measure", "")
-    none = "" if measure is None else "not at rest" if measure == REST_MEASURE else "no stop"
-    return words.get(results.status.code, none)
+    return "" if measure is None else "not at rest" if measure == REST_MEASURE else "no stop"

@@ -29,15 +29,15 @@ def write(results: Results, file: Path) -> None:
     OSError
         The disk refuses, or ffmpeg is missing or fails.
     """
-    _WRITERS[file.suffix](pictures(results), file, len(results.frames))
+    _WRITERS[file.suffix](pictures(results), file)
 
 
-def _gif(film: Iterator[Picture], file: Path, count: int) -> None:
+def _gif(film: Iterator[Picture], file: Path) -> None:
     """All pictures with one palette, so that each needs to contain only changes."""
     kept = list(film)
     colours = palette(kept)
     frames = (Image.fromarray(one).quantize(palette=colours, dither=Image.Dither.NONE) for one in kept)
-    durations = [1000 // RATE] * (count - 1) + [LAST]
+    durations = [1000 // RATE] * (len(kept) - 1) + [LAST]
     next(frames).save(file, save_all=True, append_images=frames, duration=durations, loop=0, disposal=1)
 
 
@@ -57,7 +57,7 @@ def ffmpeg() -> str | None:
     return shutil.which("ffmpeg")
 
 
-def _mp4(film: Iterator[Picture], file: Path, count: int) -> None:  # noqa: ARG001
+def _mp4(film: Iterator[Picture], file: Path) -> None:
     """H.264 in the colours that every player takes."""
     program = ffmpeg()
     if program is None:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.panels import blank, save
+from granular_contact.report.figures.panels import blank, column_of, save
 from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, INK, SINGLE, SKY, VERMILION, style
 from granular_contact.report.units import Array, Unit, unit_for
 
@@ -83,7 +83,7 @@ def overlay(run: RunPicture) -> Figure:
     """Data and model of one run: a panel for each column with its residuals below."""
     count = len(run.columns)
     figure = blank(SINGLE, 12.0 + 52.0 * count, layout="constrained")
-    grid = figure.subplots(2 * count, 1, sharex=True, height_ratios=(2.6, 1.0) * count, squeeze=False)[:, 0]
+    grid = column_of(figure, 2 * count, height_ratios=(2.6, 1.0) * count)
     clock = run.clock
     for i, column in enumerate(run.columns):
         unit = _unit(column)
@@ -94,7 +94,6 @@ def overlay(run: RunPicture) -> Figure:
     grid[0].set_title(run.name, loc="left")
     grid[0].legend(loc="best")
     grid[-1].set_xlabel(f"{run.label} ({clock.name})" if clock.name else run.label)
-    figure.align_ylabels(list(grid))
     return figure
 
 
@@ -138,18 +137,16 @@ def residuals(picture: FitPicture) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0), sharey=True)
     everything = []
     for run in picture.runs:
-        share = np.linspace(0.0, 1.0, len(run.time)) if run.unit != "s" else _share(run.time)
+        share = np.linspace(0.0, 1.0, len(run.time))
+        if run.unit == "s":
+            share = (run.time - run.time[0]) / (run.time[-1] - run.time[0])
         for column in run.columns:
             values = column.residuals / column.noise
             everything.append(values)
             left.plot(share, values, ".", color=BLUE, markersize=1.5, alpha=0.6)
     left.axhline(0.0, color=FAINT, linewidth=0.5)
     timed = all(run.unit == "s" for run in picture.runs)
-    left.set(
-        xlabel="share of the time of each run" if timed else "share of the rows of each run",
-        ylabel="residual / noise",
-        xlim=(0, 1),
-    )
+    left.set(xlabel=f"share of the {'time' if timed else 'rows'} of each run", ylabel="residual / noise", xlim=(0, 1))
     left.set_title("misfit: see fit.json" if picture.misfit else "all runs", loc="left")
     values = np.concatenate(everything)
     edges = np.linspace(-1, 1, 41) * max(4.5, min(float(np.max(np.abs(values))), 50.0))
@@ -159,11 +156,6 @@ def residuals(picture: FitPicture) -> Figure:
     right.set_xlabel("density")
     right.legend(loc="upper right")
     return figure
-
-
-def _share(time: Array) -> Array:
-    share: Array = (time - time[0]) / (time[-1] - time[0])
-    return share
 
 
 def correlations(picture: FitPicture) -> Figure:
@@ -179,10 +171,8 @@ def correlations(picture: FitPicture) -> Figure:
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 else INK
                 axes.text(j, i, f"{value:+.2f}".replace("-", "\N{MINUS SIGN}"), ha="center", va="center", color=colour)
-    lines = [
-        f"{label}\n{value:.4g} ± {error:.2g}"
-        for label, value, error in zip(picture.labels, picture.values, picture.errors, strict=True)
-    ]
+    found = zip(picture.labels, picture.values, picture.errors, strict=True)
+    lines = [f"{label}\n{value:.4g} ± {error:.2g}" for label, value, error in found]
     axes.set_xticks(range(count), list(picture.labels), rotation=30, ha="right")
     axes.set_yticks(range(count), lines)
     axes.grid(False)

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 
 from granular_contact.report.figures.hinges import hinges_of
 from granular_contact.report.figures.outlines import deepest_point, edge, fixed_points
-from granular_contact.report.figures.style import FLOOR, GRAINS, INK, SAND, SAND_EDGE, VERMILION
+from granular_contact.report.figures.style import FLOOR, GRAINS, INK, PIN, SAND, SAND_EDGE, VERMILION
 from granular_contact.report.figures.views import View, side_by_side, tip_view, whole_view
 from granular_contact.report.units import Unit, instant, minus, unit_for
 from granular_contact.results import Results, Snapshot
@@ -25,14 +25,7 @@ _POSES: dict[str, dict[str, Any]] = {
     "end": {"facecolor": "#6FA8CC", "edgecolor": "#00486F", "zorder": 4},
     "deepest": {"facecolor": "none", "edgecolor": VERMILION, "zorder": 5},
 }
-_PIVOT: dict[str, Any] = {
-    "marker": "o",
-    "markersize": 4.5,
-    "markerfacecolor": "white",
-    "markeredgecolor": INK,
-    "markeredgewidth": 0.9,
-    "linestyle": "none",
-}
+_PIVOT: dict[str, Any] = {**PIN, "markersize": 4.5, "markeredgecolor": INK, "markeredgewidth": 0.9}
 
 
 def mechanism(results: Results) -> Figure:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -27,9 +28,8 @@ MOST = 3000  # triangles drawn of a pose
 def views(results: Results, motion: Motion) -> Figure:
     """Three views of the mechanism, to scale; in the one from above where bodies are in the medium."""
     parts = [coarser(part, max(60, MOST // len(motion.parts))) for part in motion.parts]
-    shown = [
-        (k, colour, alpha, name) for name, colour, alpha in POSES if (k := _when(results, motion, name)) is not None
-    ]
+    poses = ((_when(results, motion, name), colour, alpha, name) for name, colour, alpha in POSES)
+    shown = [(k, *pose) for k, *pose in poses if k is not None]
     drawn = [_triangles(motion, parts, k) for k, *_ in shown]
     low = np.min([one.min(axis=(0, 1)) for one in drawn], axis=0)
     high = np.max([one.max(axis=(0, 1)) for one in drawn], axis=0)
@@ -48,10 +48,9 @@ def views(results: Results, motion: Motion) -> Figure:
         axes.set_title(name, loc="left")
         axes.locator_params(nbins=5)
     _footprints(panels[2], results, unit)
-    time = [instant(results, float(motion.time[k])) for k, *_ in shown]
     handles: list[Any] = [
-        Patch(color=colour, alpha=alpha, label=f"{name}: {at}")
-        for (_, colour, alpha, name), at in zip(shown, time, strict=True)
+        Patch(color=colour, alpha=alpha, label=f"{name}: {instant(results, float(motion.time[k]))}")
+        for k, colour, alpha, name in shown
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
@@ -98,16 +97,15 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
     x, y, z = motion.ground
     along, height = (x, z[len(y) // 2]) if across == 0 else (y, z[:, len(x) // 2])
     bottom = min(low[2], float(height.min())) - float(high[2] - low[2])
-    axes.fill_between(
-        along * unit.factor, bottom * unit.factor, height * unit.factor, color=SAND, linewidth=0, zorder=0
-    )
-    axes.plot(along * unit.factor, height * unit.factor, color=SAND_EDGE, linewidth=0.8, zorder=1)
+    along, bottom = along * unit.factor, bottom * unit.factor
+    axes.fill_between(along, bottom, height * unit.factor, color=SAND, linewidth=0, zorder=0)
+    axes.plot(along, height * unit.factor, color=SAND_EDGE, linewidth=0.8, zorder=1)
     of = motion.bedding
     for depth in of.layers:
         top = (height - depth) * unit.factor
-        axes.plot(along * unit.factor, top, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=1)
+        axes.plot(along, top, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=1)
     if of.floor is not None:
-        axes.axhspan(bottom * unit.factor, of.floor * unit.factor, facecolor=FLOOR, linewidth=0, zorder=1)
+        axes.axhspan(bottom, of.floor * unit.factor, facecolor=FLOOR, linewidth=0, zorder=1)
     for axis, place in of.walls:
         if axis == across:
             axes.axvline(place * unit.factor, color=FLOOR, linewidth=1.6, zorder=1)
@@ -115,8 +113,6 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
 
 def _draw(axes: Axes, triangles: Array, view: tuple[int, int, int, float], colour: str, alpha: float) -> None:
     """Triangles (n, 3, 3), the farthest first, lit from above."""
-    from matplotlib.colors import to_rgb
-
     across, up, eye, sign = view
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)

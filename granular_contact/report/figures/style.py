@@ -18,6 +18,7 @@ BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 LINES = ("-", "--", "-.", ":")  # styles, of curves in one panel
 SAND, SAND_EDGE, FLOOR, GRAINS = "#F1E3C4", "#A98F57", "#8A8378", ("#D9C394", "#C4AB76")
+PIN = {"marker": "o", "markerfacecolor": "white", "linestyle": "none"}  # of a joint with the ground
 LEGEND_ROW = 3.7  # mm of panel height that one row of a legend takes
 
 _SETTINGS = matplotlib.rc_params_from_file(Path(__file__).with_name("print.mplstyle"), use_default_template=False)

@@ -51,7 +51,7 @@ def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
         "path": _line(_thinned(path, 0.3 / scale)) if len(path) else "",
         "arrow": USUAL_ARROW * height / scale / usual if usual > 0.0 else 0.0,
         "longest": LONGEST_ARROW * height / scale,
-        "force": _key(usual, USUAL_ARROW * height, height),
+        "force": _key(usual, USUAL_ARROW * height),
         "bar": _bar(scale),
     }
 
@@ -129,15 +129,9 @@ def _usual(motion: Motion) -> float:
     return float(np.quantile(found[found > 0.0], 0.9)) if np.any(found > 0.0) else 0.0
 
 
-def _key(usual: float, px: float, height: float) -> dict[str, Any]:
-    """A round force as the key of arrows: its arrow near the lower left corner, its length (px), and words."""
+def _key(usual: float, px: float) -> dict[str, Any]:
+    """A round force as the key of arrows: the length of its arrow (px), and words."""
     if not usual > 0.0:
         return {}
     newton = round_below(usual)
-    length = px * newton / usual
-    head = min(13.0, 0.7 * length)
-    shaft, wing, y = 2.2 * head / 13.0, 0.45 * head, height - 22.0
-    corners = [(0, shaft), (length - head, shaft), (length - head, wing), (length, 0)]
-    corners += [(length - head, -wing), (length - head, -shaft), (0, -shaft)]
-    arrow = _line(np.array([(22.0 + a, y + b) for a, b in corners]), True)
-    return {"arrow": arrow, "px": length, "words": f"{_words(newton, 'N')} from the medium"}
+    return {"px": px * newton / usual, "words": f"{_words(newton, 'N')} from the medium"}

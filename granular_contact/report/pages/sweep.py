@@ -26,15 +26,8 @@ IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
 _NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.", "strips.", "strides.count", "strides.period")
 # Shown and drawn before all others, in this order.
 _FIRST = (
-    *(
-        "wheel.drawbar_pull_N",
-        "wheel.sinkage_m",
-        "forward_speed_second_half_m_s",
-        "forward_speed_m_s",
-        "cost_of_transport",
-        "penetration_time_s",
-    ),
-    *("stopping_time_s", "max_depth_m", "max_deflection_m"),
+    *("wheel.drawbar_pull_N", "wheel.sinkage_m", "forward_speed_second_half_m_s", "forward_speed_m_s"),
+    *("cost_of_transport", "penetration_time_s", "stopping_time_s", "max_depth_m", "max_deflection_m"),
 )
 _NOT_DRAWN = ("hub_stopping_time_s",)
 MOST_WARNINGS = 10  # kinds

@@ -74,6 +74,8 @@ function drawing(motion, stage) {
   const parts = $$(".part", world), arrows = $(".forces", world);
   const forces = Object.entries(motion.forces).map(([name, one]) => [one, arrows.appendChild(
     document.createElementNS("http://www.w3.org/2000/svg", "path")), runOf(name, ": ")]);
+  const key = $(".key path", svg);
+  if (key) key.setAttribute("d", arrow([22, stage.height - 22], [Number(key.dataset.px), 0], 1, 1, Infinity));
   const view = { scale: stage.scale, left: stage.left, top: stage.top };
   const follow = $("#follow"), withForces = $("#with-forces");
   const middle = (i, share) => { // of the mechanism, along x
