@@ -28,10 +28,8 @@ def execute(chosen: argparse.Namespace) -> int:
         # The project's own are sentences; the system's are numbers with a short reason.
         why = f"{folder} cannot be written: {error.strerror}" if error.strerror else error
         raise Refusal(f"examples: {why}") from None
-    configs, models = (
-        sum(name.startswith(f"{kind}/") and name.endswith(".yaml") for name in written)
-        for kind in ("configs", "models")
-    )
+    kinds = [name.split("/")[0] for name in written if name.endswith(".yaml")]
+    configs, models = kinds.count("configs"), kinds.count("models")
     print(f"{configs} configs and {models} models are in {folder}; the next step, for example:")
     print(f"  cd {shlex.quote(str(folder))}")
     print(f"  granular-contact run {FIRST} --animate")

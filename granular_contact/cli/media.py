@@ -53,12 +53,8 @@ def _list() -> None:
 
 def _range(spec: Law) -> str:
     stated = spec.validity.model_dump(by_alias=True)
-    parts = [
-        f"{key.split('_')[0]} {stated[key][0]:g} to {stated[key][1]:g} {unit}"
-        for key, unit in QUANTITIES
-        if stated[key] is not None
-    ]
-    return ", ".join(parts) or "not stated"
+    known = ((key, unit, *stated[key]) for key, unit in QUANTITIES if stated[key] is not None)
+    return ", ".join(f"{key.split('_')[0]} {a:g} to {b:g} {unit}" for key, unit, a, b in known) or "not stated"
 
 
 def _show(spec: Law) -> None:

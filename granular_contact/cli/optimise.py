@@ -92,16 +92,12 @@ def _show(place: Path, folder: Path, quiet: bool) -> int:
 
 
 def _tables(found: dict[str, Any]) -> None:
-    rows = [
-        [name, *(_number(one[key]) for key in ("from", "to", "start", "best"))]
-        for name, one in found["parameters"].items()
-    ]
-    print_table("parameter", ("from", "to", "as it was", "best"), rows)
-    worth = [[found["objective"], "", "", *(_number(found[key]) for key in ("start", "best"))]]
-    worth += [
-        [name, *(_number(one[key]) for key in ("at_least", "at_most", "start", "best"))]
-        for name, one in found["constraints"].items()
-    ]
+    def rows(kind: str, *keys: str) -> list[list[str]]:
+        return [[name, *(_number(one[key]) for key in keys)] for name, one in found[kind].items()]
+
+    print_table("parameter", ("from", "to", "as it was", "best"), rows("parameters", "from", "to", "start", "best"))
+    worth = [[found["objective"], "", "", _number(found["start"]), _number(found["best"])]]
+    worth += rows("constraints", "at_least", "at_most", "start", "best")
     print_table(f"{found['sense']}, and constraints", ("at least", "at most", "as it was", "best"), worth)
     if found["gain_relative"] is not None:
         print(f"better by {100 * found['gain_relative']:.3g} % than the config as it was")

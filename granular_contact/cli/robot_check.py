@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -72,25 +71,16 @@ def _print_shapes(found: Inspection) -> None:
     print_wide(table)
 
 
-def _row(one: Inspected) -> Iterator[str]:
+def _row(one: Inspected) -> list[str]:
     from granular_contact.geometry.mesh_quality import sides
 
-    yield one.shape.link
-    yield one.name
-    got = one.quality
+    named, got = [one.shape.link, one.name], one.quality
     if got is None:
-        size = one.shape.geometry.size
-        yield "-"
-        yield " x ".join(f"{1e3 * side:.4g}" for side in size) or "not read"
-        yield from "-----"
-        return
-    yield str(got.triangles)
-    yield sides(1e3 * got.size)
-    yield "yes" if got.closed else "no"
-    yield "yes" if got.outward else "no"
-    yield str(got.parts)
-    yield f"{100 * got.inner:.0f}"
-    yield f"{1e6 * got.volume:.4g}"
+        size = " x ".join(f"{1e3 * side:.4g}" for side in one.shape.geometry.size)
+        return [*named, "-", size or "not read", *"-----"]
+    words = ["yes" if good else "no" for good in (got.closed, got.outward)]
+    numbers = [str(got.parts), f"{100 * got.inner:.0f}", f"{1e6 * got.volume:.4g}"]
+    return [*named, str(got.triangles), sides(1e3 * got.size), *words, *numbers]
 
 
 def _print_bodies(found: Inspection) -> None:

@@ -161,12 +161,11 @@ def _held(folder: Path) -> Iterator[bool]:
         yield False
         return
     handle = os.open(folder, os.O_RDONLY)
+    locked = False
     try:
-        try:
+        with suppress(OSError):  # another has it; or a file system without locks
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             locked = True
-        except OSError:  # another has it; or a file system without locks
-            locked = False
         yield locked
     finally:
         os.close(handle)
@@ -192,9 +191,9 @@ def _clear_left(target: Path, kind: str) -> None:
 
 def _summary(results: Results) -> str:
     """Text of summary.json: the summary as it is, then what every column of the time series means."""
-    content = {"warnings": list(results.warnings), **results.summary}
-    if "warnings" in results.summary:  # its place in the order is the summary's
-        content = dict(results.summary)
+    content = dict(results.summary)
+    if "warnings" not in content:
+        content = {"warnings": list(results.warnings), **content}
     content["columns"] = {column.name: column.description for column in results.columns}
     return json_text(content)
 

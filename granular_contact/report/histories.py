@@ -122,7 +122,7 @@ def in_unit(panel: Panel, column: Values) -> Panel:
     """A panel with the unit that suits its curves."""
     if not panel.base or panel.base in FIXED:
         return replace(panel, unit=Unit(1.0, panel.base))
-    largest = np.array([max(greatest(curve.values(column)) for curve in panel.curves)])
+    largest = max(greatest(curve.values(column)) for curve in panel.curves)
     return replace(panel, unit=unit_for(largest, panel.base))
 
 
@@ -213,10 +213,9 @@ def _forces(found: _Names) -> Group:
     panels = [Panel(title, "N", _terms(found, f"force_{axis}_N")) for title, axis in axes]
     moments = [("pivot", "moment_Nm"), ("centre of mass", "moment_about_center_of_mass_Nm")]
     panels += [Panel(f"moment about the {about}", "N·m", _terms(found, end)) for about, end in moments]
-    ends = [(f"force on each body, {'upward' if axis == found.up else 'ahead'}", axis) for axis in ("x", found.up)]
-    panels += [
-        found.panel(title, "N", [(name, f"{name}_granular_{axis}_N") for name in found.met]) for title, axis in ends
-    ]
+    for side, axis in (("ahead", "x"), ("upward", found.up)):
+        curves = [(name, f"{name}_granular_{axis}_N") for name in found.met]
+        panels.append(found.panel(f"force on each body, {side}", "N", curves))
     words = "Forces of the medium: each term, their sum, and what each body takes."
     return Group("forces", "Forces of the medium", words, tuple(panels))
 
@@ -233,13 +232,8 @@ def _depths(found: _Names) -> Group:
     depths = [(name, f"{name}_depth_m") for name in found.deep]
     panels = [found.panel("depth", "m", depths or [("deepest point", "depth_m")])]
     for name in found.deep[:MOST_BODIES]:
-        vertical = found.panel(
-            f"vertical force on {name} against its depth",
-            "N",
-            [(name, f"{name}_granular_{found.up}_N")],
-            along=f"{name}_depth_m",
-        )
-        panels.append(vertical)
+        title, forces = f"vertical force on {name} against its depth", [(name, f"{name}_granular_{found.up}_N")]
+        panels.append(found.panel(title, "N", forces, along=f"{name}_depth_m"))
     upward = tuple((f"{t}_force_{found.up}_N", 1.0) for t in found.terms if f"{t}_force_{found.up}_N" in found.has)
     if not found.deep and upward and "depth_m" in found.has:
         panels.append(Panel("vertical force against depth", "N", (Curve("sum", upward),), along="depth_m"))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.results import Results
 
@@ -51,7 +51,7 @@ class Unit:
     name: str
 
 
-def unit_for(values: Array, base: str) -> Unit:
+def unit_for(values: ArrayLike, base: str) -> Unit:
     """The multiple of SI unit `base` in which the largest magnitude of `values` (any shape, SI) lies in 1 to 1000."""
     largest = greatest(values)
     exponent = 3 * int(np.floor(np.log10(largest) / 3)) if largest > 0 else 0
@@ -59,7 +59,13 @@ def unit_for(values: Array, base: str) -> Unit:
     return Unit(10.0**-exponent, _PREFIXES[exponent] + base)
 
 
-def greatest(values: Array) -> float:
+def sized(value: float, base: str, form: str = ".4g") -> str:
+    """A value with the multiple of SI unit `base` that suits it: 0.0254 of `s` is `25.4 ms`."""
+    unit = unit_for(value, base)
+    return f"{value * unit.factor:{form}} {unit.name}"
+
+
+def greatest(values: ArrayLike) -> float:
     """Largest finite magnitude, 0 if there is none."""
     return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
 
@@ -136,8 +142,7 @@ def quantity(key: str, value: Any) -> str:
         return minus(f"{100 * value:.2g} %")
     suffix = split(key)[1]
     if suffix in _SCALED:
-        unit = unit_for(np.array([value], float), _SCALED[suffix])
-        return minus(f"{value * unit.factor:.4g}") + f" {unit.name}"
+        return minus(sized(value, _SCALED[suffix]))
     exact = not math.isfinite(value) or (value == int(value) and abs(value) < 1e6)
     return (plain(value) if exact else minus(f"{value:.4g}")) + (f" {_FIXED[suffix]}" if suffix else "")
 

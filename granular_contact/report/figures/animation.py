@@ -32,7 +32,7 @@ from granular_contact.report.figures.stage import (
     strongest,
 )
 from granular_contact.report.figures.style import INK, PIN, SAND, VERMILION
-from granular_contact.report.units import Array, minus, round_below, unit_for
+from granular_contact.report.units import Array, minus, round_below, sized, unit_for
 from granular_contact.results import Force, Results, Snapshot
 from granular_contact.results.frames import pace, surface_height
 
@@ -69,7 +69,7 @@ class Film:
         self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
-        self.canvas: Any = FigureCanvasAgg(figure)  # its methods have no types
+        self.canvas = _canvas(figure)
         self.axes = figure.add_axes((0, 0, 1, 1))
         self.axes.set_axis_off()
         extent = (self.stage.left, self.stage.right, self.stage.bottom, self.stage.top)
@@ -112,8 +112,7 @@ class Film:
         vector = arrow_vector(np.array([newton, 0.0]), self.largest, self.stage)
         shown = _arrows([arrow(tail, tail + vector, self.stage)])
         self.axes.add_collection(shown)
-        unit = unit_for(np.array([newton]), "N")
-        words = f"{newton * unit.factor:g} {unit.name} from the medium"
+        words = f"{sized(newton, 'N', 'g')} from the medium"
         return [shown, _pixels(self.axes, self.stage, SIDE + vector[0] * self.stage.scale + 8, 0.45 * FOOTER, words)]
 
     def _moving(self) -> list[Artist]:
@@ -174,11 +173,16 @@ class Film:
 
     def _time(self, seconds: float) -> str:
         end = self.results.frames[-1].time
-        unit = unit_for(np.array([end]), "s")
+        unit = unit_for(end, "s")
         digits = 2 if end * unit.factor < 10 else 1 if end * unit.factor < 100 else 0
         number = f"{seconds * unit.factor:.{digits}f}"
         width = len(f"{end * unit.factor:.{digits}f}")
         return minus(f"{number:>{width}} {unit.name}").replace(" ", "\N{FIGURE SPACE}", width - len(number))
+
+
+def _canvas(figure: Figure) -> Any:
+    """An Agg canvas, whose methods have no types."""
+    return FigureCanvasAgg(figure)
 
 
 def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
@@ -210,13 +214,11 @@ def _pixels(axes: Axes, stage: Stage, x: float, y: float, words: str, **look: An
 
 def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
     length = round_below(0.22 * stage.width / stage.scale)
-    unit = unit_for(np.array([length]), "m")
     y, right = 0.38 * FOOTER, float(stage.width - SIDE)
     left = right - length * stage.scale
     corners = np.array([_at(stage, *px) for px in ((left, y + 3), (left, y), (right, y), (right, y + 3))])
     bar = axes.plot(*corners.T, color=INK, linewidth=1.2, solid_joinstyle="miter")
-    words = f"{length * unit.factor:g} {unit.name}"
-    return [*bar, _pixels(axes, stage, (left + right) / 2, y + 10, words, ha="center")]
+    return [*bar, _pixels(axes, stage, (left + right) / 2, y + 10, sized(length, "m", "g"), ha="center")]
 
 
 def _pace_words(results: Results) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -14,35 +15,31 @@ from granular_contact.report.figures.panels import blank, column_of, save
 from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, INK, SINGLE, SKY, VERMILION, style
 from granular_contact.report.units import Array, Unit, unit_for
 
+Estimate = tuple[str, float, float]  # of a shared parameter: label, value and standard error
 MOST_RUNS = 24  # that are drawn one by one
 
 
 @dataclass(frozen=True)
-class ColumnPicture:
-    """One column of a run: data and residuals (n,), model and half width of its 95 % band (m,), noise; own unit.
+class RunPicture:
+    """One run with its measured columns, each in its own unit.
 
-    quantile: multiple of the noise that contains 95 % of the rows.
+    noise: (columns,), of which `quantile` times contains 95 % of the rows. data, residuals: (n, columns); model,
+    half_width of its 95 % band: (m, columns). time, fine: of the data (n,) and of the curves (m,), s; or what else is
+    on the axis, with label and unit.
     """
 
     name: str
+    columns: tuple[str, ...]
+    noise: Array
+    quantile: float
     data: Array
+    residuals: Array
     model: Array
     half_width: Array
-    residuals: Array
-    noise: float
-    quantile: float
-
-
-@dataclass(frozen=True)
-class RunPicture:
-    """One run: times of the data (n,) and of the curves (m,), s; or what else is on the axis, with label and unit."""
-
-    name: str
     time: Array
     fine: Array
-    columns: tuple[ColumnPicture, ...]
-    label: str = "time of the measurement"
-    unit: str = "s"
+    label: str
+    unit: str
 
     @property
     def clock(self) -> Unit:
@@ -57,26 +54,19 @@ class RunPicture:
         return [slice(a, b) for a, b in pairwise(edges) if b - a > 1]
 
 
-@dataclass(frozen=True)
-class FitPicture:
-    """All runs; labels, values and standard errors (p,) of the shared parameters and their correlation (p, p)."""
+def draw(
+    runs: Sequence[RunPicture], estimates: Sequence[Estimate], correlation: Array, misfit: bool, directory: Path
+) -> None:
+    """Write a figure for each of the first runs, one of all residuals, and one of the correlations.
 
-    runs: tuple[RunPicture, ...]
-    labels: tuple[str, ...]
-    values: Array
-    errors: Array
-    correlation: Array
-    misfit: bool
-
-
-def draw(picture: FitPicture, directory: Path) -> None:
-    """Write a figure for each of the first runs, one of all residuals, and one of the correlations."""
+    correlation: (p, p), of the shared parameters.
+    """
     with style():
-        for i, run in enumerate(picture.runs[:MOST_RUNS], 1):
+        for i, run in enumerate(runs[:MOST_RUNS], 1):
             save(overlay(run), directory / f"run_{i:02d}.png")
-        save(residuals(picture), directory / "residuals.png")
-        if len(picture.labels) > 1:
-            save(correlations(picture), directory / "correlation.png")
+        save(residuals(runs, misfit), directory / "residuals.png")
+        if len(estimates) > 1:
+            save(correlations(estimates, correlation), directory / "correlation.png")
 
 
 def overlay(run: RunPicture) -> Figure:
@@ -85,69 +75,59 @@ def overlay(run: RunPicture) -> Figure:
     figure = blank(SINGLE, 12.0 + 52.0 * count, layout="constrained")
     grid = column_of(figure, 2 * count, height_ratios=(2.6, 1.0) * count)
     clock = run.clock
-    for i, column in enumerate(run.columns):
-        unit = _unit(column)
-        _curves(grid[2 * i], run, column, clock, unit)
-        base = _base(column)
-        rest = unit_for(column.residuals, base) if base else unit
-        _residuals(grid[2 * i + 1], run, column, clock, rest)
+    for k, column in enumerate(run.columns):
+        suffix = column.rpartition("_")[2]
+        base = {"deg": "", "Nm": "N m"}.get(suffix, suffix)  # SI unit, with which prefixes go; empty of angles
+        unit, rest = (unit_for(of[:, k], base) if base else Unit(1.0, "deg") for of in (run.data, run.residuals))
+        _curves(grid[2 * k], run, k, clock, unit)
+        _residuals(grid[2 * k + 1], run, k, clock, rest)
     grid[0].set_title(run.name, loc="left")
     grid[0].legend(loc="best")
     grid[-1].set_xlabel(f"{run.label} ({clock.name})" if clock.name else run.label)
     return figure
 
 
-def _base(column: ColumnPicture) -> str:
-    """SI unit of a column, with which prefixes go; empty of angles."""
-    return {"deg": "", "Nm": "N m"}.get(suffix := column.name.rpartition("_")[2], suffix)
-
-
-def _unit(column: ColumnPicture) -> Unit:
-    return unit_for(column.data, base) if (base := _base(column)) else Unit(1.0, "deg")
-
-
-def _curves(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, unit: Unit) -> None:
-    fine, model, factor = run.fine * clock.factor, column.model * unit.factor, unit.factor
-    new = np.hypot(column.half_width, column.quantile * column.noise) * factor
-    sure = column.half_width * factor
+def _curves(axes: Axes, run: RunPicture, k: int, clock: Unit, unit: Unit) -> None:
+    fine, model, sure = run.fine * clock.factor, run.model[:, k] * unit.factor, run.half_width[:, k] * unit.factor
+    new = np.hypot(sure, run.quantile * run.noise[k] * unit.factor)
     for i, piece in enumerate(run.pieces):
         words = ("95 % of new data", "95 % of the model", "model") if i == 0 else (None, None, None)
         x, y, w, s = fine[piece], model[piece], new[piece], sure[piece]
         axes.fill_between(x, y - w, y + w, color=SKY, alpha=0.3, linewidth=0, label=words[0])
         axes.fill_between(x, y - s, y + s, color=BLUE, alpha=0.5, linewidth=0, label=words[1])
         axes.plot(x, y, color=INK, linewidth=0.7, label=words[2])
-    axes.plot(run.time * clock.factor, column.data * factor, "o", color=VERMILION, markersize=1.8, label="data")
-    axes.set_ylabel(f"{column.name.rpartition('_')[0].replace('_', ' ')} ({unit.name})")
+    time, data = run.time * clock.factor, run.data[:, k] * unit.factor
+    axes.plot(time, data, "o", color=VERMILION, markersize=1.8, label="data")
+    axes.set_ylabel(f"{run.columns[k].rpartition('_')[0].replace('_', ' ')} ({unit.name})")
 
 
-def _residuals(axes: Axes, run: RunPicture, column: ColumnPicture, clock: Unit, unit: Unit) -> None:
-    noise = column.noise * unit.factor
-    axes.axhspan(-column.quantile * noise, column.quantile * noise, color=SKY, alpha=0.3, linewidth=0)
-    fine, sure = run.fine * clock.factor, column.half_width * unit.factor
+def _residuals(axes: Axes, run: RunPicture, k: int, clock: Unit, unit: Unit) -> None:
+    most = run.quantile * run.noise[k] * unit.factor
+    axes.axhspan(-most, most, color=SKY, alpha=0.3, linewidth=0)
+    fine, sure = run.fine * clock.factor, run.half_width[:, k] * unit.factor
     for piece in run.pieces:
         axes.fill_between(fine[piece], -sure[piece], sure[piece], color=BLUE, alpha=0.5, linewidth=0)
     axes.axhline(0.0, color=FAINT, linewidth=0.5)
-    axes.plot(run.time * clock.factor, column.residuals * unit.factor, "o", color=VERMILION, markersize=1.8)
+    axes.plot(run.time * clock.factor, run.residuals[:, k] * unit.factor, "o", color=VERMILION, markersize=1.8)
     axes.set_ylabel(f"residual ({unit.name})")
 
 
-def residuals(picture: FitPicture) -> Figure:
+def residuals(runs: Sequence[RunPicture], misfit: bool) -> Figure:
     """Residuals in units of the noise: of all runs over their relative time, and their distribution."""
     figure = blank(DOUBLE, 62.0, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0), sharey=True)
     everything = []
-    for run in picture.runs:
+    for run in runs:
         share = np.linspace(0.0, 1.0, len(run.time))
         if run.unit == "s":
             share = (run.time - run.time[0]) / (run.time[-1] - run.time[0])
-        for column in run.columns:
-            values = column.residuals / column.noise
+        for values in (run.residuals / run.noise).T:
             everything.append(values)
             left.plot(share, values, ".", color=BLUE, markersize=1.5, alpha=0.6)
     left.axhline(0.0, color=FAINT, linewidth=0.5)
-    timed = all(run.unit == "s" for run in picture.runs)
+    timed = all(run.unit == "s" for run in runs)
     left.set(xlabel=f"share of the {'time' if timed else 'rows'} of each run", ylabel="residual / noise", xlim=(0, 1))
-    left.set_title("misfit: see fit.json" if picture.misfit else "all runs", loc="left")
+    left.set_title("misfit: see fit.json" if misfit else "all runs", loc="left")
     values = np.concatenate(everything)
     edges = np.linspace(-1, 1, 41) * max(4.5, min(float(np.max(np.abs(values))), 50.0))
     right.hist(values, edges, orientation="horizontal", density=True, color=SKY)
@@ -158,22 +138,21 @@ def residuals(picture: FitPicture) -> Figure:
     return figure
 
 
-def correlations(picture: FitPicture) -> Figure:
+def correlations(estimates: Sequence[Estimate], correlation: Array) -> Figure:
     """Correlation of the shared parameters, with values and standard errors beside their names."""
-    count = len(picture.labels)
+    count = len(estimates)
     size = min(30.0 + 15.0 * count, DOUBLE)
     figure = blank(size + 24.0, size, layout="constrained")
     axes = figure.subplots()
-    axes.imshow(picture.correlation, cmap="RdBu_r", vmin=-1, vmax=1)
+    axes.imshow(correlation, cmap="RdBu_r", vmin=-1, vmax=1)
     for i in range(count):
         for j in range(count):
-            value = picture.correlation[i, j]
+            value = correlation[i, j]
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 else INK
                 axes.text(j, i, f"{value:+.2f}".replace("-", "\N{MINUS SIGN}"), ha="center", va="center", color=colour)
-    found = zip(picture.labels, picture.values, picture.errors, strict=True)
-    lines = [f"{label}\n{value:.4g} ± {error:.2g}" for label, value, error in found]
-    axes.set_xticks(range(count), list(picture.labels), rotation=30, ha="right")
+    lines = [f"{label}\n{value:.4g} ± {error:.2g}" for label, value, error in estimates]
+    axes.set_xticks(range(count), [label for label, _, _ in estimates], rotation=30, ha="right")
     axes.set_yticks(range(count), lines)
     axes.grid(False)
     axes.set_title("correlation of the errors", loc="left")

@@ -15,7 +15,7 @@ from granular_contact.report.figures.hinges import hinges_of
 from granular_contact.report.figures.outlines import deepest_point, edge, fixed_points
 from granular_contact.report.figures.style import FLOOR, GRAINS, INK, PIN, SAND, SAND_EDGE, VERMILION
 from granular_contact.report.figures.views import View, side_by_side, tip_view, whole_view
-from granular_contact.report.units import Unit, instant, minus, unit_for
+from granular_contact.report.units import Unit, instant, minus, sized, unit_for
 from granular_contact.results import Results, Snapshot
 from granular_contact.results.frames import surface_height
 from granular_contact.results.interpolation import at_times
@@ -130,14 +130,13 @@ def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
     deepest = deepest_point(results)
     if deepest is None:
         return
-    own = unit_for(np.array([deepest.depth]), "m")
     side, margin = deepest.side, 0.06 * float(np.ptp(axes.get_xlim()))
     x, at = deepest.x * unit.factor, deepest.clear * unit.factor + side * margin
     top, low = deepest.surface * unit.factor, (deepest.surface - deepest.depth) * unit.factor
     axes.plot([x, at + 0.3 * side * margin], [low, low], color=INK, linewidth=0.5, zorder=8)
     head = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.3", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (at, top), (at, low), arrowprops={**head, "linewidth": 0.6, "color": INK}, zorder=8)
-    words = f"depth\n{deepest.depth * own.factor:.2f} {own.name}"
+    words = f"depth\n{sized(deepest.depth, 'm', '.2f')}"
     align: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center"}
     middle = (at, (top + low) / 2)
     axes.annotate(words, middle, (4 * side, 0), textcoords="offset points", zorder=9, **align)

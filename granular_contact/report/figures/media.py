@@ -19,7 +19,7 @@ def draw_media(runs: Runs, file: Path) -> None:
     """Draw runs (medium and results) into a PNG: depth or distance, force of the medium, energy that it took."""
     with saved_figure(file, 150.0, DOUBLE) as figure:
         panels = figure.subplots(3, 1, sharex=True)
-        time = unit_for(np.array([_end(runs)]), "s")
+        time = unit_for(_end(runs), "s")
         paths = [_path(one) for _, one in runs]
         length = unit_for(np.concatenate(paths), "m")
         walks = bool(_body(runs[0][1]))
@@ -55,10 +55,8 @@ def _path(one: Results) -> Array:
 
 def _end(runs: Runs) -> float:
     """Time (s) until which there is something to see."""
-    ends = [
-        one["time_s"][-1]
-        if one.summary["stopping_time_s"] is None or one.summary["touch_time_s"] is None
-        else one.summary["touch_time_s"] + 1.3 * one.summary["stopping_time_s"]
-        for _, one in runs
-    ]
+    ends = []
+    for _, one in runs:
+        touch, stopping = one.summary["touch_time_s"], one.summary["stopping_time_s"]
+        ends.append(one["time_s"][-1] if touch is None or stopping is None else touch + 1.3 * stopping)
     return float(max(ends))

@@ -76,7 +76,7 @@ def contacts(results: Results, depth: Group | None) -> Figure:
     _bars(panels[0], spans, unit.factor)
     panels[0].set(xlabel=f"time ({unit.name})", title="in the medium")
     places = {body: _places(results, body, ones) for body, ones in spans.items()}
-    length = unit_for(np.array([end for ones in places.values() for one in ones for end in one]), "m")
+    length = unit_for([end for ones in places.values() for one in ones for end in one], "m")
     _bars(panels[1], places, length.factor)
     panels[1].set(xlabel=f"x ({length.name})", title="footprints")
     panels[1].set_yticklabels([])

@@ -51,7 +51,7 @@ def forces(results: Results) -> Figure:
     """
     axes_of = "xyz" if f"{results.terms[0]}_force_z_N" in results.names else "xy"
     force = greatest(np.concatenate([results[f"{term}_force_{axis}_N"] for term in results.terms for axis in axes_of]))
-    newton = unit_for(np.array([force]), "N")
+    newton = unit_for(force, "N")
     if axes_of == "xyz":  # the moments are columns of the table
         directions = zip(axes_of, ("ahead", "to the left", "upward"), strict=True)
         return _terms(results, [(f"force_{axis}_N", force, newton, f"force {side}") for axis, side in directions])
@@ -59,7 +59,7 @@ def forces(results: Results) -> Figure:
     pivots = any(column.name == f"{results.terms[0]}_{MOMENT}" for column in results.columns)
     column, about = (MOMENT, "pivot") if pivots else (CENTRAL_MOMENT, "centre of mass")
     turning = greatest(np.concatenate([results[f"{term}_{column}"] for term in results.terms]))
-    moment = unit_for(np.array([turning if turning > ROUND_OFF * lever else lever]), "N·m")
+    moment = unit_for(turning if turning > ROUND_OFF * lever else lever, "N·m")
     rows = [
         ("force_x_N", force, newton, "horizontal force"),
         ("force_y_N", force, newton, "vertical force"),
@@ -92,7 +92,7 @@ def energy(results: Results) -> Figure:
     figure, (upper, lower), time = stacked(results, 98.0, (3, 1))
     parts = [(one, one.values(results.__getitem__)) for one in energies(results.names)]
     scale = max(greatest(values) for _, values in parts)
-    unit = unit_for(np.array([scale]), "J")
+    unit = unit_for(scale, "J")
     total = np.sum([values for _, values in parts], axis=0)
     curve(upper, time, total * unit.factor, INK, "total", linewidth=0.8)
     for one, values in parts:
@@ -108,7 +108,7 @@ def energy(results: Results) -> Figure:
 def _imbalance(axes: Axes, results: Results, time: Array, scale: float) -> None:
     """Change of the total, on its own scale; if it is round-off, on the scale of the energies (J)."""
     values = cleared(results["energy_imbalance_J"], 1e-3 * scale)
-    unit = unit_for(values if values.any() else np.array([scale]), "J")
+    unit = unit_for(values if values.any() else scale, "J")
     axes.axhline(0, color=FAINT, linewidth=0.5)
     curve(axes, time, values * unit.factor, INK, linewidth=0.8)
     finish(axes, f"imbalance ({unit.name})")

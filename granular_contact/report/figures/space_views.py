@@ -29,7 +29,7 @@ def views(results: Results, motion: Motion) -> Figure:
     """Three views of the mechanism, to scale; in the one from above where bodies are in the medium."""
     parts = [coarser(part, max(60, MOST // len(motion.parts))) for part in motion.parts]
     poses = ((_when(results, motion, name), colour, alpha, name) for name, colour, alpha in POSES)
-    shown = [(k, *pose) for k, *pose in poses if k is not None]
+    shown = [(k, colour, alpha, name) for k, colour, alpha, name in poses if k is not None]
     drawn = [_triangles(motion, parts, k) for k, *_ in shown]
     low = np.min([one.min(axis=(0, 1)) for one in drawn], axis=0)
     high = np.max([one.max(axis=(0, 1)) for one in drawn], axis=0)

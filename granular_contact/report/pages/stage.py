@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report.pages.folder import Bed
-from granular_contact.report.units import Array, round_below, unit_for
+from granular_contact.report.units import Array, round_below, sized
 from granular_contact.results.frames import surface_height
 from granular_contact.results.motion import Motion
 
@@ -39,7 +39,7 @@ def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
     height = float(np.clip(across * tall / wide + 2 * MARGIN * WIDTH, FLATTEST * WIDTH, TALLEST * WIDTH))
     scale = min(across / wide, (height - 2 * MARGIN * WIDTH) / tall)
     left, bottom = (low[0] + high[0]) / 2 - WIDTH / 2 / scale, (low[1] + high[1]) / 2 - height / 2 / scale
-    usual = _usual(motion)
+    usual, length = _usual(motion), round_below(0.2 * WIDTH / scale)
     return {
         "width": WIDTH,
         "height": height,
@@ -52,25 +52,18 @@ def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
         "arrow": USUAL_ARROW * height / scale / usual if usual > 0.0 else 0.0,
         "longest": LONGEST_ARROW * height / scale,
         "force": _key(usual, USUAL_ARROW * height),
-        "bar": _bar(scale),
+        "bar": {"px": length * scale, "words": sized(length, "m")},
     }
 
 
 def _part(motion: Motion, index: int, now: Array) -> dict[str, Any]:
     """How a part is drawn: as a disc, a bar or an area, in its own frame; one that bends where it is."""
-    part, pose = motion.parts[index], motion.poses
-    bends = index in motion.bent
+    part, bends = motion.parts[index], index in motion.bent
     points = now if bends else part.points
     closed = len(points) > 3 and bool(np.allclose(points[0], points[-1], atol=1e-12))
     kind = "disc" if len(points) == 1 else "area" if closed else "bar"
-    return {
-        "name": part.name,
-        "kind": kind,
-        "bends": bends,
-        "size": part.diameter,
-        "line": _line(points, closed),
-        "poses": pose[:, index],
-    }
+    drawn = {"kind": kind, "size": part.diameter, "line": _line(points, closed)}
+    return {"name": part.name, "bends": bends, "poses": motion.poses[:, index], **drawn}
 
 
 def turned(pose: Array) -> str:
@@ -111,17 +104,6 @@ def _sand(bed: Bed, left: float, bottom: float, scale: float) -> dict[str, str]:
     return {"under": _line(under, True), "surface": _line(line), "layers": "".join(layers), "floor": floor}
 
 
-def _words(value: float, base: str) -> str:
-    unit = unit_for(np.array([value]), base)
-    return f"{value * unit.factor:.4g} {unit.name}"
-
-
-def _bar(scale: float) -> dict[str, Any]:
-    """A bar of a round length: px, and words."""
-    length = round_below(0.2 * WIDTH / scale)
-    return {"px": length * scale, "words": _words(length, "m")}
-
-
 def _usual(motion: Motion) -> float:
     """The force (N) that is exceeded in a tenth of all pictures with one: a short shock does not make others small."""
     sizes = [np.hypot(*force.T) for _, force in motion.forces.values()]
@@ -134,4 +116,4 @@ def _key(usual: float, px: float) -> dict[str, Any]:
     if not usual > 0.0:
         return {}
     newton = round_below(usual)
-    return {"px": px * newton / usual, "words": f"{_words(newton, 'N')} from the medium"}
+    return {"px": px * newton / usual, "words": f"{sized(newton, 'N')} from the medium"}

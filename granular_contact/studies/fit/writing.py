@@ -15,9 +15,12 @@ from granular_contact.studies.fit.columns import DEPTH, RATE, SPEED
 from granular_contact.studies.fit.fitting import Fit
 from granular_contact.studies.fit.goodness import Goodness
 from granular_contact.studies.fit.law_alone import LawAlone
+from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.medium import media
 from granular_contact.studies.fit.problem import MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.uncertainty import Estimate
+
+Vector = NDArray[np.float64]
 
 SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
 HEAD = ("run", "column", "time_s", "data", "model", "residual_over_noise")
@@ -38,10 +41,8 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
         prescribed = list(dict.fromkeys(name for run in fit.problem.runs for name in run.measured.given))
         write_table(folder / RESIDUALS, [*HEAD, *prescribed], _residual_rows(fit, prescribed))
         if figures:
-            from granular_contact.report.figures.fits import draw
-
             (folder / FIGURES).mkdir()
-            draw(figure_data(fit), folder / FIGURES)
+            _draw(fit, folder / FIGURES)
 
 
 def _header(fit: Fit, name: str) -> str:
@@ -159,53 +160,36 @@ def _residual_rows(fit: Fit, prescribed: list[str]) -> Iterator[list[Any]]:
                 yield [run.name, column, *cells]
 
 
-def figure_data(fit: Fit) -> Any:
-    """What the figures show, as plain arrays."""
-    from granular_contact.report.figures.fits import ColumnPicture, FitPicture
+def _draw(fit: Fit, folder: Path) -> None:
+    from granular_contact.report.figures.fits import RunPicture, draw
 
-    sigma = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True))
+    sigma, quantile = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True)), fit.uncertainty.quantile
     runs = []
     for run, residuals, curve in zip(fit.problem.runs, fit.residuals, fit.curves, strict=True):
-        columns = [
-            ColumnPicture(
-                name=column,
-                data=run.measured.values[:, k],
-                model=curve.model[:, k],
-                half_width=curve.half_width[:, k],
-                residuals=residuals[:, k],
-                noise=float(sigma[column]),
-                quantile=fit.uncertainty.quantile,
-            )
-            for k, column in enumerate(run.measured.columns)
-        ]
-        runs.append(_picture(run, curve.time, tuple(columns)))
+        held = run.measured
+        noise = np.array([sigma[column] for column in held.columns])
+        arrays = held.values, residuals, curve.model, curve.half_width
+        runs.append(RunPicture(run.name, held.columns, noise, quantile, *arrays, *_axis(held, curve.time)))
     shared = [j for j, p in enumerate(fit.problem.parameters) if p.shared]
-    estimates = [fit.uncertainty.estimates[j] for j in shared]
-    return FitPicture(
-        runs=tuple(runs),
-        labels=tuple(_short(one.parameter) for one in estimates),
-        values=np.array([one.value for one in estimates]),
-        errors=np.array([one.error for one in estimates]),
-        correlation=fit.uncertainty.correlation[np.ix_(shared, shared)],
-        misfit=fit.goodness.status == "misfit",
-    )
+    ones = [fit.uncertainty.estimates[j] for j in shared]
+    estimates = [(_short(one.parameter), one.value, one.error) for one in ones]
+    correlation = fit.uncertainty.correlation[np.ix_(shared, shared)]
+    draw(runs, estimates, correlation, fit.goodness.status == "misfit", folder)
 
 
 _AXES = ((DEPTH, "depth in the table", "m"), (SPEED, "speed", "m/s"), (RATE, "rate", "rad/s"))
 
 
-def _picture(run: MeasuredRun, time: NDArray[np.float64], columns: tuple[Any, ...]) -> Any:
-    """A run over time, or a force test over what was varied most."""
-    from granular_contact.report.figures.fits import RunPicture
+def _axis(held: Measured, time: Vector) -> tuple[Vector, Vector, str, str]:
+    """What a run is drawn over, at its rows and at other times (s), with label and unit.
 
-    held = run.measured
+    That is time, or of a force test what was varied most.
+    """
     for name, label, unit in _AXES if held.given else ():
         given = held.given.get(name)
         if given is not None and np.ptp(given) > 0.0:
-            fine = np.interp(time, held.time, given)
-            return RunPicture(run.name, given, fine, columns, label, unit)
-    label, unit = ("row", "") if held.given else ("time of the measurement", "s")
-    return RunPicture(run.name, held.time, time, columns, label, unit)
+            return given, np.interp(time, held.time, given), label, unit
+    return held.time, time, *(("row", "") if held.given else ("time of the measurement", "s"))
 
 
 def _short(parameter: Parameter) -> str:
