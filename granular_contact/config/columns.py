@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from granular_contact.config.csv_table import Table, number, read_table
 from granular_contact.config.messages import unknown
 from granular_contact.config.references import shown
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, dotted, rewritten, under
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, dotted, rewritten
 from granular_contact.config.tree import Path as TreePath
 from granular_contact.errors import Fault
 
@@ -18,8 +17,8 @@ MOST_ROWS = 100_000
 _KEYS = {"type", "file", "column", "time_column", "interpolation"}
 
 
-def with_columns(root: Node, folder: Path, faults: list[Fault]) -> Node:
-    """The tree of a scenario with every signal of the type csv replaced by a table.
+def with_columns(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
+    """The tree under a key of a scenario with every signal of the type csv replaced by a table.
 
     Paths start from `folder`; in what stands in no file, as in `--set`, from the working folder.
     """
@@ -29,9 +28,7 @@ def with_columns(root: Node, folder: Path, faults: list[Fault]) -> Node:
         is_csv = isinstance(kind, Scalar) and kind.value == "csv"
         return _table(node, path, folder, faults) if is_csv else None
 
-    for key in KEYS:
-        root = under(root, key, partial(rewritten, change=change, path=(key,)))
-    return root
+    return rewritten(node, change, (key,)) if key in KEYS else node
 
 
 def _table(node: Mapping, path: TreePath, folder: Path, faults: list[Fault]) -> Node:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from granular_contact.config import tree
 from granular_contact.config.schema.deprecated import SUCCESSORS, successor
 
 
-def renewed(root: tree.Node, notices: list[str]) -> tree.Node:
-    """The tree without keys that an old or new name of the same thing overrides; a notice for each old key left."""
+def renewed(node: tree.Node, key: str, notices: list[str]) -> tree.Node:
+    """The tree under a key of a scenario without keys that an old or new name of the same thing overrides; a notice for
+    each old key left.
+    """
 
     def change(node: tree.Mapping, path: tree.Path) -> tree.Node | None:
         known = SUCCESSORS.get(str(tree.plain(node.nodes["type"])), {}) if "type" in node.nodes else {}
@@ -20,7 +20,7 @@ def renewed(root: tree.Node, notices: list[str]) -> tree.Node:
                 notices.append(_notice((*path, old), node.nodes[old], node.keys[old], new))
         return node if known else None
 
-    return tree.under(root, "model", partial(tree.rewritten, change=change, path=("model",)))
+    return tree.rewritten(node, change, (key,)) if key == "model" else node
 
 
 def _covered(node: tree.Mapping, old: str, new: str) -> str | None:

@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path as FilePath
 
 from granular_contact.config.schema.scenario import Scenario
-from granular_contact.config.tree import Mapping, Node, Path, Scalar, child, rewritten, set_key, under
-
-IN_SPACE = "in_space"
-
-
-def is_in_space(root: Node) -> bool:
-    """Whether the model of a tree says that it is in space, or tries to."""
-    model = child(root, "model") if isinstance(root, Mapping) else None
-    return isinstance(model, Mapping) and IN_SPACE in model.nodes
+from granular_contact.config.tree import Mapping, Node, Path, Scalar, find, rewritten, set_key
 
 
 def scenario_class(root: Node) -> type[Scenario]:
-    """Class of the scenario of a tree in which the model is resolved; that of space is loaded where it is needed."""
-    if not is_in_space(root):
+    """Class of the scenario of a tree in which the model is resolved: that of space where it says so, or tries to."""
+    if find(root, ("model", "in_space"))[1]:
         return Scenario
     from granular_contact.config.schema.space import SpatialScenario
 
     return SpatialScenario
 
 
-def with_paths(root: Node, folder: FilePath) -> Node:
-    """The tree with meshes and maps of heights by their full paths; these start from the folder of the file that names
-    them, those of an override from `folder`.
+def with_paths(node: Node, key: str, folder: FilePath) -> Node:
+    """The tree under a key of a scenario with meshes and maps of heights by their full paths; these start from the
+    folder of the file that names them, those of an override from `folder`.
     """
 
     def change(node: Mapping, _: Path) -> Node | None:
@@ -39,6 +30,4 @@ def with_paths(root: Node, folder: FilePath) -> Node:
         path = str((base / held.value).resolve())
         return set_key(node, "file", Scalar(held.position, path, path), node.keys["file"])
 
-    for key in ("model", "bed") if is_in_space(root) else ():
-        root = under(root, key, partial(rewritten, change=change, path=(key,)))
-    return root
+    return rewritten(node, change, (key,)) if key in ("model", "bed") else node

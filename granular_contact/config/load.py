@@ -43,7 +43,6 @@ Change = Callable[[tree.Node], tree.Node]
 NAMELESS = "scenario"  # a config that is in no file
 _MOST_KEPT = 64  # trees with their model and medium read in
 _SHARED = ("model", "load", "solver", "output", "method")  # parts of a scenario that are the same in many
-Known = dict[str, tuple[tree.Node, Any]]
 
 
 class SourceMap:
@@ -169,6 +168,17 @@ def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
     return path if found is None else shown(found)
 
 
+class _Part(NamedTuple):
+    """What stands under a key of a config: its tree as it was written and as it is read, notices on it, and its value,
+    which other scenarios may share.
+    """
+
+    written: tree.Node
+    read: tree.Node
+    notices: Sequence[str]
+    value: Any = None
+
+
 class Template:
     """A config that was read once, from which scenarios with different overrides are made."""
 
@@ -193,8 +203,7 @@ class Template:
             raise ConfigError(sorted(faults, key=by_place))
         self._root, self._path = root, path
         self._resolved: dict[tuple[setting.Override, ...], tree.Node] = {}
-        self._plainly: tuple[tree.Node, tree.Node] | None = None  # the last model, before and after `renewed`
-        self._known: Known = {}
+        self._parts: dict[str, _Part] = {}  # of the last scenario
         self._small: tree.Node | None = None  # the last tree without a number that is too large
 
     def make(self, overrides: Sequence[setting.Override], faults: Sequence[Fault] = ()) -> Loaded:
@@ -206,19 +215,18 @@ class Template:
             With `faults` and what was found besides.
         """
         found = list(faults)
-        node = self._with_references(tuple(one for one in overrides if one.is_reference), found)
-        read = node
-        node = setting.apply(node, [one for one in overrides if not one.is_reference], found)
-        notices: list[str] = []
-        node = self._renewed(_restated(read, node), notices)
+        read = self._with_references(tuple(one for one in overrides if one.is_reference), found)
+        changed = setting.apply(read, [one for one in overrides if not one.is_reference], found)
+        node = _named(_restated(read, changed), self._path)
+        assert isinstance(node, tree.Mapping)  # as the root, see __init__
         if not self._is_small(read, overrides):
-            found += too_large(_others(node, self._known))
-        node = with_columns(_named(node, self._path), self._path.parent, found)
-        node = with_tables(node, self._path.parent, found)
-        node = with_paths(node, self._path.parent)
-        scenario = scenario_of(node, found, self._known)
-        self._known = _validated(node, scenario)
-        return Loaded(scenario, SourceMap(node, notices))
+            found += too_large(node)
+        parts = {key: self._part(key, below, found) for key, below in node.nodes.items()}
+        node = tree.Mapping(node.position, {key: one.read for key, one in parts.items()}, node.keys)
+        scenario = scenario_of(node, found, {key: one.value for key, one in parts.items() if one.value is not None})
+        new = [key for key in _SHARED if key in parts and parts[key].value is None]
+        self._parts = parts | {key: parts[key]._replace(value=getattr(scenario, key)) for key in new}
+        return Loaded(scenario, SourceMap(node, [notice for one in parts.values() for notice in one.notices]))
 
     def _is_small(self, read: tree.Node, overrides: Sequence[setting.Override]) -> bool:
         """Whether no number is too large: of the tree before the overrides, looked through once, and of theirs."""
@@ -226,15 +234,16 @@ class Template:
             self._small = read
         return self._small is read and not any(fault for one in overrides for fault in too_large(one.value))
 
-    def _renewed(self, node: tree.Node, notices: list[str]) -> tree.Node:
-        """`renewed`, which goes through a model once."""
-        given = tree.child(node, "model")
-        if self._plainly is not None and self._plainly[0] is given and isinstance(node, tree.Mapping):
-            return tree.set_key(node, "model", self._plainly[1], node.keys["model"])
-        made = renewed(node, notices)
-        model = tree.child(made, "model")
-        self._plainly = None if notices or given is None or model is None else (given, model)
-        return made
+    def _part(self, key: str, written: tree.Node, faults: list[Fault]) -> _Part:
+        """The part under a key, with the numbers of its files in it; that of the last scenario if it is the same."""
+        known = self._parts.get(key)
+        if known is not None and known.written is written:
+            return known
+        notices, folder = list[str](), self._path.parent
+        node = renewed(written, key, notices)
+        node = with_columns(node, key, folder, faults)
+        node = with_tables(node, key, folder, faults)
+        return _Part(written, with_paths(node, key, folder), notices)
 
     @property
     def names_columns(self) -> bool:
@@ -260,35 +269,10 @@ class Template:
         return node
 
 
-def _others(node: tree.Node, known: Known) -> tree.Node:
-    """The tree without what is known to be valid."""
-    if not known or not isinstance(node, tree.Mapping):
-        return node
-    return tree.Mapping(node.position, {k: n for k, n in node.nodes.items() if not _is_known(k, n, known)}, node.keys)
-
-
-def _is_known(key: str, node: tree.Node, known: Known) -> bool:
-    return key in known and known[key][0] is node
-
-
-def _plain(node: tree.Node, known: Known) -> Any:
-    """The tree as plain data, with the parts of a scenario that are known to be valid in their places."""
-    if not known or not isinstance(node, tree.Mapping):
-        return tree.plain(node)
-    return {k: known[k][1] if _is_known(k, n, known) else tree.plain(n) for k, n in node.nodes.items()}
-
-
-def _validated(node: tree.Node, scenario: Scenario) -> Known:
-    """The parts of a scenario that another one may have as they are, by their keys, with their trees."""
-    nodes = node.nodes if isinstance(node, tree.Mapping) else {}
-    parts = {key: (nodes[key], getattr(scenario, key)) for key in _SHARED if key in nodes}
-    return {key: both for key, both in parts.items() if both[1] is not None}
-
-
-def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Known | None = None) -> Scenario:
+def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Mapping[str, Any] | None = None) -> Scenario:
     """The scenario of a tree in which nothing is left to be resolved.
 
-    known: parts of other scenarios, by their keys, that are valid for the very same trees.
+    known: parts that were found valid before, by their keys.
 
     Raises
     ------
@@ -297,7 +281,9 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Known | None = 
     """
     found, scenario, kind = list(faults), None, scenario_class(node)
     try:
-        scenario = kind.model_validate(_plain(node, known or {}))
+        nodes = node.nodes if isinstance(node, tree.Mapping) else {}
+        given = {key: known[key] if known and key in known else tree.plain(below) for key, below in nodes.items()}
+        scenario = kind.model_validate(given)
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=False)
         found += faults_of([*errors, *structure_errors(node, errors)], node, kind)

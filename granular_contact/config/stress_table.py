@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from itertools import product
 from pathlib import Path
 
 from granular_contact.config.columns import numbers_of, table_named
 from granular_contact.config.csv_table import Table, few, form_faults, number
 from granular_contact.config.messages import unknown
-from granular_contact.config.tree import Broken, Mapping, Node, Scalar, child, dotted, rewritten, under
+from granular_contact.config.tree import Broken, Mapping, Node, Scalar, child, dotted, rewritten
 from granular_contact.config.tree import Path as TreePath
 from granular_contact.errors import Fault
 from granular_contact.laws.table import MOST_DRIVING, axis_faults, driving, power
@@ -19,8 +18,10 @@ COLUMNS = ("depth_m", "beta_deg", "gamma_deg", "stress_x_Pa", "stress_z_Pa")
 Rows = dict[tuple[float, float, float], tuple[float, float]]
 
 
-def with_tables(root: Node, folder: Path, faults: list[Fault]) -> Node:
-    """The tree of a scenario with every file of a law `table` replaced by its numbers; paths as of `with_columns`."""
+def with_tables(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
+    """The tree under a key of a scenario with every file of a law `table` replaced by its numbers; paths as of
+    `with_columns`.
+    """
 
     def change(node: Mapping, path: TreePath) -> Node | None:
         law, file = child(node, "law"), child(node, "file")
@@ -35,9 +36,7 @@ def with_tables(root: Node, folder: Path, faults: list[Fault]) -> Node:
         nodes |= {name: numbers_of(file.position, values) for name, values in found.items()}
         return Mapping(node.position, nodes, {name: node.keys.get(name, file.position) for name in nodes})
 
-    for key in ("medium", "bed"):
-        root = under(root, key, partial(rewritten, change=change, path=(key,)))
-    return root
+    return rewritten(node, change, (key,)) if key in ("medium", "bed") else node
 
 
 def _read(folder: Path, faults: list[Fault], named: Scalar, key: str) -> dict[str, list[float]] | None:

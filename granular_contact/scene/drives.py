@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.config.schema.drives import target
+from granular_contact.config.schema.drives import OF_TARGET, TARGETS, target
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene import signals
 from granular_contact.scene.steps import Steps
@@ -22,8 +22,11 @@ def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tup
     made = []
     for name, spec in scenario.drives.items():
         key = target(spec)
+        unit = math.radians(1.0) if key == "angle_deg" else 1.0
         if isinstance(spec, schema.External):
-            made.append(_external(name, spec, key))
+            least, most = spec.range or (-math.inf, math.inf)
+            signal: signals.Signal = signals.Constant(unit * getattr(spec, key))
+            made.append(replace(_drive(name, spec, signal), sets=key, bounds=(unit * least, unit * most)))
             continue
         given: schema.AnySignal = getattr(spec, key)
         phase = 0.0
@@ -33,7 +36,7 @@ def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tup
             words = f"{given.file} was not read: load the config from its file, or give the signal as a table"
             faults.append(scene_fault(f"drives.{name}.{key}", words))
             continue
-        signal = _signal(given, math.radians(1.0) if key == "angle_deg" else 1.0, phase)
+        signal = _signal(given, unit, phase)
         if isinstance(spec, schema.Motion):
             signal = _without_jumps(signal, solver, name, spec, faults)
         made.append(_drive(name, spec, signal))
@@ -72,39 +75,15 @@ def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
     )
 
 
-def _external(name: str, spec: schema.External, key: str) -> Drive:
-    """A drive that is set from outside while it runs."""
-    unit = math.radians(1.0) if key == "angle_deg" else 1.0
-    kind: Literal["load", "control"] = "load" if key in ("torque_Nm", "force_N") else "control"
-    # Of each pair one is that of the other kind of joint, and not given.
-    gain = max(spec.gain_Nm_per_rad, spec.gain_N_per_m)
-    rate_gain = max(spec.rate_gain_Nm_s_per_rad, spec.speed_gain_N_s_per_m)
-    limit = spec.limit_Nm or spec.limit_N or math.inf
-    return Drive(
-        name,
-        kind,
-        signals.Constant(unit * getattr(spec, key)),
-        gain=gain,
-        rate_gain=rate_gain,
-        limit=limit,
-        of_rate=key in ("rate_rad_s", "speed_m_s"),
-        sets=key,
-        bounds=(-math.inf, math.inf) if spec.range is None else (unit * spec.range[0], unit * spec.range[1]),
-    )
-
-
 def _drive(name: str, spec: schema.AnyDrive, signal: signals.Signal) -> Drive:
-    if isinstance(spec, schema.Torque | schema.Force):
-        return Drive(name, "load", signal)
+    key = target(spec)
     if isinstance(spec, schema.Motion):
         return Drive(name, "motion", signal)
-    if isinstance(spec, schema.HingeControl):
-        gains, limit = (spec.gain_Nm_per_rad, spec.rate_gain_Nm_s_per_rad), spec.limit_Nm
-        of_rate = spec.rate_rad_s is not None
-    else:
-        gains, limit = (spec.gain_N_per_m, spec.speed_gain_N_s_per_m), spec.limit_N
-        of_rate = spec.speed_m_s is not None
-    return Drive(name, "control", signal, *gains, math.inf if limit is None else limit, of_rate)
+    if key in ("torque_Nm", "force_N"):
+        return Drive(name, "load", signal)
+    gain, rate_gain, limit = (getattr(spec, one) for one in OF_TARGET[TARGETS[key]])
+    of_rate = key in ("rate_rad_s", "speed_m_s")
+    return Drive(name, "control", signal, gain, rate_gain, math.inf if limit is None else limit, of_rate)
 
 
 def _signal(spec: schema.AnySignal, unit: float, phase_deg: float) -> signals.Signal:
