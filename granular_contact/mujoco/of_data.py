@@ -38,22 +38,13 @@ class BedData:
 
     def apply(self, data: Any) -> None:
         """Forces for the step from here, with MuJoCo's own positions and velocities found for them."""
-        self.busy = True
-        try:
-            mujoco.mj_fwdPosition(self._model, data)
-            self._act(data)
-        finally:
-            self.busy = False
+        mujoco.mj_fwdPosition(self._model, data)
+        self._act(data)
 
     def evaluate(self, data: Any) -> None:
         """The same from within MuJoCo's passive forces, which it asks for at each stage of an RK4 step."""
-        if self._is_stage(data.time):
-            return
-        self.busy = True
-        try:
+        if not self._is_stage(data.time):
             self._act(data)
-        finally:
-            self.busy = False
 
     def _is_stage(self, time: float) -> bool:
         step, rk4 = self._option.timestep, int(self._option.integrator) == RK4
@@ -76,7 +67,11 @@ class BedData:
             self.accepted = 0
         elif passed > 0.0:
             self.accepted += 1
-        self._step.make(data, step, passed, begins)
+        self.busy = True
+        try:
+            self._step.make(data, step, passed, begins)
+        finally:
+            self.busy = False
         self.time = time
         if len(self._rows):
             self._record(time)

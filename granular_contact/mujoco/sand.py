@@ -6,9 +6,10 @@ step changes.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,45 +24,44 @@ Vector = NDArray[np.float64]
 State = list[tuple[Vector, NDArray[np.bool_]]]  # of each batch: anchors, and what may be touched in this step
 
 
-class Sand(Protocol):
-    """What both kinds offer; sizes (bodies,): how far bodies reach from the origins of their frames (m)."""
-
-    sizes: Vector
-
-    def state(self) -> State:
-        """A new state."""
-
-    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
-        """A call for each batch; step: what `space_added_mass.act` takes from its clock on."""
-
-
 @dataclass(frozen=True)
 class _Part:
-    """Elements of one kind in one medium, as kernels take them; of_bed: places of their bodies; reaches (lines,) m."""
+    """Elements of one kind in one medium, as kernels take them; of_bed (k,): places of the bodies that lines or bodies
+    of the batch are on; reaches (k,) m: how far each reaches from the origin of its frame; inner: their records.
+    """
 
     of_bed: NDArray[np.int64]
     bristle: NDArray[np.void]
     batch: Any
     inner: NDArray[np.void]
     rows: int
-    reaches: Vector = field(default_factory=lambda: np.zeros(0))
+    reaches: Vector
 
 
-class SpatialSand:
+class Sand(ABC):
+    """What both kinds share; sizes (bodies,): how far bodies reach from the origins of their frames (m)."""
+
+    def __init__(self, parts: list[_Part], bodies: int) -> None:
+        self.parts, self.sizes = parts, np.zeros(bodies)
+        for part in parts:
+            np.maximum.at(self.sizes, part.of_bed, part.reaches)
+
+    def state(self) -> State:
+        """A new state."""
+        return [(np.zeros_like(part.batch.anchors), np.ones(len(part.inner), bool)) for part in self.parts]
+
+    @abstractmethod
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+        """A call for each batch; step: what `space_added_mass.act` takes from its clock on."""
+
+
+class SpatialSand(Sand):
     """Elements of a `SpatialLoad` whose bodies have seven coordinates each, one after another."""
 
     def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
         self.met = load.met
-        self.parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
-        self.sizes = np.zeros(1 + max(int(part.of_bed.max()) for part in self.parts))
-        for part in self.parts:
-            b = part.batch.bodies
-            far = b["radius"] + np.sqrt(b["x"] ** 2 + b["y"] ** 2 + b["z"] ** 2)
-            np.maximum.at(self.sizes, part.of_bed, far)
-
-    def state(self) -> State:
-        """As of `Sand`."""
-        return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.clusters), bool)) for p in self.parts]
+        parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
+        super().__init__(parts, 1 + max(int(part.of_bed.max()) for part in parts))
 
     def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
@@ -86,22 +86,18 @@ def _part(batch: Any, bristle: NDArray[np.void]) -> _Part:
     if bar:
         inner = batch.clusters.copy()
         inner["cap"] = False
-    return _Part(batch.places[batch.bodies["start"], 1] // 7, bristle, batch, inner, 2 if bar else 1)
+    b = batch.bodies
+    far = b["radius"] + np.sqrt(b["x"] ** 2 + b["y"] ** 2 + b["z"] ** 2)
+    return _Part(batch.places[b["start"], 1] // 7, bristle, batch, inner, 2 if bar else 1, far)
 
 
-class PlanarSand:
+class PlanarSand(Sand):
     """Lines of a `GranularLoad` whose bodies have three coordinates each, one after another; facings as of kernels."""
 
     def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
         self._facings = facings
-        self.parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
-        self.sizes = np.zeros(len(facings))
-        for part in self.parts:
-            np.maximum.at(self.sizes, part.of_bed, part.reaches)
-
-    def state(self) -> State:
-        """As of `Sand`."""
-        return [(np.zeros_like(p.batch.anchors), np.ones(len(p.batch.records), bool)) for p in self.parts]
+        parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
+        super().__init__(parts, len(facings))
 
     def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""

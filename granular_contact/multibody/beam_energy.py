@@ -5,36 +5,20 @@ The engine's own strain measures: axial strain |r'| - 1 and material curvature (
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from granular_contact.scene.types import Vector
+from granular_contact.scene.types import FlexibleLink, Vector
 
 # Order 9 in the axial strain and 5 in the curvature are the engine's rules; five points serve both to round-off.
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
-@dataclass(frozen=True)
-class Strain:
-    """Axial strain and curvature (1/m) at the Gauss points of every element, and their rates: (instants, points) each.
+def elastic_energy_and_loss(q: Vector, v: Vector, link: FlexibleLink) -> tuple[Vector, Vector]:
+    """Strain energy (instants,) J of a link, and the power (instants,) W that its damping takes.
 
-    weights: (points,) m, so that a sum over the last axis is an integral along the beam.
+    q, v: (instants, nodes, 4) coordinates r_x, r_y, r'_x, r'_y and their rates.
     """
-
-    axial: Vector
-    curvature: Vector
-    axial_rate: Vector
-    curvature_rate: Vector
-    weights: Vector
-
-
-def strain(q: Vector, v: Vector, length: float) -> Strain:
-    """Strains of a beam of equal elements.
-
-    q, v: (instants, nodes, 4) coordinates r_x, r_y, r'_x, r'_y and their rates; length of one element (m).
-    """
-    elements = q.shape[1] - 1
+    length = link.length / link.elements
     xi = 0.5 * (1.0 + GAUSS_POINTS)
     first = np.stack([-6 * xi + 6 * xi**2, (1 - 4 * xi + 3 * xi**2) * length], 1)
     first = np.hstack([first, np.stack([6 * xi - 6 * xi**2, (3 * xi**2 - 2 * xi) * length], 1)]) / length
@@ -54,22 +38,9 @@ def strain(q: Vector, v: Vector, length: float) -> Strain:
     turn = x1 * y2 - y1 * x2
     stretch_rate = (x1 * u1 + y1 * w1) / stretch
     turn_rate = u1 * y2 + x1 * w2 - w1 * x2 - y1 * u2
-    return Strain(
-        axial=stretch - 1.0,
-        curvature=turn / stretch**2,
-        axial_rate=stretch_rate,
-        curvature_rate=turn_rate / stretch**2 - 2.0 * turn * stretch_rate / stretch**3,
-        weights=np.tile(0.5 * length * GAUSS_WEIGHTS, elements),
-    )
-
-
-def elastic_energy(s: Strain, axial_stiffness: float, bending_stiffness: float) -> Vector:
-    """Strain energy (instants,) J of a beam with stiffnesses in N and N m2."""
-    energy: Vector = 0.5 * (axial_stiffness * s.axial**2 + bending_stiffness * s.curvature**2) @ s.weights
-    return energy
-
-
-def damping_power(s: Strain, axial_damping: float, bending_damping: float) -> Vector:
-    """Power (instants,) W lost in a beam with damping constants in N s and N m2 s."""
-    power: Vector = (axial_damping * s.axial_rate**2 + bending_damping * s.curvature_rate**2) @ s.weights
-    return power
+    axial, curvature = stretch - 1.0, turn / stretch**2
+    curvature_rate = turn_rate / stretch**2 - 2.0 * turn * stretch_rate / stretch**3
+    weights = np.tile(0.5 * length * GAUSS_WEIGHTS, link.elements)  # a sum over points is an integral along the beam
+    energy: Vector = 0.5 * (link.axial_stiffness * axial**2 + link.bending_stiffness * curvature**2) @ weights
+    power: Vector = (link.axial_damping * stretch_rate**2 + link.bending_damping * curvature_rate**2) @ weights
+    return energy, power

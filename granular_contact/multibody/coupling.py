@@ -123,22 +123,15 @@ class Coupling:
         """Tangent at the system's present state, as the engine's sparse matrix."""
         if t != self._time:
             self._begin(t)
-        joints = self._look(t)
+        joints = self._joints
+        if joints is not None and t != joints.time:
+            joints.begin(t)
         # The engine keeps these on the left-hand side, opposite in sign to the force.
         state = self._q, self._v, -factor_q, -factor_v
-        parts = [] if joints is None else [joints.tangent(*state)]
+        parts = [joints.tangent(*state)] if joints is not None and joints.acts else []
         if self.load.active:
             parts.append(self.load.tangent(*state))
         return self.overlay.matrix(np.concatenate(parts)) if parts else self.overlay.empty
-
-    def _look(self, t: float) -> JointActions | None:
-        """What joints do at this time (s); None where no forces act in them."""
-        joints = self._joints
-        if joints is None:
-            return None
-        if t != joints.time:
-            joints.begin(t)
-        return joints if joints.acts else None
 
     def _begin(self, t: float) -> None:
         """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""

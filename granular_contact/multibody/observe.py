@@ -9,7 +9,7 @@ import numpy as np
 from granular_contact.laws.law import term_names
 from granular_contact.multibody import mechanism
 from granular_contact.multibody.accuracy import accuracy_warnings
-from granular_contact.multibody.beam_energy import damping_power, elastic_energy, strain
+from granular_contact.multibody.beam_energy import elastic_energy_and_loss
 from granular_contact.multibody.depths import all_depths, depths_by_body
 from granular_contact.multibody.drive_error import drive_warnings
 from granular_contact.multibody.kinematics import Kinematics
@@ -101,10 +101,10 @@ def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
     gravity = scene.gravity * motion.lifted()
     elastic, damping, work = (np.zeros_like(kinetic) for _ in range(3))
     for name, handle in links.items():
-        link, nodes = handle.link, np.array(motion.nodes(name))
-        s = strain(t.q[:, nodes], t.v[:, nodes], link.length / link.elements)
-        elastic += elastic_energy(s, link.axial_stiffness, link.bending_stiffness)
-        damping -= energy.accumulate(t.time, damping_power(s, link.axial_damping, link.bending_damping))
+        nodes = np.array(motion.nodes(name))
+        stored, lost = elastic_energy_and_loss(t.q[:, nodes], t.v[:, nodes], handle.link)
+        elastic += stored
+        damping -= energy.accumulate(t.time, lost)
     joints = mechanism.joint_energies(motion, driven)
     if t.load is not None:
         work, at_floor = medium_works(motion, t.load)

@@ -83,18 +83,8 @@ class Overlay:
 
 
 def _tangent(jacobian: Callable[[float, float, float], Any]) -> Callable[..., Any]:
-    def matrix(
-        mbs: Any,  # noqa: ARG001
-        t: float,
-        item: int,  # noqa: ARG001
-        q: list[float],  # noqa: ARG001
-        v: list[float],  # noqa: ARG001
-        factor_q: float,
-        factor_v: float,
-    ) -> Any:
-        return jacobian(t, factor_q, factor_v)
-
-    return matrix
+    """As the engine calls it, with its system, the object, and coordinates and rates besides."""
+    return lambda _mbs, t, _item, _q, _v, factor_q, factor_v: jacobian(t, factor_q, factor_v)
 
 
 def _sparse(triplets: Vector, size: int) -> Any:

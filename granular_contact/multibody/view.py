@@ -74,12 +74,9 @@ def dress(system: System, motion: Kinematics) -> None:
             system.mbs.SetObjectParameter(element, "VdrawHeight", link.link.thickness)
             system.mbs.SetObjectParameter(element, "Vcolor", STEEL)
     if system.scene.media:
-        ground = next(i for i in range(system.mbs.systemData.NumberOfObjects()) if _is_ground(system.mbs, i))
+        objects = range(system.mbs.systemData.NumberOfObjects())
+        ground = next(i for i in objects if system.mbs.GetObject(i)["objectType"] == "Ground")
         system.mbs.SetObjectParameter(ground, "VgraphicsData", _medium(system, motion))
-
-
-def _is_ground(mbs: Any, number: int) -> bool:
-    return bool(mbs.GetObject(number)["objectType"] == "Ground")
 
 
 def _solids(outline: Outline, motion: InitialMotion) -> list[Any]:
