@@ -21,7 +21,7 @@ from granular_contact.config.deprecated import renewed
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import plain_data
 from granular_contact.config.in_space import scenario_class, with_paths
-from granular_contact.config.messages import faults_of, is_foreign, kind_of
+from granular_contact.config.messages import by_place, faults_of, of_file
 from granular_contact.config.provenance import restated_each
 from granular_contact.config.references import MEDIA, MODELS, Resolver, shown
 from granular_contact.config.schema import Medium, Scenario
@@ -190,16 +190,10 @@ class Template:
         ConfigError
             It is no mapping; with the `faults` found so far.
         """
-        known = list(Scenario.model_fields)
-        if not isinstance(root, tree.Broken) and is_foreign(root, [*known, "config"]):
-            words = f"is not a config: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(known)}"
-            faults.append(root.position.fault((), words))
-            root = tree.Broken(root.position)
-        elif isinstance(root, tree.Mapping) and "config" in root.nodes and "model" not in root.nodes:
+        root = of_file(root, Scenario, "not a config", faults, also=("config",))
+        if "config" in root.nodes and "model" not in root.nodes:
             at = root.keys["config"]
             faults.append(at.fault(("config",), "stands in a sweep only; the config of one run is needed here"))
-            root = tree.Broken(at)
-        if not isinstance(root, tree.Mapping):
             raise ConfigError(sorted(faults, key=by_place))
         self._root, self._path = root, path
         self._resolved: dict[tuple[setting.Override, ...], tree.Node] = {}
@@ -345,11 +339,6 @@ def load_medium(name: str, **values: Any) -> Medium:
         except ValidationError as error:
             faults += faults_of(error.errors(include_url=False, include_input=False), node)
     raise ConfigError(sorted(faults, key=by_place))
-
-
-def by_place(fault: Fault) -> tuple[str, int]:
-    """Key by which faults are sorted."""
-    return fault.file, fault.line or 0
 
 
 def _named(root: tree.Node, path: Path) -> tree.Node:

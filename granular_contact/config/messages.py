@@ -12,7 +12,7 @@ from granular_contact.config import allowed
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position, plain
 from granular_contact.config.tree import Mapping as MappingNode
-from granular_contact.errors import Fault
+from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import FAULTS, did_you_mean
 
 M = TypeVar("M", bound=BaseModel)
@@ -74,6 +74,32 @@ def is_foreign(node: Node, known: Sequence[str]) -> bool:
     if not isinstance(node, MappingNode):
         return True
     return bool(node.nodes) and not any(get_close_matches(key, known, 1, 0.75) for key in node.nodes)
+
+
+def of_file(
+    root: Node, model: type[BaseModel], what: str, faults: list[Fault], also: Sequence[str] = ()
+) -> MappingNode:
+    """The tree of a file that is to be a `model`: a mapping with one of its keys, or of those that it may have besides.
+
+    what: what any other file is, as `not a sweep`.
+
+    Raises
+    ------
+    ConfigError
+        It is such a file, or can't be read; with the `faults` found so far.
+    """
+    keys = [one.alias or key for key, one in model.model_fields.items()]
+    if isinstance(root, MappingNode) and not is_foreign(root, [*keys, *also]):
+        return root
+    if not isinstance(root, Broken):
+        words = f"is {what}: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(keys)}"
+        faults.append(root.position.fault((), words))
+    raise ConfigError(sorted(faults, key=by_place))
+
+
+def by_place(fault: Fault) -> tuple[str, int]:
+    """Key by which faults are sorted."""
+    return fault.file, fault.line or 0
 
 
 def _scalar_kind(value: bool | int | float) -> str:
@@ -149,11 +175,9 @@ def _hint(node: Node, schema: allowed.Schema) -> str:
 def _at(tree: Node, path: Path, message: str) -> Fault | None:
     """A fault of the value at `path`."""
     node, missing = find(tree, path)
-    return (
-        None
-        if isinstance(node, Broken)
-        else (node.position if not missing else key_position(tree, path)).fault(path, message)
-    )
+    if missing:
+        return _at_key(tree, path, message)
+    return None if isinstance(node, Broken) else node.position.fault(path, message)
 
 
 def _at_key(tree: Node, path: Path, message: str) -> Fault | None:

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from granular_contact.config import tree
 from granular_contact.config.export import scenario_to_dict, value_at
-from granular_contact.config.load import Loaded, by_place
-from granular_contact.config.messages import is_foreign, kind_of, validated
+from granular_contact.config.load import Loaded
+from granular_contact.config.messages import by_place, of_file, validated
 from granular_contact.config.overrides import Override, split
 from granular_contact.config.schema.optimise import OptimiseFile, Parameter
 from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, one_a_place
@@ -24,8 +24,6 @@ from granular_contact.config.sweep_sample import with_long
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean
-
-KEYS = ("config", "set", "parameters", "objective", "constraints", "method", "evaluations", "population", "seed")
 
 
 @dataclass(frozen=True)
@@ -126,12 +124,7 @@ def load_optimise(path: str | PathLike[str], probe: Probe | None = None) -> Stud
     """
     path = Path(path)
     faults: list[Fault] = []
-    root = read_file(path, faults)
-    if not isinstance(root, tree.Mapping) or is_foreign(root, KEYS):
-        if not isinstance(root, tree.Broken):
-            words = f"is no search: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
-            faults.append(root.position.fault((), words))
-        raise ConfigError(faults)
+    root = of_file(read_file(path, faults), OptimiseFile, "no search", faults)
     return study_of(root, path, faults, probe)
 
 

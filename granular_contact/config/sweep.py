@@ -23,8 +23,8 @@ from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.differences import differences
 from granular_contact.config.export import scenario_to_dict, value_at
-from granular_contact.config.load import Loaded, Template, by_place
-from granular_contact.config.messages import is_foreign, kind_of, validated
+from granular_contact.config.load import Loaded, Template
+from granular_contact.config.messages import by_place, of_file, validated
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
@@ -34,7 +34,6 @@ from granular_contact.config.sweep_sample import sampled, with_long_ranges
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 
-KEYS = ("config", "set", "cases", "vary", "combine", "sample")
 MOST_FAULTS = 200
 Probe = Callable[[Scenario], object]
 
@@ -126,12 +125,7 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
     """
     path = Path(path)
     faults: list[Fault] = []
-    root = read_file(path, faults)
-    if not isinstance(root, tree.Mapping) or is_foreign(root, (*KEYS, "model")):
-        if not isinstance(root, tree.Broken):
-            words = f"is not a sweep: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(KEYS)}"
-            faults.append(root.position.fault((), words))
-        raise ConfigError(faults)
+    root = of_file(read_file(path, faults), SweepFile, "not a sweep", faults, also=("model",))
     if "model" in root.nodes and "config" not in root.nodes:
         raise ConfigError([root.position.fault((), "is the config of one run; a sweep has its name under config")])
     return sweep_of(root, path, faults, probe, check)

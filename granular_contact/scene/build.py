@@ -270,19 +270,10 @@ class End:
 
 def ends_of(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> list[End]:
     """Ends and corners of all parts that a medium may act on."""
-    return list(_ends(rigid, links))
-
-
-def _ends(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> Iterator[End]:
-    for body in rigid:
-        for shape in body.shapes:
-            if shape.in_sand:
-                for corner in shape.points:
-                    yield End(body.name, corner, body.motion.world(corner), shape.drop)
-    for link in links:
-        for x in (0.0, link.length):
-            end = np.array([x, 0.0])
-            yield End(link.name, end, link.motion.world(end))
+    met = [(body, shape.points, shape.drop) for body in rigid for shape in body.shapes if shape.in_sand]
+    found = [End(body.name, corner, body.motion.world(corner), drop) for body, points, drop in met for corner in points]
+    tips = [(link, np.array([x, 0.0])) for link in links for x in (0.0, link.length)]
+    return found + [End(link.name, end, link.motion.world(end)) for link, end in tips]
 
 
 def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:

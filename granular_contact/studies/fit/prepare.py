@@ -8,7 +8,8 @@ from pathlib import Path
 from granular_contact.bed.steady import SteadyBody
 from granular_contact.config.changed import filled
 from granular_contact.config.csv_table import Table, read_table
-from granular_contact.config.load import Template, by_place
+from granular_contact.config.load import Template
+from granular_contact.config.messages import by_place
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema.fit import ForceTest

@@ -8,8 +8,7 @@ from os import PathLike
 from pathlib import Path
 
 from granular_contact.config import tree
-from granular_contact.config.load import by_place
-from granular_contact.config.messages import kind_of, validated
+from granular_contact.config.messages import by_place, kind_of, validated
 from granular_contact.config.overrides import split
 from granular_contact.config.schema.fit import OFFSET_RANGE, Bounds, FitFile, FitRun
 from granular_contact.config.sweep_cases import read_overrides
