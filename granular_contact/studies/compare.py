@@ -6,36 +6,26 @@ tolerance, and for the deflection when the peak deflection is. The verdict is th
 
 from __future__ import annotations
 
+import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granular_contact import report
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.report import (
-    COMPARISON,
-    FIGURES,
-    SCENARIO,
-    SUMMARY,
-    json_text,
-    scenario_text,
-    whole_folder,
-    write_rows,
-)
 from granular_contact.report.overlay import write as write_overlay
 from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.results.frames import MOST
 from granular_contact.results.interpolation import at_times, rates
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import build
-
-Vector = NDArray[np.float64]
 
 MODES, ELEMENTS = (0, 1, 2, 5), (4, 8, 16, 32)
 MOST_MODES, MOST_ELEMENTS = 20, 1024
@@ -44,35 +34,25 @@ EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how ma
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A model that may compute the config: its name and the overrides that select it."""
-
-    name: str
-    overrides: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Row:
-    """A model's results, its median run time (s) and its differences from the reference.
+    """A model by its name, its results, its median run time (s) and its differences from the reference.
 
-    stopping_time, travel, deflection: relative; angle_rms (deg) and deflection_rms (m): root mean squares over the time
-    that both have. None where either run has no such number.
+    differences: by column, relative ones of stopping time, travel and peak deflection, and root mean squares (deg, m)
+    over the time that both have. None where either run has no such number.
     """
 
-    model: Candidate
+    name: str
     results: Results
     seconds: float
-    stopping_time: float | None
-    travel: float | None
-    deflection: float | None
-    angle_rms: float | None
-    deflection_rms: float | None
+    differences: dict[str, float | None]
 
-    def within(self, tolerance: float) -> bool:
-        """Whether the run came to its end, with stopping time and travel both within a relative tolerance."""
-        return self.results.status.code in FINISHED and all(
-            x is not None and abs(x) <= tolerance for x in (self.stopping_time, self.travel)
-        )
+    @property
+    def motion_error(self) -> float:
+        """The greater of both relative errors of the motion; infinite where one is not known, or the run failed."""
+        errors = [self.differences[key] for key in ("stopping_time_relative", "travel_relative")]
+        if self.results.status.code not in FINISHED:
+            return math.inf
+        return max(math.inf if one is None else abs(one) for one in errors)
 
 
 @dataclass(frozen=True)
@@ -85,32 +65,29 @@ class Comparison:
     @property
     def verdict(self) -> str:
         """One sentence for the motion, and one for the deflection."""
-        last = self.rows[-1]
-        if last.results.status.code not in FINISHED:
-            why = last.results.status.message
-            return f"{last.model.name} did not reach its end, so there is no reference: {why}"
-        candidates = sorted(self.rows[:-1], key=lambda row: row.seconds)
-        good = [row for row in candidates if row.within(self.tolerance)]
-        limit, finest = f"{100 * self.tolerance:g} %", self.rows[-1].model.name
-        if good:
+        *models, reference = self.rows
+        if reference.results.status.code not in FINISHED:
+            why = reference.results.status.message
+            return f"{reference.name} did not reach its end, so there is no reference: {why}"
+        candidates = sorted(models, key=lambda row: row.seconds)
+        limit = f"{100 * self.tolerance:g} %"
+        motion = f"No model is within {limit} of {reference.name} in stopping time and travel"
+        if good := [row for row in candidates if row.motion_error <= self.tolerance]:
             best = good[0]
-            worst = max(abs(best.stopping_time or 0.0), abs(best.travel or 0.0))
-            cost = f"{1e3 * best.seconds:.3g} ms ({finest}: {1e3 * self.rows[-1].seconds:.3g} ms)"
+            cost = f"{1e3 * best.seconds:.3g} ms ({reference.name}: {1e3 * reference.seconds:.3g} ms)"
             motion = (
-                f"Cheapest within {limit} in stopping time and travel: {best.model.name}, "
-                f"error {100 * worst:.2g} % in {cost}"
+                f"Cheapest within {limit} in stopping time and travel: {best.name}, "
+                f"error {100 * best.motion_error:.2g} % in {cost}"
             )
-        else:
-            motion = f"No model is within {limit} of {finest} in stopping time and travel"
-        bends = [r for r in candidates if r.deflection is not None and abs(r.deflection) <= self.tolerance]
-        deflection = f"for the peak deflection: {bends[0].model.name}" if bends else "for the peak deflection: none"
-        return f"{motion}; {deflection}."
+        peaks = [(row.name, row.differences["deflection_relative"]) for row in candidates]
+        bends = [name for name, error in peaks if error is not None and abs(error) <= self.tolerance]
+        return f"{motion}; for the peak deflection: {bends[0] if bends else 'none'}."
 
 
 def models(
     path: str | PathLike[str], modes: Sequence[int], elements: Sequence[int], overrides: Sequence[str]
-) -> list[Candidate]:
-    """The models of a comparison, cheapest kind first, the finest beam last.
+) -> dict[str, list[str]]:
+    """Overrides by the names of the models of a comparison, cheapest kind first, the finest beam last.
 
     Raises
     ------
@@ -133,21 +110,22 @@ def models(
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))
     if faults:
         raise ConfigError(faults)
-    reduced = [
-        Candidate(
-            "rigid" if n == 0 else f"{n} mode{'s' if n > 1 else ''}",
-            (f"method={{reduced: {{modes: {n}, static: elastoplastic}}}}",),
-        )
+    reduced = {
+        _counted("mode", n) if n else "rigid": [f"method={{reduced: {{modes: {n}, static: elastoplastic}}}}"]
         for n in sorted(set(modes))
-    ]
-    beams = [
-        Candidate(
-            f"FE, {n} element{'s' if n > 1 else ''}",
-            ("method=engine", *(f"model.bodies.{link}.flexible.elements={n}" for link in links)),
-        )
+    }
+    beams = {
+        f"FE, {_counted('element', n)}": [
+            "method=engine",
+            *(f"model.bodies.{one}.flexible.elements={n}" for one in links),
+        ]
         for n in sorted(set(elements))
-    ]
-    return reduced + beams
+    }
+    return reduced | beams
+
+
+def _counted(what: str, count: int) -> str:
+    return f"{count} {what}{'s' * (count > 1)}"
 
 
 def compare(
@@ -171,38 +149,37 @@ def compare(
         As `models`, or the mechanism has no modal reduction.
     """
     runs = []
-    for model in models(path, modes, elements, overrides):
+    for name, of_model in models(path, modes, elements, overrides).items():
         if progress is not None:
-            progress(model.name)
-        scenario = load(path, [*overrides, *model.overrides, EVERY_STEP]).scenario
+            progress(name)
+        scenario = load(path, [*overrides, *of_model, EVERY_STEP]).scenario
         scene = build(scenario)
         pictures = [0] * repeats + [MOST]
         tries = [uninterrupted(run(scene, scenario, most_frames=most, compiling=compiling)) for most in pictures]
         seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
-        runs.append((model, tries[-1], seconds))
+        runs.append((name, tries[-1], seconds))
     reference = runs[-1][1]
-    start = float(reference[_angle_column(reference)][0])
-    rows = tuple(_row(model, results, seconds, reference, start) for model, results, seconds in runs)
+    rows = tuple(Row(name, one, seconds, _differences(one, reference)) for name, one, seconds in runs)
     return Comparison(rows, tolerance)
 
 
-def _row(model: Candidate, results: Results, seconds: float, reference: Results, start: float) -> Row:
+def _differences(results: Results, reference: Results) -> dict[str, float | None]:
+    """Differences of a run from the reference, see `Row`."""
+
     def relative(key: str, origin: float = 0.0) -> float | None:
         mine, exact = results.summary[key], reference.summary[key]
         if mine is None or exact is None or exact == origin:
             return None
         return float((mine - exact) / (exact - origin))
 
-    return Row(
-        model=model,
-        results=results,
-        seconds=seconds,
-        stopping_time=relative("stopping_time_s"),
-        travel=relative("angle_at_stop_deg", start),
-        deflection=relative("max_deflection_m"),
-        angle_rms=_rms(results, reference, _angle_column(reference)),
-        deflection_rms=_rms(results, reference, "deflection_m"),
-    )
+    angle = _angle_column(reference)
+    return {
+        "angle_rms_deg": _rms(results, reference, angle),
+        "deflection_rms_m": _rms(results, reference, "deflection_m"),
+        "stopping_time_relative": relative("stopping_time_s"),
+        "travel_relative": relative("angle_at_stop_deg", float(reference[angle][0])),
+        "deflection_relative": relative("max_deflection_m"),
+    }
 
 
 def _angle_column(results: Results) -> str:
@@ -222,45 +199,47 @@ def _rms(results: Results, reference: Results, column: str) -> float | None:
 
 def cells(row: Row) -> dict[str, str | float | None]:
     """A row of the table, by the names of its columns."""
-    measured = ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")
-    return {
-        "model": row.model.name,
-        **{key: row.results.summary[key] for key in measured},
-        "angle_rms_deg": row.angle_rms,
-        "deflection_rms_m": row.deflection_rms,
-        "stopping_time_relative": row.stopping_time,
-        "travel_relative": row.travel,
-        "deflection_relative": row.deflection,
-        "solve_s": row.seconds,
-    }
+    measured = {key: row.results.summary[key] for key in ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")}
+    return {"model": row.name, **measured, **row.differences, "solve_s": row.seconds}
+
+
+@contextmanager
+def runs_folder(
+    directory: Path, kind: str, rows: Iterable[Mapping[str, Any]], runs: Sequence[tuple[str, Results]], of: Results
+) -> Iterator[Path]:
+    """Give a folder of compared runs with their table, histories and motions, and the scenario of one of them.
+
+    It is there whole once the block has ended, or not at all.
+    """
+    with report.whole_folder(directory, kind) as folder:
+        report.write_rows(folder / f"{kind}.csv", rows)
+        (folder / report.SCENARIO).write_text(report.scenario_text(of), encoding="utf-8")
+        write_overlay(runs, folder)
+        yield folder
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
     """Write table, verdict, scenario, histories and motions of all, and a figure, completely or not at all."""
-    with whole_folder(directory, "compare") as folder:
-        write_rows(folder / COMPARISON, map(cells, comparison.rows))
-        (folder / SUMMARY).write_text(json_text(_summary(comparison)), encoding="utf-8")
-        (folder / SCENARIO).write_text(scenario_text(comparison.rows[-1].results), encoding="utf-8")
-        runs = [(row.model.name, row.results) for row in comparison.rows]
-        write_overlay(runs, folder)
+    runs = [(row.name, row.results) for row in comparison.rows]
+    with runs_folder(directory, "compare", map(cells, comparison.rows), runs, runs[-1][1]) as folder:
+        (folder / report.SUMMARY).write_text(report.json_text(_summary(comparison)), encoding="utf-8")
         if figures:
             from granular_contact.report.figures.histories import draw_histories
 
-            (folder / FIGURES).mkdir()
-            draw_histories(runs, folder / FIGURES / HISTORIES)
+            (folder / report.FIGURES).mkdir()
+            draw_histories(runs, folder / report.FIGURES / HISTORIES)
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:
     """What the table does not say: the verdict, how it was measured, and the warnings."""
     reference = comparison.rows[-1].results
+    balances = {row.name: row.results.summary["energy"]["imbalance_relative"] for row in comparison.rows}
     return {
         "name": reference.name,
         "verdict": comparison.verdict,
         "tolerance": comparison.tolerance,
-        "reference": comparison.rows[-1].model.name,
-        "imbalance_relative": {
-            r.model.name: r.results.summary["energy"]["imbalance_relative"] for r in comparison.rows
-        },
-        "warnings": [f"{row.model.name}: {warning}" for row in comparison.rows for warning in row.results.warnings],
+        "reference": comparison.rows[-1].name,
+        "imbalance_relative": balances,
+        "warnings": [f"{row.name}: {warning}" for row in comparison.rows for warning in row.results.warnings],
         "versions": reference.summary["versions"],
     }

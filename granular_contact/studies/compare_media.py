@@ -11,15 +11,13 @@ import numpy as np
 
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
-from granular_contact.report import FIGURES, OF_MEDIA, SCENARIO, scenario_text, whole_folder, write_rows
-from granular_contact.report.overlay import write as write_overlay
+from granular_contact.report import FIGURES
 from granular_contact.results import Compiling, Results
 from granular_contact.results.frames import MOST
 from granular_contact.results.series import resultant
 from granular_contact.run import run, uninterrupted
-from granular_contact.scene import Scene, build
-
-HISTORIES = "histories.png"
+from granular_contact.scene import build
+from granular_contact.studies.compare import HISTORIES, runs_folder
 
 
 @dataclass(frozen=True)
@@ -57,21 +55,20 @@ def compare_media(
         raise ConfigError([Fault("", None, "--media", "got none; allowed are names, as play_sand,rft_generic")])
     if faults := list(_idle(overrides)):
         raise ConfigError(faults)
-    scenes = [(name, load(path, [*overrides, f"medium={_value(name)}"])) for name in media]
-    built: list[tuple[str, Scene]] = []
-    for name, loaded in scenes:
+    configs = [load(path, [*overrides, f"medium={_value(name)}"]) for name in media]
+    scenes = []
+    for one in configs:
         try:
-            built.append((name, build(loaded.scenario)))
+            scenes.append(build(one.scenario))
         except SceneError as error:  # noqa: PERF203
-            faults += loaded.sources.place(error.faults)
+            faults += one.sources.place(error.faults)
     if faults:
         raise SceneError(faults)
     rows = []
-    for (name, scene), (_, loaded) in zip(built, scenes, strict=True):
+    for name, scene in zip(media, scenes, strict=True):
         if progress is not None:
             progress(name)
-        one = run(scene, loaded.scenario, most_frames=MOST, compiling=compiling)
-        rows.append(Row(name, uninterrupted(one)))
+        rows.append(Row(name, uninterrupted(run(scene, most_frames=MOST, compiling=compiling))))
     return tuple(rows)
 
 
@@ -106,11 +103,8 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
     """Write the table, the scenario of the first run, histories and motions, and a figure, completely or not at all."""
-    with whole_folder(directory, "compare-media") as folder:
-        write_rows(folder / OF_MEDIA, map(cells, rows))
-        (folder / SCENARIO).write_text(scenario_text(rows[0].results), encoding="utf-8")
-        runs = [(row.name, row.results) for row in rows]
-        write_overlay(runs, folder)
+    runs = [(row.name, row.results) for row in rows]
+    with runs_folder(directory, "compare-media", map(cells, rows), runs, rows[0].results) as folder:
         if figures:
             from granular_contact.report.figures.media import draw_media
 
