@@ -83,6 +83,14 @@ def test_a_run_without_scatter_is_no_ensemble(capsys: pytest.CaptureFixture[str]
     assert "medium.scatter: is missing" in capsys.readouterr().err
 
 
+def test_a_finished_ensemble_is_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["ensemble", "configs/pendulum_rigid.yaml", "--set", SCATTER, "--set", "output.figures=false"]
+    words += ["--count", "2", "--workers", "1", "--out", str(tmp_path / "out")]
+    assert main([*words, "--quiet"]) == 0
+    assert main(words) == 0
+    assert "holds all runs of this ensemble already; --restart" in capsys.readouterr().out
+
+
 def test_what_scatters_is_for_the_engine_and_for_distributed_loads() -> None:
     from granular_contact.errors import SceneError
     from granular_contact.scene import build

@@ -49,6 +49,7 @@ MAY = {
         "scene.space",
         "laws",
         "kernels",
+        "geometry",
         "errors",
     },
     # The second door: it knows nothing of the first.
@@ -92,7 +93,7 @@ MAY = {
         "config.csv_table",
         "config.yaml_source",
     },
-    "studies": {"config", "scene", "run", "report", "report.figures", "results", "errors"},
+    "studies": {"studies", "config", "scene", "run", "report", "report.figures", "results", "errors"},
     "studies.processes": set(),
     "studies.sweep": {
         "studies.sweep",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import hashlib
 import json
 import os
@@ -34,6 +33,7 @@ from granular_contact.cli import main
 from granular_contact.cli import many as shared
 from granular_contact.cli import sweep as cli
 from granular_contact.config import load_sweep
+from granular_contact.report import held
 from granular_contact.studies import sweep
 from granular_contact.studies.sweep import WorkerPool
 from granular_contact.studies.sweep import journal as journals
@@ -251,10 +251,9 @@ def test_other_versions_and_options_do_not_go_on(tmp_path, capsys, monkeypatch):
     assert main(["sweep", str(path), "--out", out]) == 2
     assert "was begun with exudyn 0" in capsys.readouterr().err
     begun.write_text(text)
-    with (tmp_path / "out.part" / "journal" / ".lock").open() as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+    with held(tmp_path / "out.part" / "journal"):
         assert main(["sweep", str(path), "--out", out]) == 2
-        assert "another process is at work" in capsys.readouterr().err
+        assert "another process is at work on this sweep" in capsys.readouterr().err
     assert main(["sweep", str(path), "--out", out, "--quiet"]) == 0
 
 

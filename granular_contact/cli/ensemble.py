@@ -40,8 +40,8 @@ def execute(chosen: argparse.Namespace) -> int:
 
         scenario, _ = read(chosen.file, chosen.set)
         sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
-        act = partial(_run, chosen, sweep, pool, folder)
-        return many.with_cases(chosen, sweep, folder, pool, act, finished=lambda: FINE, rows=_plain)
+        act, nouns = partial(_run, chosen, sweep, pool, folder), ("ensemble", "runs")
+        return many.with_cases(chosen, sweep, folder, pool, act, finished=lambda: FINE, rows=_plain, nouns=nouns)
 
 
 def _plain(checkpoint: Checkpoint) -> list[Row]:

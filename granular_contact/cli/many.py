@@ -99,13 +99,17 @@ def with_cases(
     finished: Callable[[], int],
     rows: Callable[[Checkpoint], Iterable[Row]] = lambda checkpoint: checkpoint.journal,
     cases: bool = False,
+    nouns: tuple[str, str] = ("sweep", "cases"),
 ) -> int:
-    """`with_checkpoint` of the cases of a sweep; rows: of the table that is written after Ctrl-C."""
+    """`with_checkpoint` of the cases of a sweep; rows: of the table that is written after Ctrl-C.
+
+    nouns: what messages call the sweep, and its runs.
+    """
     from granular_contact.studies.sweep import table
 
     return with_checkpoint(
         chosen,
-        table.work_of(sweep),
+        table.work_of(sweep, *nouns),
         folder,
         pool,
         act,

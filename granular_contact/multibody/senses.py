@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.multibody.mass_and_gravity import center_shares, mass_matrix
 from granular_contact.multibody.mechanism import label
 from granular_contact.multibody.system import System
-from granular_contact.results.observed import Instant, Observations, Seen, known
+from granular_contact.results.observed import Instant, Observations, Seen
 from granular_contact.results.series import clockwise_moment
 from granular_contact.scene.types import Joint, Vector
 
@@ -130,10 +130,8 @@ class Senses:
             lambda: self.bodies(q, v),
             lambda poses: self.medium(poses, row, depths),
         )
-        if self._turning:  # which later lie elsewhere
-            joints, bodies = now.joints(), now.bodies()
-            return known(self.seen, time, joints, bodies, now.medium(bodies[0]))
-        return Observations(self.seen, time, now)
+        found = Observations(self.seen, time, now)
+        return found.computed() if self._turning else found  # turns are counted on, later there are others
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """Coordinates and rates of joints."""

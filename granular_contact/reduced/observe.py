@@ -11,10 +11,10 @@ from granular_contact.reduced import energies
 from granular_contact.reduced.looks import known
 from granular_contact.reduced.model import Bar, Model
 from granular_contact.reduced.solve import Trajectory
-from granular_contact.results import Outline, energy, observed, series
+from granular_contact.results import Outline, energy, series
 from granular_contact.results.interpolation import Track
 from granular_contact.results.observation import Known, Observation, pictures
-from granular_contact.results.observed import Observations, Seen
+from granular_contact.results.observed import Instant, Observations, Seen
 from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
 
@@ -63,12 +63,11 @@ def now(model: Model, trajectory: Trajectory) -> Observations:
     wrench = trajectory.terms.sum(axis=1)
     forces = np.array([[*wrench[0, :2], series.clockwise_moment(wrench, place)[0]]])
     met = ("all",) if depth is not None and scene.media else ()
-    return observed.known(
-        Seen((pin.name,), (True,), (root.name.split("+")[0],), met),
-        float(trajectory.time[0]),
-        (angle, rate),
-        (np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])),
-        (forces[: len(met)], depth if depth is not None and met else np.zeros(0)),
+    who = Seen((pin.name,), (True,), (root.name.split("+")[0],), met)
+    bodies = np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])
+    medium = forces[: len(met)], depth if depth is not None and met else np.zeros(0)
+    return Observations(
+        who, float(trajectory.time[0]), Instant(lambda: (angle, rate), lambda: bodies, lambda _: medium)
     )
 
 

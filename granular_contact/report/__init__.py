@@ -145,7 +145,7 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
     making = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
         making.mkdir()
-        with _held(making):
+        with held(making):
             yield making
             swap(making, target)
     finally:  # either the unfinished new folder or, after an exchange, the old one
@@ -153,19 +153,21 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
 
 
 @contextmanager
-def _held(folder: Path) -> Iterator[bool]:
-    """Lock a folder that a process is writing; whether that succeeded. The system releases the lock when the process
-    dies.
+def held(folder: Path) -> Iterator[bool | None]:
+    """Lock a folder that a process is writing; False if another has it, None where nothing can be locked.
+
+    The system releases the lock when the process dies.
     """
     if fcntl is None:
-        yield False
+        yield None
         return
     handle = os.open(folder, os.O_RDONLY)
-    locked = False
+    locked: bool | None = True
     try:
-        with suppress(OSError):  # another has it; or a file system without locks
+        try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            locked = True
+        except OSError as error:  # another has it; or a file system without locks
+            locked = False if isinstance(error, BlockingIOError) else None
         yield locked
     finally:
         os.close(handle)
@@ -184,7 +186,7 @@ def _clear_left(target: Path, kind: str) -> None:
             if not name.fullmatch(path.name) or path.is_symlink() or time.time() - path.stat().st_mtime < YOUNG:
                 continue
             check_target(path, kind)
-            with _held(path) as free:
+            with held(path) as free:
                 if free:
                     shutil.rmtree(path, ignore_errors=True)
 

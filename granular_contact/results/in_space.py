@@ -14,9 +14,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.results import CENTRAL_MOMENT, Column, Force, Outline, Snapshot, series
+from granular_contact.results import CENTRAL_MOMENT, Column, Snapshot, series
 from granular_contact.results.frames import Later, instants
-from granular_contact.results.motion import Bedding, Motion, over_ground
+from granular_contact.results.motion import Bedding, Motion, frames_of, over_ground
 from granular_contact.results.observation import Observation, bed_of
 from granular_contact.results.observed import POSES, VELOCITIES, Place, Seen, angle, in_a_row
 
@@ -119,17 +119,8 @@ def silhouette(points: Vector) -> Vector:
 
 def side_view(motion: Motion) -> tuple[Snapshot, ...]:
     """A motion in space seen from the right: ahead and up, each part by its silhouette."""
-    seen = [(part.name, motion.points(i)[:, :, [0, 2]]) for i, part in enumerate(motion.parts)]
-    return tuple(
-        Snapshot(
-            "frame",
-            float(time),
-            tuple(Outline(name, silhouette(points[k]), 0.0) for name, points in seen),
-            tuple(
-                Force(body, at[k, [0, 2]], force[k, [0, 2]])
-                for body, (at, force) in motion.forces.items()
-                if force[k, [0, 2]].any()
-            ),
-        )
-        for k, time in enumerate(motion.time)
-    )
+    flat = [0, 2]
+    shapes = {i: [silhouette(at) for at in motion.points(i)[:, :, flat]] for i in range(len(motion.parts))}
+    drawn = {i: np.array(polygons) for i, polygons in shapes.items()}
+    forces = {body: (at[:, flat], force[:, flat]) for body, (at, force) in motion.forces.items()}
+    return frames_of(Motion(motion.time, motion.parts, motion.poses[:, :, :3], drawn, forces))

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granular_contact.geometry import rotations
 from granular_contact.results import Force, Outline, Results, Snapshot
 
 Array = NDArray[np.float64]
@@ -79,7 +80,7 @@ class Motion:
             return self.bent[part]
         own, poses = self.parts[part].points, self.poses[:, part]
         if self.in_space:
-            placed: Array = np.einsum("kij,nj->kni", rotations(poses[:, 3:]), own) + poses[:, None, :3]
+            placed: Array = np.einsum("kij,nj->kni", rotations.of_quaternion(poses[:, 3:]), own) + poses[:, None, :3]
             return placed
         c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
         turned = np.stack([c * own[:, 0] - s * own[:, 1], s * own[:, 0] + c * own[:, 1]], axis=-1)
@@ -115,17 +116,6 @@ def coarser(part: Part, most: int) -> Part:
             return replace(part, points=points, faces=faces[kept])
         cells = int(cells / 1.4)
     return part
-
-
-def rotations(quaternions: Array) -> Array:
-    """Rotation matrices (k, 3, 3) of unit quaternions (k, 4) w, x, y, z."""
-    w, x, y, z = quaternions.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
 
 
 # ---- pictures of the plane ----

@@ -154,9 +154,14 @@ class Observations(Mapping[str, float]):
         """Whether each body that can meet the medium is in it, (met,)."""
         return self.depths > 0.0
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def computed(self) -> Observations:
+        """The same, with all of it computed now."""
+        _ = self._joints, self._bodies, self._medium
+        return self
+
+    def __getstate__(self) -> dict[str, Any]:
         """Arrays only, so that it can go to another process."""
-        return known, (self.seen, self.time, self._joints, self._bodies, self._medium)
+        return {key: held for key, held in vars(self.computed()).items() if key != "_instant"}
 
     def __getitem__(self, name: str) -> float:
         """A number by its name; KeyError lists the names there are."""
@@ -196,8 +201,3 @@ class Observations(Mapping[str, float]):
     def __repr__(self) -> str:
         """All names with their numbers, one in a line."""
         return "\n".join(f"{name:32} {self[name]: .6g}" for name in self)
-
-
-def known(seen: Seen, time: float, joints: Pair, bodies: Pair, medium: Pair) -> Observations:
-    """Observations of which all is computed; pairs as of `Instant`."""
-    return Observations(seen, time, Instant(lambda: joints, lambda: bodies, lambda _: medium))

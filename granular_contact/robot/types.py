@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.geometry import rotations
+
 Vector = NDArray[np.float64]
 
 
@@ -21,14 +23,7 @@ class Pose:
     @property
     def rotation(self) -> Vector:
         """Matrix (3, 3) from this frame to the other."""
-        (sr, sp, sy), (cr, cp, cy) = np.sin(self.rpy), np.cos(self.rpy)
-        return np.array(
-            [
-                [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-                [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-                [-sp, cp * sr, cp * cr],
-            ]
-        )
+        return rotations.of_rpy(self.rpy)
 
     def then(self, inner: Pose) -> Pose:
         """Pose in the outer frame of what has the pose `inner` in this one."""

@@ -14,12 +14,12 @@ import yaml
 from support_runs import ROOT
 
 from granular_contact import Results, load, simulate
+from granular_contact.geometry import rotations
 from granular_contact.kernels import space_joints
 from granular_contact.multibody.joint_loads import fill
 from granular_contact.multibody.space.coordinates import SpatialCoordinate
 from granular_contact.scene import build
 from granular_contact.scene.joint_law import JointLaw
-from granular_contact.scene.space import rotations
 
 FREE = {"f": {"type": "free", "parent": "ground", "child": "b"}}
 SOLVER = {"end_time_s": 0.12, "accuracy": 1e-3, "rest_time_s": None}

@@ -14,8 +14,8 @@ from granular_contact.cli.common import read
 from granular_contact.config import load
 from granular_contact.config.schema.space import shapes as specs
 from granular_contact.errors import ConfigError, SceneError
+from granular_contact.geometry import rotations
 from granular_contact.scene import build
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.shapes import _made, of_surface
 from granular_contact.scene.space.types import SpatialScene
 

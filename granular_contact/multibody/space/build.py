@@ -12,6 +12,7 @@ from exudyn import itemInterface as items
 
 from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.errors import scene_error
+from granular_contact.geometry import rotations
 from granular_contact.kernels.space_bodies import turning
 from granular_contact.multibody.build import assembled
 from granular_contact.multibody.coupling import Coupling
@@ -19,7 +20,6 @@ from granular_contact.multibody.joints import let_act, rigid_marker
 from granular_contact.multibody.space.coordinates import coordinate
 from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import RigidHandle
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.loops import CONSTRAINED
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
 

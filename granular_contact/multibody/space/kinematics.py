@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.geometry import rotations
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.space.constraints import SpatialConstraints
 from granular_contact.multibody.space.system import SpatialSystem
@@ -16,7 +17,6 @@ from granular_contact.results import Outline
 from granular_contact.results.energy import work
 from granular_contact.results.in_space import silhouette
 from granular_contact.results.interpolation import Track
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Part, SpatialJoint, Vector
 
 

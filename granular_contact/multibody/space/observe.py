@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from granular_contact.geometry import rotations
 from granular_contact.multibody import mechanism
 from granular_contact.multibody.observe import forces_of, observed
 from granular_contact.multibody.space.kinematics import SpatialKinematics
@@ -18,7 +19,6 @@ from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.motion import Motion, Part
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.types import Vector
 
 

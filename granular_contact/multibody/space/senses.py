@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.bed.work import about
+from granular_contact.geometry import rotations
 from granular_contact.multibody.senses import Senses
 from granular_contact.multibody.space.coordinates import coordinate
 from granular_contact.multibody.space.kinematics import SpatialKinematics, angular
@@ -14,7 +15,6 @@ from granular_contact.multibody.space.system import SpatialSystem
 from granular_contact.multibody.system import Trajectory
 from granular_contact.results.in_space import SpatialSeen
 from granular_contact.results.observed import Instant, Observations
-from granular_contact.scene.space import rotations
 from granular_contact.scene.types import Vector
 
 

@@ -1,6 +1,5 @@
 """A scenario in space -> the scene that the engine gets, as in the plane with three dimensions.
 
-rotations   matrices, roll-pitch-yaw, quaternions
 types       bodies, joints and the scene, as frozen plain data
 shapes      shapes of a config -> what the medium meets, triangles to draw, mass properties
 layout      frames and twists of all bodies in a state of the joints

@@ -9,9 +9,9 @@ import numpy as np
 
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
+from granular_contact.geometry import rotations
 from granular_contact.scene.joint_law import joint_law
 from granular_contact.scene.layout import GROUND
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import STILL, JointState, Pose, axis_of
 from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, Vector

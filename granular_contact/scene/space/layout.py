@@ -9,8 +9,8 @@ import numpy as np
 
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
+from granular_contact.geometry import rotations
 from granular_contact.scene.layout import GROUND, joints_outward
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import SpatialMotion, Vector
 

@@ -14,8 +14,8 @@ import numpy as np
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
+from granular_contact.geometry import rotations
 from granular_contact.scene.loops import RANK_TOLERANCE, Loops
-from granular_contact.scene.space import rotations
 from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import Vector

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granular_contact.config import Scenario
-from granular_contact.studies.sweep.worker import KeyNumbers
 
 if TYPE_CHECKING:
     from granular_contact.results.observation import Observation
@@ -18,12 +17,12 @@ MOST_JOINTS = 2
 _ENDS = ("_drawbar_pull_N", "_sinkage_m")
 
 
-def observed(scenario: Scenario) -> KeyNumbers:
+def observed(scenario: Scenario) -> dict[str, Any]:
     """Key numbers of a run, with histories among them: `series`, by column, at equal steps of the run's time."""
     from granular_contact.run import summary_of
     from granular_contact.scene.build import built
 
-    return KeyNumbers(summary_of(built(scenario), _histories))
+    return summary_of(built(scenario), _histories)
 
 
 def _histories(seen: Observation) -> dict[str, Any]:

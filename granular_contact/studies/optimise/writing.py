@@ -18,7 +18,6 @@ from granular_contact.report import (
     json_text,
     version,
     write,
-    write_table,
     yaml_text,
 )
 from granular_contact.results import Results
@@ -26,7 +25,7 @@ from granular_contact.results.summary import versions
 from granular_contact.studies.optimise.methods import packages
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.sweep.checkpoint import Contents
-from granular_contact.studies.sweep.table import cell
+from granular_contact.studies.sweep.table import write_cells
 
 
 def work_of(study: Study) -> Contents:
@@ -37,7 +36,8 @@ def work_of(study: Study) -> Contents:
     MissingPackageError
         The method's package is not installed.
     """
-    return Contents("optimise", OPTIMISE, study_text(study), HISTORY, study.case_name, packages(study.file))
+    text, needed = study_text(study), packages(study.file)
+    return Contents("optimise", OPTIMISE, text, HISTORY, study.case_name, "search", "runs", needed)
 
 
 def study_text(study: Study) -> str:
@@ -70,8 +70,7 @@ def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Re
 def write_history(outcome: Outcome, folder: Path) -> None:
     """history.csv: a row for each run, in the order in which they were asked for."""
     rows = outcome.rows
-    names = list(dict.fromkeys(key for row in rows for key in row))
-    write_table(folder / HISTORY, names, ([cell(row.get(name)) for name in names] for row in rows))
+    write_cells(folder / HISTORY, list(dict.fromkeys(key for row in rows for key in row)), rows)
 
 
 def outcome_data(outcome: Outcome) -> dict[str, Any]:

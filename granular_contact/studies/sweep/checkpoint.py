@@ -28,11 +28,6 @@ from granular_contact.report import CASES, JOURNAL
 from granular_contact.results.summary import versions
 from granular_contact.studies.sweep.journal import Journal
 
-try:
-    import fcntl
-except ImportError:  # not everywhere
-    fcntl = None  # type: ignore[assignment]
-
 _BEGUN = "begun.json"
 
 
@@ -44,7 +39,8 @@ class FolderRefused(GranularContactError):
 class Contents:
     """What a work folder is of: a kind of results, the file that says all of it, that file's text, and its table.
 
-    case_name: of a case by its index. packages: versions on which the rows depend besides those of all runs.
+    case_name: of a case by its index. noun, runs: what messages call it, and what its runs. packages: versions on which
+    the rows depend besides those of all runs.
     """
 
     kind: str
@@ -52,17 +48,9 @@ class Contents:
     text: str
     table: str
     case_name: Callable[[int], str]
+    noun: str
+    runs: str
     packages: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def noun(self) -> str:
-        """What messages call it."""
-        return "search" if self.kind == "optimise" else self.kind
-
-    @property
-    def runs(self) -> str:
-        """What messages call its runs."""
-        return "runs" if self.kind == "optimise" else "cases"
 
 
 @dataclass(frozen=True)
@@ -141,7 +129,9 @@ def open_checkpoint(work: Contents, target: Path, cases: bool = False, restart: 
     fresh = not (folder / JOURNAL / _BEGUN).exists()
     if fresh or restart:
         (folder / JOURNAL).mkdir(parents=True, exist_ok=True)
-    with _locked(folder, work.noun):
+    with report.held(folder / JOURNAL) as free:
+        if free is False:
+            raise FolderRefused(f"{folder}: another process is at work on this {work.noun}")
         if fresh or restart:
             _clear(folder)
             (folder / work.file).write_text(work.text, encoding="utf-8")
@@ -156,20 +146,6 @@ def open_checkpoint(work: Contents, target: Path, cases: bool = False, restart: 
         if place is not None:
             _keep_only(place, {work.case_name(i) for i in done})
         yield Checkpoint(work, folder, target.resolve(), journal, done, place)
-
-
-@contextmanager
-def _locked(folder: Path, noun: str) -> Iterator[None]:
-    """Keep `folder` for this process; the system takes the lock away when the process dies."""
-    if fcntl is None:
-        yield
-        return
-    with (folder / JOURNAL / ".lock").open("w") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise FolderRefused(f"{folder}: another process is at work on this {noun}") from None
-        yield
 
 
 def _same(work: Contents, folder: Path, remedy: str) -> None:
@@ -220,9 +196,9 @@ def _short(value: Any) -> str:
 
 
 def _clear(folder: Path) -> None:
-    """Remove the rest of an earlier sweep, but not the lock."""
+    """Remove the rest of an earlier sweep, but not the folder that is locked."""
     for path in (*folder.iterdir(), *(folder / JOURNAL).iterdir()):
-        if path.name not in (JOURNAL, ".lock"):
+        if path.name != JOURNAL:
             _remove(path)
 
 

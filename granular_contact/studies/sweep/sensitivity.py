@@ -69,27 +69,15 @@ def warnings(one: Indices) -> list[str]:
 
 
 def of_sweep(sweep: Sweep, rows: Iterable[Row]) -> list[Indices]:
-    """Indices of each output that the sample of a sweep is made for; none for any other sweep."""
-    sample = sweep.sample
-    return [] if sample is None else of_rows(rows, tuple(sample.ranges), sample.count, sample.outputs)
+    """Indices of each output that the sample of a sweep is made for; none for any other sweep.
 
-
-def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Sequence[str]) -> list[Indices]:
-    """Indices of each output; refused where a case failed or has no such number, as the design needs all cases.
-
-    Parameters
-    ----------
-    rows : iterable of Row
-        All cases of the design, in its order: A, B, and A with each input from B in turn.
-    inputs : sequence of str
-        Keys of the design.
-    count : int
-        Cases in A, a power of two.
-    outputs : sequence of str
-        Keys of the summary.
+    They are refused where a case failed or has no such number, as the design needs all cases: `count` of A, a power of
+    two, as many of B, and those of A with each input from B in turn.
     """
-    if not outputs:
+    sample = sweep.sample
+    if sample is None or not sample.outputs:
         return []
+    outputs, inputs, count = sample.outputs, tuple(sample.ranges), sample.count
     size = (len(inputs) + 2) * count
     values = np.full((len(outputs), size), np.nan)
     names, failed = [""] * size, np.zeros(size, dtype=bool)
@@ -98,10 +86,8 @@ def of_rows(rows: Iterable[Row], inputs: Sequence[str], count: int, outputs: Seq
         for i, output in enumerate(outputs):
             if is_number(value := row.summary.get(output)):
                 values[i, row.index] = value
-    return [
-        _of_output(output, tuple(inputs), count, value, failed, names)
-        for output, value in zip(outputs, values, strict=True)
-    ]
+    pairs = zip(outputs, values, strict=True)
+    return [_of_output(output, inputs, count, value, failed, names) for output, value in pairs]
 
 
 def _of_output(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +25,13 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
     OSError
         The disk refuses.
     """
-    names = columns(sweep, rows)
     found = ({**row.summary, **row.values, CASE: row.name} for row in rows)
-    write_table(folder / TABLE, names, ([cell(cells.get(name)) for name in names] for cells in found))
+    write_cells(folder / TABLE, columns(sweep, rows), found)
+
+
+def write_cells(path: Path, names: list[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write a table of rows by the names of its columns; what a row does not have stays empty. Raises OSError."""
+    write_table(path, names, ([cell(row.get(name)) for name in names] for row in rows))
 
 
 def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
@@ -51,9 +55,9 @@ def cell(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def work_of(sweep: Sweep) -> Contents:
-    """What its folder is of."""
-    return Contents("sweep", SWEEP, sweep_text(sweep), TABLE, lambda index: sweep.cases[index].name)
+def work_of(sweep: Sweep, noun: str = "sweep", runs: str = "cases") -> Contents:
+    """What its folder is of; noun, runs: what messages call it and its runs."""
+    return Contents("sweep", SWEEP, sweep_text(sweep), TABLE, lambda index: sweep.cases[index].name, noun, runs)
 
 
 def sweep_text(sweep: Sweep) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any
 
 from granular_contact.config import Case, Scenario, Sweep
 from granular_contact.config.sweep import Probe, case_faults
@@ -22,21 +22,8 @@ if TYPE_CHECKING:
     from granular_contact.scene.again import Builder
 
 
-class Told(Protocol):
-    """What a row is made of: a run's results, or its key numbers alone."""
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """As of Results."""
-
-
-Simulate = Callable[[Scenario], Told]
-
-
-class KeyNumbers(NamedTuple):
-    """The summary of a run, and nothing else."""
-
-    summary: dict[str, Any]
+# What a case goes through: to its summary, or to all its results.
+Simulate = Callable[[Scenario], dict[str, Any] | Results]
 
 
 @dataclass(frozen=True)
@@ -90,12 +77,12 @@ def _unpacked(job: bytes) -> Job:
     return held
 
 
-def simulate(scenario: Scenario) -> KeyNumbers:
+def simulate(scenario: Scenario) -> dict[str, Any]:
     """One run, as the command line does it, of a scenario that comes straight from a config."""
     from granular_contact.run import summary_of
     from granular_contact.scene.build import built
 
-    return KeyNumbers(summary_of(built(scenario)))  # which was checked as it was made of its case
+    return summary_of(built(scenario))  # which was checked as it was made of its case
 
 
 def simulate_with_pictures(scenario: Scenario) -> Results:
@@ -134,15 +121,15 @@ def _line(task: Task, job: Job) -> bytes:
     try:
         scenario = _scenario(task, job)
         kept = job.folder is not None and job.function is simulate
-        results = (simulate_with_pictures if kept else job.function)(scenario)
-        line = _row(task, job, scenario, results.summary)
+        found = (simulate_with_pictures if kept else job.function)(scenario)
+        line = _row(task, job, scenario, found.summary if isinstance(found, Results) else found)
     except Exception as error:
         return error_row(task, job.sweep, error).line()
-    if job.folder is not None and isinstance(results, Results):
+    if job.folder is not None and isinstance(found, Results):
         from granular_contact import report
 
         try:
-            report.write(results, job.folder / task.case.name, figures=scenario.output.figures)
+            report.write(found, job.folder / task.case.name, figures=scenario.output.figures)
         except OSError:  # no matter of the case
             raise
         except Exception as error:
