@@ -7,7 +7,7 @@ for in each of these folders themselves.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 _URL = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://(.*)")
@@ -47,7 +47,7 @@ def _folders(package: str, robot: Path, packages: Mapping[str, Path]) -> list[Pa
     for above in robot.parents:
         if above.name == package or _package_name(above / "package.xml") == package:
             found.append(above)
-        if _is_dir(above / package):
+        if _is_there(above / package, Path.is_dir):
             found.append(above / package)
     return list(dict.fromkeys(found))
 
@@ -64,15 +64,12 @@ def _package_name(path: Path) -> str | None:
 
 def is_file(path: Path) -> bool:
     """Whether there is such a file; a name too long for the system, or one it can't express, is that of none."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
+    return _is_there(path, Path.is_file)
 
 
-def _is_dir(path: Path) -> bool:
+def _is_there(path: Path, kind: Callable[[Path], bool]) -> bool:
     try:
-        return path.is_dir()
+        return kind(path)
     except (OSError, ValueError):
         return False
 

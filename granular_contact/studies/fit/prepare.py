@@ -179,7 +179,7 @@ def _problem(
         for key, low, high, start in source.own:
             parameters.append(Parameter(key, (i,), low, high, start, log=False, label=f"{key[0]} @ {one.name}"))
         runs.append(_run(one, source, acting, parameters, first))
-    if request.scatter:
+    if request.file.scatter:
         faults += scatter_faults(request.runs, runs)
     noise = dict.fromkeys(name for run in runs for name in run.measured.columns)
     return Problem(
@@ -187,10 +187,10 @@ def _problem(
         tuple(runs),
         tuple(parameters),
         dict(noise) | dict(_noise(request, list(noise), faults)),
-        request.loss,
-        request.starts,
-        request.seed,
-        request.scatter,
+        request.file.loss,
+        request.file.starts,
+        request.file.seed,
+        request.file.scatter,
     )
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from granular_contact.config.overrides import Override
-from granular_contact.config.schema.fit import Bounds, ClockBounds, ForceTest
+from granular_contact.config.schema.fit import Bounds, ClockBounds, FitFile, ForceTest
 from granular_contact.config.tree import Position
-from granular_contact.studies.fit.problem import Loss
 
 
 def looked_for(zero: str | float | ClockBounds | None, reach: float) -> tuple[float, float, float] | None:
@@ -61,14 +60,11 @@ class RunRequest:
 
 @dataclass(frozen=True)
 class Specification:
-    """A requested fit. noise: measured name -> value and place."""
+    """A requested fit. noise: measured name -> value and place; file: with the options of the solver."""
 
     name: str
+    file: FitFile
     runs: tuple[RunRequest, ...]
     parameters: tuple[ParameterRequest, ...]
     common: tuple[Override, ...]
     noise: Mapping[str, tuple[float, Position]]
-    loss: Loss
-    starts: int
-    seed: int
-    scatter: bool = False

@@ -144,25 +144,17 @@ def correlation(lag: Vector) -> Vector:
 
 @cache
 def _table() -> tuple[Vector, Vector]:
-    t, grid = np.linspace(0.0, 1.0, 64, endpoint=False), np.linspace(0.0, 2.0, 65)
-    return grid, np.array([np.mean(_weight_products(t, float(x))) for x in grid])
+    """Lags, and the mean over the place t in a cell of the sum over lattice points of the weights at t and t + lag."""
+    t, grid, points = np.linspace(0.0, 1.0, 64, endpoint=False)[:, None], np.linspace(0.0, 2.0, 65), np.arange(4.0)
+    there = _weight(np.abs(t + grid[:, None, None] - points))
+    return grid, (_weight(np.abs(t - points)) * there).sum(axis=2).mean(axis=1)
 
 
-def _weight_products(t: Vector, lag: float) -> Vector:
-    """Sum over the lattice of the weights at t and at t + lag."""
-    total = np.zeros_like(t)
-    for i in (0, 1):
-        for j in (0, 1):
-            cell = np.floor(t + lag)
-            same = i == j + cell
-            total += np.where(same, _weight(t, i) * _weight(t + lag - cell, j), 0.0)
-    return total
-
-
-def _weight(t: Vector, which: int) -> Vector:
-    q = t * t * (3.0 - 2.0 * t)
-    parts = (1.0 - q, q)
-    return np.asarray(parts[which] / np.sqrt(parts[0] ** 2 + parts[1] ** 2))
+def _weight(distance: Vector) -> Vector:
+    """Weight of a lattice point by its distance in lengths; none from one length on."""
+    x = np.minimum(distance, 1.0)
+    q = x * x * (3.0 - 2.0 * x)
+    return np.asarray((1.0 - q) / np.hypot(1.0 - q, q))
 
 
 def _omega(path: Vector, model: Vector, logs: Vector) -> Vector:

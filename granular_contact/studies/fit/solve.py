@@ -91,20 +91,13 @@ def starting_points(problem: Problem) -> list[Vector]:
 
 def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list[Start]:
     points = starting_points(problem)
+    workers = min(workers, len(points))
+    here = ((i, descend(problem, point)) for i, point in enumerate(points))
     found: dict[int, Start] = {}
-
-    def keep(i: int, start: Start) -> None:
+    for i, start in _from_processes(problem, points, workers) if workers > 1 else here:
         found[i] = start
         if progress is not None:
             progress(len(found), len(points))
-
-    workers = min(workers, len(points))
-    if workers <= 1:
-        for i, point in enumerate(points):
-            keep(i, descend(problem, point))
-    else:
-        for i, start in _from_processes(problem, points, workers):
-            keep(i, start)
     return [found[i] for i in range(len(points))]
 
 

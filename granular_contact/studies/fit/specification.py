@@ -43,14 +43,11 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
         raise ConfigError(sorted(faults, key=by_place))
     found = Specification(
         name=path.stem,
+        file=file,
         runs=tuple(_named(_runs(root, file, path.parent, faults))),
         parameters=_parameters(root, (), file.parameters, faults),
         common=tuple(read_overrides(root.nodes.get("set"), ("set",), faults)),
         noise={name: (size, _at(root, "noise", name)) for name, size in file.noise.items()},
-        loss=file.loss,
-        starts=file.starts,
-        seed=file.seed,
-        scatter=file.scatter,
     )
     if not found.parameters and not any(run.parameters for run in found.runs) and not faults:
         at = root.keys.get("parameters", root.position)
