@@ -55,7 +55,7 @@ def execute(chosen: argparse.Namespace) -> int:
         comparison = compare(chosen.config, chosen.modes, chosen.elements, tolerance=chosen.tolerance, **progress)
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        print_numbers(["model"], SHOWN, (([row.model.name], cells(row)) for row in comparison.rows))
+        print_numbers(["model"], SHOWN, (([row.name], cells(row)) for row in comparison.rows))
         say(comparison.verdict)
         say(f"saved in {folder}")
     return worst(row.results.status.code for row in comparison.rows)
