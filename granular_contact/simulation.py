@@ -227,7 +227,7 @@ class Simulation:
             for joint, given in self._checked(controls).items():
                 least, most = self._ranges[joint]
                 value = given if least <= given <= most else self._cut(joint, given)
-                solving.set_to(joint, value)  # type: ignore[attr-defined]  # only the engine's has drives
+                solving.set_to(joint, value)  # type: ignore[attr-defined]  # reduced models have no drives
                 self._set[joint] = value
         solving.advance(until if self._end - until > self._shortest else math.inf)
         return solving.observe()

@@ -54,6 +54,7 @@ SCENES = {
     "runner": ("runner", ("solver.accuracy=1e-2", "solver.end_time_s=0.06")),
     "vacuum": ("pendulum", (*SHORT, "medium=null")),
     "minimal": ("pendulum_rigid", (*SHORT, "method=minimal")),
+    "leg, minimal": (LEG, ("method=minimal",)),
     "reduced": ("pendulum", (*SHORT, "method.reduced.modes=1")),
     "reduced with bristles": ("pendulum", (*SHORT, "method={reduced: {modes: 1, static: elastoplastic}}")),
 }
@@ -117,7 +118,7 @@ def test_pauses_leave_chosen_steps_as_exact(name: str) -> None:
     assert parts["pivot_angle_deg"][-1] == pytest.approx(whole["pivot_angle_deg"][-1], abs=0.005)
 
 
-@pytest.mark.parametrize("name", ["leg", "minimal", "reduced", "reduced with bristles"])
+@pytest.mark.parametrize("name", ["leg", "minimal", "leg, minimal", "reduced", "reduced with bristles"])
 def test_all_solvers_go_on_to_the_end(name: str) -> None:
     simulation = of(name)
     np.testing.assert_array_equal(simulation.run().table, run(build(simulation.scenario)).table)
@@ -188,7 +189,7 @@ def test_a_state_of_another_scene_is_refused() -> None:
 # ---- what is seen ----
 
 
-@pytest.mark.parametrize("name", ["leg", "flexible", "minimal"])
+@pytest.mark.parametrize("name", ["leg", "flexible", "minimal", "leg, minimal"])
 def test_observations_are_the_columns_of_the_results(name: str) -> None:
     text, overrides = SCENES[name]
     simulation = Simulation(scenario_of(text, *overrides, "output.bodies=all"))

@@ -192,7 +192,7 @@ class GranularLoad:
         """Begin all batches, and compile what a solve calls, which is no part of its first step."""
         if not self.batches:
             return
-        sand = self._sand = np.array([batch.start(where, reference) for batch in self.batches])
+        sand = self._sand = self.places(where, reference)
         if self._compiled is None:
             self._compiled = _Compiled(
                 entry(planar_sand.force, sand, q, q, q),
@@ -205,6 +205,10 @@ class GranularLoad:
         self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:
             batch.proximity[:, EVER] = -np.inf
+
+    def places(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+        """Begin all batches, with arguments as of `start`: where their arrays are, see `planar_sand`."""
+        return np.array([batch.start(where, reference) for batch in self.batches])
 
     def force(self, q: Vector, v: Vector, out: Vector) -> Vector:
         """Add the generalised forces of all active lines to out (m,), and return it."""

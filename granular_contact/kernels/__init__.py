@@ -17,7 +17,7 @@ the solve           iterations, anderson, line_search, step_error    Newton's me
 implicit forces     added_mass, planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass, held_step
 reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip, events    its equations
                     runge_kutta, march, modal_looks                                 its steps, and what is found in them
-trees               tree, tree_load, tree_march, chebyshev
+trees               tree, tree_load, tree_march, chebyshev, signal_tables
 how it is compiled  compiled, compiling, hurry, counting, loaded
                     records, entry, lending, memory    record types; calls and arrays without numba's general forms
 

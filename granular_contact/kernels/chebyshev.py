@@ -28,8 +28,8 @@ def stages_for(h, radius):
 
 
 @part
-def step(y, h, stages, w, slope, before, last, end):
-    """Fill `end` with the state after h (s), from y with y' = slope; before, last: room for two states."""
+def step(t, y, h, stages, w, slope, before, last, end):
+    """Fill `end` with the state after h (s), from y at t (s) with y' = slope; before, last: room for two states."""
     w0 = 1.0 + DAMPING / (stages * stages)
     root = math.sqrt(w0 * w0 - 1.0)
     argument = stages * math.log(w0 + root)
@@ -38,10 +38,11 @@ def step(y, h, stages, w, slope, before, last, end):
     copy(before, y)
     for i in range(y.shape[0]):
         last[i] = y[i] + (w1 * b_last * h) * slope[i]
+    share = w1 * b_last  # of the step, where `last` stands
     # Chebyshev polynomials T at w0 with their first and second derivatives, of the last two degrees.
     t2, t1, d2, d1, dd2, dd1 = 1.0, w0, 0.0, 1.0, 0.0, 0.0
     for _ in range(2, stages + 1):
-        t = 2.0 * w0 * t1 - t2
+        polynomial = 2.0 * w0 * t1 - t2
         d = 2.0 * w0 * d1 - d2 + 2.0 * t1
         dd = 2.0 * w0 * dd1 - dd2 + 4.0 * d1
         b = dd / (d * d)
@@ -49,22 +50,23 @@ def step(y, h, stages, w, slope, before, last, end):
         mu = 2.0 * w0 * b / b_last
         nu = -b / b_before
         weight = mu * w1 / w0
-        rates(last, w, end)
+        rates(t + share * h, last, w, end)
         for i in range(y.shape[0]):
             new = (1.0 - mu - nu) * y[i] + mu * last[i] + nu * before[i] + h * weight * (end[i] - a * slope[i])
             before[i], last[i] = last[i], new
-        t2, t1, d2, d1, dd2, dd1 = t1, t, d1, d, dd1, dd
+        share = w1 * dd / d
+        t2, t1, d2, d1, dd2, dd1 = t1, polynomial, d1, d, dd1, dd
         b_before, b_last = b_last, b
     copy(end, last)
 
 
 @part
-def radius(y, slope, w, direction, moved, response):
-    """Spectral radius (1/s) of the rates about y by a nonlinear power method; direction is kept for the next time.
+def radius(t, y, slope, w, direction, moved, response):
+    """Spectral radius (1/s) of the rates about y at t (s) by a nonlinear power method; direction is kept for later.
 
     Returns it with a margin, and the evaluations it took.
     """
-    size = y.shape[0] - 1  # the work drives nothing
+    size = y.shape[0] - 2  # works drive nothing
     norm = 0.0
     for i in range(size):
         norm += direction[i] * direction[i]
@@ -81,7 +83,7 @@ def radius(y, slope, w, direction, moved, response):
         copy(moved, y)
         for i in range(size):
             moved[i] += factor * direction[i]
-        rates(moved, w, response)
+        rates(t, moved, w, response)
         norm = 0.0
         for i in range(size):
             direction[i] = response[i] - slope[i]

@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels import batches
+from granular_contact.kernels import planar_sand
 from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
 from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.joint_loads import VALUE
 from granular_contact.kernels.lines import TIME
 from granular_contact.kernels.memory import copy
 from granular_contact.kernels.records import fields
+from granular_contact.kernels.tree import SLIDER
 from granular_contact.kernels.tree_load import accept, fastest, rates
 
 # Why `march` came back: the table is full, everything rests, the end, no step is small enough.
@@ -21,6 +23,7 @@ PAUSE, REST, END, FAILED = 0, 1, 2, 3
 CONTROL = np.dtype([*fields("f8", "end", "longest", "rest_speed", "rest_time"), ("allowed", "f8", (2,))])
 NOW, STEP, RESTING_SINCE, RADIUS, AGE = 0, 1, 2, 3, 4  # of clock (5,): s, s, s, 1/s and steps since that was found
 STEPS, REJECTED, RATES = 0, 1, 2  # of counts (3,)
+WIDTH = 11  # numbers of a node in a row of states, beside the two works
 OLD = 20  # steps after which the spectral radius is looked at anew
 
 
@@ -28,38 +31,56 @@ OLD = 20  # steps after which the spectral radius is looked at anew
 def start(y, w, blank, states, rows):
     """Reset the friction state and write the first row."""
     accept(y, w, rows[0], True)
+    rates(0.0, y, w, np.empty_like(y))
     write(0.0, y, w, blank, states[0], rows[0])
 
 
 @part
 def write(t, y, w, blank, state, row):
-    """Accept y at time t (s) and keep it: pose, twist and work in `state`, the medium's doing in `row`, which is first
-    made `blank`.
+    """Accept y at time t (s) and keep it: the medium's doing in `row`, first made `blank`, all else in `state`.
+
+    state: pose, twist and acceleration of all nodes, both works, efforts of all joints, and what their drives want.
     """
     copy(row, blank)
     accept(y, w, row, False)
     row[TIME] = t
-    n = w.bodies.shape[0]
+    n = w.nodes.shape[0]
     for i in range(n):
         for k in range(3):
             state[3 * i + k] = w.motion.pose[i, k]
             state[3 * (n + i) + k] = w.motion.twist[i, k]
-    state[6 * n] = y[2 * n]
+            state[3 * (2 * n + i) + k] = w.motion.acceleration[i, k]
+        state[9 * n + 2 + i] = w.motion.effort[i]
+        state[10 * n + 2 + i] = w.state[i, VALUE]
+    state[9 * n], state[9 * n + 1] = y[2 * n], y[2 * n + 1]
 
 
 @part
-def error(y, h, slope, end, end_slope, bodies, allowed):
-    """Estimated error of a step over what is allowed for it.
+def error(y, h, slope, end, end_slope, w, allowed):
+    """Estimated error of a step over what is allowed for it; a coordinate that is prescribed has none.
 
-    An angle counts with the reach of its body; errors of bodies along a chain add like those of a random walk.
+    That of a body's angle is the sum of those of the hinges that carry it, and counts with the reach of the body;
+    errors of bodies along a chain add like those of a random walk.
     """
-    n, position, velocity = bodies.shape[0], 0.0, 0.0
+    n, position, velocity = w.nodes.shape[0], 0.0, 0.0
+    turned = w.motion.bias  # room for the errors of angles and of their rates; `place` fills it anew
     for i in range(n):
-        lever = bodies[i].radius
-        one = lever * (0.8 * (y[i] - end[i]) + 0.4 * h * (slope[i] + end_slope[i]))
-        two = lever * (0.8 * (y[n + i] - end[n + i]) + 0.4 * h * (slope[n + i] + end_slope[n + i]))
-        position += one * one
-        velocity += two * two
+        node, one, two = w.nodes[i], 0.0, 0.0
+        if not node.prescribed:
+            one = 0.8 * (y[i] - end[i]) + 0.4 * h * (slope[i] + end_slope[i])
+            two = 0.8 * (y[n + i] - end[n + i]) + 0.4 * h * (slope[n + i] + end_slope[n + i])
+        if node.parent < 0:
+            turned[i, 0], turned[i, 1] = 0.0, 0.0
+        else:
+            turned[i, 0], turned[i, 1] = turned[node.parent, 0], turned[node.parent, 1]
+        if node.kind == SLIDER:
+            position += one * one
+            velocity += two * two
+            continue
+        turned[i, 0] += one
+        turned[i, 1] += two
+        position += (node.radius * turned[i, 0]) ** 2
+        velocity += (node.radius * turned[i, 1]) ** 2
     return max(math.sqrt(position) / allowed[0], math.sqrt(velocity) / allowed[1])
 
 
@@ -69,18 +90,19 @@ def tried(h, y, w, c, clock, counts, direction, slope, end, end_slope, before, l
 
     slope: rates at y; end and end_slope get where it leads, and the rates there; before, last: to work in.
     """
+    t = clock[NOW]
     while True:
         if clock[AGE] >= OLD:
-            clock[RADIUS], evaluations = radius(y, slope, w, direction, last, before)
+            clock[RADIUS], evaluations = radius(t, y, slope, w, direction, last, before)
             clock[AGE] = 0
             counts[RATES] += evaluations
         stages = stages_for(h, clock[RADIUS])
         if stages == MOST_STAGES:
             h = (MOST_STAGES**2 - 2) / (1.54 * clock[RADIUS])
-        step(y, h, stages, w, slope, before, last, end)
-        rates(end, w, end_slope)
+        step(t, y, h, stages, w, slope, before, last, end)
+        rates(t + h, end, w, end_slope)
         counts[RATES] += stages
-        ratio = error(y, h, slope, end, end_slope, w.bodies, c.allowed)
+        ratio = error(y, h, slope, end, end_slope, w, c.allowed)
         if ratio <= 1.0:
             return h, ratio
         counts[REJECTED] += 1
@@ -106,8 +128,8 @@ def march(y, w, control, clock, counts, direction, blank, states, rows):
         h = min(clock[STEP], c.longest)
         left = c.end - clock[NOW]
         h = left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
-        batches.update_active(w.proximity, h, w.active)
-        rates(y, w, slope)
+        planar_sand.update_active(w.sand, h)
+        rates(clock[NOW], y, w, slope)
         counts[RATES] += 1
         h, ratio = tried(h, y, w, c, clock, counts, direction, slope, end, end_slope, before, last)
         if h == 0.0:

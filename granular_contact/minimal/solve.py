@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,20 +33,21 @@ class March:
     """State of a solve, as `kernels.tree_march` keeps it up to date; the arrays are explained there."""
 
     def __init__(self, tree: Tree, method: Minimal) -> None:
-        scene, self.tree, bodies = tree.scene, tree, len(tree.arrays.bodies)
+        scene, self.tree, nodes = tree.scene, tree, len(tree.arrays.nodes)
         solver = scene.solver
         reach, speed = _size(scene)
         self.y = tree.start.copy()
         self.control = np.zeros(1, kernels.CONTROL)
         self.control["end"], self.control["longest"] = solver.end_time_s, solver.step_s
         self.control["rest_speed"] = solver.rest_speed_m_s
-        self.control["rest_time"] = np.inf if solver.rest_time_s is None else solver.rest_time_s
+        rests = solver.rest_time_s is not None and not scene.drives
+        self.control["rest_time"] = solver.rest_time_s if rests else np.inf
         self.control["allowed"] = [[method.rtol * reach, method.rtol * speed]]
         self.clock = np.array([0.0, FIRST_STEP * solver.step_s, 0.0, 0.0, kernels.OLD])
         self.counts = np.zeros(3, dtype=np.int64)
         self.direction = np.zeros_like(self.y)
         self.blank = (HistoryTable() if tree.load is None else tree.load.table).blank
-        self.states = np.zeros((SHARE, 6 * bodies + 1))
+        self.states = np.zeros((SHARE, kernels.WIDTH * nodes + 2))
         self.rows = np.zeros((SHARE, len(self.blank)))
         kernels.start(self.y, tree.arrays, self.blank, self.states, self.rows)
         self._march(self.rows[:1])  # is full: compiles the march or loads it, which is no part of a solve
@@ -79,12 +80,14 @@ class March:
     def kept(self) -> dict[str, NDArray[Any]]:
         """Copies of all that its future and its rows depend on."""
         arrays = {name: getattr(self, name).copy() for name in ("y", "clock", "counts", "direction")}
+        arrays["joints"] = self.tree.arrays.state.copy()
         return arrays | {name: getattr(self, name)[: self.last + 1].copy() for name in ("states", "rows")}
 
     def restore(self, kept: dict[str, NDArray[Any]]) -> None:
         """Go back to what was kept."""
         for name in ("y", "clock", "counts", "direction"):
             getattr(self, name)[:] = kept[name]
+        self.tree.arrays.state[:] = kept["joints"]
         used = len(kept["rows"])
         while len(self.rows) < used:
             self._enlarge()
@@ -96,9 +99,9 @@ def _size(scene: Scene) -> tuple[float, float]:
     reach = max(
         body.workspace.radius(p) + shape.drop for body in scene.rigid for shape in body.shapes for p in shape.points
     )
-    reach = max(reach, LEAST_REACH)
+    reach = max(reach if math.isfinite(reach) else scene.length, LEAST_REACH)
     rate = max(abs(body.motion.rate) for body in scene.rigid)
-    return reach, max(reach * rate + float(np.sqrt(abs(scene.gravity) * reach)), 1e-6)
+    return reach, max(reach * rate + float(np.sqrt(abs(scene.gravity) * reach)), scene.speed, 1e-6)
 
 
 @dataclass(frozen=True)
@@ -157,16 +160,24 @@ class Solve:
 
     def observe(self) -> Observations:
         """What is seen of the present state."""
-        row, count = self.march.last, 3 * len(self.tree.arrays.bodies)
-        state = self.march.states[row]
-        return self._senses.read(self.time, state[:count], state[count : 2 * count], self.march.rows[row])
+        row = self.march.last
+        q, v, _ = self._coordinates(slice(row, row + 1))
+        return self._senses.read(self.time, q[0], v[0], self.march.rows[row])
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
-        count, system = 3 * len(self.tree.arrays.bodies), self.tree.system
-        state = self.march.states[self.march.last][None, :]
-        now = at_one(system, np.array([self.time]), state[:, :count], state[:, count : 2 * count])
-        return Kinematics(system, now).outlines(0)
+        q, v, _ = self._coordinates(slice(self.march.last, self.march.last + 1))
+        return Kinematics(self.tree.system, at_one(self.tree.system, np.array([self.time]), q, v)).outlines(0)
+
+    def _coordinates(self, rows: slice) -> tuple[Vector, Vector, Vector]:
+        """Coordinates of the system (k, m), their rates and accelerations, of these rows."""
+        size, states = 3 * len(self.tree.arrays.nodes), self.march.states[rows]
+        q, v, a = (states[:, i * size + self.tree.coordinates] for i in range(3))
+        return q, v, a
+
+    def set_to(self, joint: str, value: float) -> None:
+        """Set the drive of a joint, in SI units, from now on."""
+        self.tree.system.loads[joint].set_to = value
 
     def state(self) -> SolveState:
         """The present state."""
@@ -187,16 +198,22 @@ class Solve:
         """All steps so far, in the engine's coordinates."""
         march, tree = self.march, self.tree
         steps, _, evaluations = (int(count) for count in march.counts)
-        count = 3 * len(tree.arrays.bodies)
-        states = march.states[: steps + 1]
+        rows, (q, v, a) = slice(0, steps + 1), self._coordinates(slice(0, steps + 1))
+        works, efforts, wanted = np.split(
+            march.states[rows, 9 * len(tree.arrays.nodes) :], [2, 2 + len(tree.arrays.nodes)], axis=1
+        )
         return Trajectory(
             status=self.status(),
             cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),
-            time=march.rows[: steps + 1, 0].copy(),
-            q=states[:, :count],
-            v=states[:, count : 2 * count],
-            load=None if tree.load is None else _history(tree.load, march.rows[: steps + 1], states[:, 2 * count]),
+            time=march.rows[rows, 0].copy(),
+            q=q,
+            v=v,
+            load=None if tree.load is None else _history(tree.load, march.rows[rows], works),
             mass=mass_matrix(tree.system),
+            # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+            multipliers={joint: -efforts[:, node] for joint, node in tree.prescribed.items()},
+            a=a if tree.prescribed else None,
+            set_to={joint: wanted[:, node].copy() for joint, node in tree.set_from_outside.items()},
         )
 
     def status(self) -> Status:
@@ -221,7 +238,7 @@ def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
     return under_way.trajectory()
 
 
-def _history(load: GranularLoad, rows: Vector, work: Vector) -> LoadHistory:
-    """What the medium did, with the work as it was integrated along with the motion."""
-    load.table.adopt(rows, work)
-    return load.history
+def _history(load: GranularLoad, rows: Vector, works: Vector) -> LoadHistory:
+    """What the medium did, with the works (n, 2) as they were integrated along with the motion."""
+    load.table.adopt(rows, works[:, 0])
+    return replace(load.history, floor_work=works[:, 1])

@@ -1,9 +1,9 @@
-"""Scene -> Tree: bodies from the ground outward, and all that the medium meets on them, as the kernels read it."""
+"""Scene -> Tree: joints from the ground outward, all that acts in them, and all that the medium meets, for kernels."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from granular_contact.bed.contact_lines import Body
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.of_scene import lines_of, load_of
-from granular_contact.kernels.kinematics import STATION
-from granular_contact.kernels.law import LAW, LINE
-from granular_contact.kernels.tree import BODY, motion
+from granular_contact.kernels.joint_loads import JOINT
+from granular_contact.kernels.tree import HINGE, NODE, SLIDER, motion
 from granular_contact.kernels.tree_load import TreeArrays
+from granular_contact.minimal.signals import tabulate
+from granular_contact.multibody.coordinates import coordinate
+from granular_contact.multibody.joint_loads import JointLoad
 from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.scene.types import Joint, RigidBody, Scene, Vector
 from granular_contact.scene.workspace import can_be_immersed
@@ -43,14 +45,18 @@ class Numbers:
 class Tree:
     """A scene in minimal coordinates.
 
-    system: for observers, with its bodies in the kernels' order; load: None where the medium meets nothing; start:
-    state of `kernels.tree_load`.
+    system: for observers; load: None where the medium meets nothing; arrays: for kernels; start: state of
+    `kernels.tree_load`; coordinates (3 bodies,): where those of the system are among the nodes'; prescribed: drives of
+    prescribed motions with their nodes; set_from_outside: nodes of joints whose drives are, by joint.
     """
 
     system: System
     load: GranularLoad | None
     arrays: TreeArrays
     start: Vector
+    coordinates: NDArray[np.int64]
+    prescribed: dict[str, int]
+    set_from_outside: dict[str, int]
 
     @property
     def scene(self) -> Scene:
@@ -58,28 +64,87 @@ class Tree:
         return self.system.scene
 
 
+@dataclass(frozen=True)
+class _Node:
+    """A node of the tree: its joint, or what of a free joint is its own; body: None of a massless frame."""
+
+    joint: Joint
+    parent: int
+    body: RigidBody | None
+    kind: int
+    on_parent: Vector
+    point: Vector
+    start: float
+    rate: float
+    axis: Vector
+    turn: float = 0.0
+
+
 def tree(scene: Scene) -> Tree:
     """Set up a scene that `scene.minimal_support` allows."""
-    joints = outward(scene.joints)
-    bodies = [body for joint in joints for body in scene.rigid if body.name == joint.child]
+    nodes = _nodes(scene)
+    places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
+    joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint.has_coordinate}
+    bodies = [node.body for node in nodes if node.body is not None]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
     system = System(scene, None, Numbers(len(bodies)), handles, {}, None)
-    load = _granular_load(scene, bodies)
-    start = np.concatenate([[b.motion.angle for b in bodies], [b.motion.rate for b in bodies], [0.0]])
-    return Tree(system, load, _arrays_of(system, joints, bodies, load), start)
+    system.loads.update({name: made for name in joints if (made := _joint_load(system, scene.joint(name)))})
+    load = _granular_load(scene, places)
+    start = np.array([*(node.start for node in nodes), *(node.rate for node in nodes), 0.0, 0.0])
+    coordinates = np.concatenate([3 * i + np.arange(3) for i in places.values()])
+    motions = {drive.joint: joints[drive.joint] for drive in scene.drives if drive.kind == "motion"}
+    external = {drive.joint: joints[drive.joint] for drive in scene.drives if drive.sets}
+    arrays = _arrays_of(system, nodes, joints, load)
+    return Tree(system, load, arrays, start, coordinates, motions, external)
 
 
-def _granular_load(scene: Scene, bodies: list[RigidBody]) -> GranularLoad | None:
-    """Load on all shapes that can reach the surface; None when there are none."""
-    if scene.bed is None or not scene.media:
+def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
+    """Load on all shapes that can reach the surface, of bodies with their nodes; None when there are none."""
+    if scene.bed is None:
         return None
     load, strips = load_of(scene), scene.load.strips_per_rigid_part
-    for i, body in enumerate(bodies):
+    for body in scene.rigid:
         for shape in body.shapes:
             if can_be_immersed(scene.bed, body, shape):
-                load.add(lines_of(Body(body.name, 3 * i + np.arange(3)), shape, strips))
+                coordinates = 3 * places[body.name] + np.arange(3)
+                load.add(lines_of(Body(body.name, coordinates), shape, strips))
     load.close()
     return load if load.lines else None
+
+
+def _nodes(scene: Scene) -> list[_Node]:
+    """Nodes in an order in which every parent comes before its children."""
+    nodes: list[_Node] = []
+    of_body: dict[str | None, int] = {None: -1}
+    for joint in outward(scene.joints):
+        body = next(body for body in scene.rigid if body.name == joint.child)
+        nodes += _free(joint, body, len(nodes)) if joint.kind == "free" else [_carried(scene, joint, body, of_body)]
+        of_body[body.name] = len(nodes) - 1
+    return nodes
+
+
+def _carried(scene: Scene, joint: Joint, body: RigidBody, of_body: dict[str | None, int]) -> _Node:
+    """Node of a body on a hinge or slider."""
+    turn, axis = joint.offset, np.zeros(2)
+    if joint.kind == "slider":
+        assert joint.axis is not None
+        turned = 0.0 if joint.parent is None else scene.body(joint.parent).motion.angle
+        turn, axis = body.motion.angle - turned, joint.axis
+    kind = SLIDER if joint.kind == "slider" else HINGE
+    points = joint.parent_point, joint.child_point
+    return _Node(joint, of_body[joint.parent], body, kind, *points, joint.start, joint.rate, axis, turn)
+
+
+def _free(joint: Joint, body: RigidBody, first: int) -> list[_Node]:
+    """Nodes of a body that flies free: two sliders and a hinge, at its centre of mass."""
+    nothing, motion = np.zeros(2), body.motion
+    ways = zip(np.eye(2), motion.position.tolist(), motion.velocity.tolist(), strict=True)
+    frames = [
+        _Node(joint, first + i - 1 if i else -1, None, SLIDER, nothing, nothing, at, speed, axis)
+        for i, (axis, at, speed) in enumerate(ways)
+    ]
+    turning = _Node(joint, first + 1, body, HINGE, nothing, nothing, -motion.angle, -motion.rate, nothing)
+    return [*frames, turning]
 
 
 def outward(joints: tuple[Joint, ...]) -> list[Joint]:
@@ -94,26 +159,47 @@ def outward(joints: tuple[Joint, ...]) -> list[Joint]:
     return ordered
 
 
-def _arrays_of(system: System, joints: list[Joint], bodies: list[RigidBody], load: GranularLoad | None) -> TreeArrays:
-    records = np.zeros(len(bodies), BODY)
-    for record, joint, body in zip(records, joints, bodies, strict=True):
-        record["parent"] = -1 if joint.parent is None else system.rigid[joint.parent].node
-        record["on_parent"], record["hinge"] = joint.parent_point, joint.child_point
-        record["mass"], record["inertia"] = body.mass, body.inertia
-        record["radius"] = system.scene.radius(body)
-    gravity, nowhere = np.array([system.scene.gravity]), np.zeros(3 * len(bodies))
-    return TreeArrays(records, gravity, motion(len(bodies)), nowhere, *_sand(load))
+def _joint_load(system: System, joint: Joint) -> JointLoad | None:
+    """What acts along the coordinate of a joint, a prescribed motion aside; None where nothing does."""
+    drive = system.scene.drive(joint.name)
+    if drive is not None and drive.kind == "motion":
+        drive = None
+    if drive is None and joint.law.is_idle:
+        return None
+    return JointLoad(coordinate(system, joint, np.zeros(2), whole=True), [], joint.law, drive)
 
 
-def _sand(load: GranularLoad | None) -> tuple[NDArray[Any], ...]:
-    """The fields of `TreeArrays` from active to proximity."""
-    if load is None:
-        flat, places = np.zeros((1, 2)), np.zeros((0, 2), np.int64)
-        nothing = np.zeros((1, 2), np.int64), places, np.zeros(0, STATION), np.zeros(0, LINE)
-        medium, work = np.zeros(1, LAW), (np.zeros((0, 2)), np.zeros((7, 0, 2)), np.zeros((0, 0)))
-        return np.zeros(0, dtype=bool), *nothing, flat, medium, *work, np.zeros((0, 3), np.int64), np.zeros((0, 3))
-    (batch,) = load.batches  # of one medium on bodies of one kind, or the scene was refused
-    return (
-        batch.active, batch.ends, batch.places, batch.geometry, batch.records, batch.profile, batch.medium,
-        batch.anchors, *batch.work, batch.columns, batch.proximity,
-    )  # fmt: skip
+def _arrays_of(system: System, nodes: Sequence[_Node], joints: dict[str, int], load: GranularLoad | None) -> TreeArrays:
+    scene, loads = system.scene, system.loads
+    laws, state, follows = np.zeros(len(nodes), JOINT), np.zeros((len(nodes), 5)), np.full(len(nodes), -1)
+    for name, one in loads.items():
+        i = joints[name]
+        laws[i], state[i] = one.record[0], one.state
+        one.state = state[i]  # from now on a row of one table
+    records = np.zeros(len(nodes), NODE)
+    for record, node in zip(records, nodes, strict=True):
+        _fill(record, scene, node)
+    records["acts"][[joints[name] for name in loads]] = True
+    signals = list(dict.fromkeys(drive.signal for drive in scene.drives if not drive.sets))
+    for drive in scene.drives:
+        if not drive.sets:
+            follows[joints[drive.joint]] = signals.index(drive.signal)
+        records["prescribed"][joints[drive.joint]] = drive.kind == "motion"
+    knots, pieces = tabulate(signals, scene.solver.end_time_s)
+    sand, floors = np.zeros((0, 0), np.int64), 0
+    if load is not None:
+        sand = load.places(None, np.zeros(3 * len(nodes)))
+        floors = sum(medium is None for medium in load.met)
+    gravity, wanted = np.array([scene.gravity]), np.zeros((len(signals), 3))
+    return TreeArrays(
+        records, gravity, motion(len(nodes)), sand, np.array([floors]), laws, state, follows, knots, pieces, wanted
+    )
+
+
+def _fill(record: np.void, scene: Scene, node: _Node) -> None:
+    """Write a node into its record, as `kernels.tree` has it."""
+    record["parent"], record["kind"], record["turn"] = node.parent, node.kind, node.turn
+    record["on_parent"], record["point"], record["axis"] = node.on_parent, node.point, node.axis
+    if node.body is not None:
+        record["mass"], record["inertia"] = node.body.mass, node.body.inertia
+        record["radius"] = scene.radius(node.body)

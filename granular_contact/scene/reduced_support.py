@@ -8,7 +8,7 @@ import numpy as np
 
 from granular_contact.config.schema.joints import SINGULAR
 from granular_contact.errors import scene_error
-from granular_contact.scene.minimal_support import acting_on_joints
+from granular_contact.scene.minimal_support import named
 from granular_contact.scene.types import FlexibleLink, Joint, Reduced, RigidBody, Scene
 
 SUPPORTED = (
@@ -25,11 +25,22 @@ def check_reduced(scene: Scene, modes: int) -> None:
     SceneError
         With the key `method`, all obstacles, and what is supported.
     """
-    obstacles = [*_bodies(scene), *_joints(scene), *acting_on_joints(scene), *medium_obstacles(scene)]
+    obstacles = [*_bodies(scene), *_joints(scene), *_acting_on_joints(scene), *medium_obstacles(scene)]
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
         raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
+
+
+def _acting_on_joints(scene: Scene) -> Iterator[str]:
+    """Drives, settling, springs, dampers, stops and friction of joints."""
+    if scene.drives:
+        yield f"{scene.drives[0].joint} is driven"
+    if scene.settle:
+        yield "initial.settle is true"
+    names = [joint.name for joint in scene.joints if not joint.law.is_idle]
+    if names:
+        yield f"{named(names)} {'has' if len(names) == 1 else 'have'} a spring, damper, stops or friction"
 
 
 def medium_obstacles(scene: Scene) -> Iterator[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support_runs import CONFIGS, order, scene_of, simulate, tip_error
+from support_runs import CONFIGS, FOUR_BAR, order, scene_of, simulate, tip_error
 
 from granular_contact import cli
 from granular_contact.errors import ConfigError, SceneError
@@ -120,8 +120,6 @@ def test_slope_of_the_surface() -> None:
     [
         (["model.bodies.lower.flexible={youngs_modulus_Pa: 1e9}"], "lower is flexible"),
         (["model.joints.elbow.type=weld", "model.bodies.lower.flexible={youngs_modulus_Pa: 1e9}"], "elbow is a weld"),
-        (["model.joints.elbow.spring={stiffness_Nm_per_rad: 1}"], "elbow has a spring"),
-        (["drives={elbow: {type: torque, torque_Nm: 0.1}}"], "elbow is driven"),
         (["initial.settle=true", "initial.impact_speed_rad_s=0"], "initial.settle"),
     ],
 )
@@ -132,9 +130,14 @@ def test_what_minimal_coordinates_are_not_for(overrides: list[str], reason: str)
         (fault,) = error.faults
         assert fault.key == "method"
         assert reason in fault.message
-        assert "hang on the ground by hinges alone" in fault.message
+        assert "that hinges and sliders join" in fault.message
     else:
         raise AssertionError(f"{overrides} was taken")
+
+
+def test_loops_are_not_for_minimal_coordinates() -> None:
+    with pytest.raises(SceneError, match="c closes a loop: minimal coordinates are for trees"):
+        scene_of(FOUR_BAR, "method=minimal")
 
 
 def test_one_method_at_a_time() -> None:

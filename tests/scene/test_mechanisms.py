@@ -313,12 +313,6 @@ def test_reduced_models_refuse_what_they_have_not() -> None:
         assert words in fault.message
 
 
-def test_joints_that_minimal_coordinates_refuse_are_named_once() -> None:
-    (fault,) = faults_of(CHAIN, "method={minimal: {}}")
-    words = "hinge_1, hinge_2, hinge_3 and 2 more have a spring, damper, stops or friction: minimal coordinates"
-    assert fault.message.startswith(words)
-
-
 def test_a_slider_on_a_flexible_link_is_refused() -> None:
     flexible = "model.bodies.thigh.flexible={youngs_modulus_Pa: 2e11}"
     knee = "model.joints.knee={type: slider, parent: thigh, child: shank, parent_point_m: [0.1, 0]}"

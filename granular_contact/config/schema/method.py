@@ -27,7 +27,7 @@ class Reduced(Strict):
 
 
 class Minimal(Strict):
-    """Trees of rigid bodies on hinges, in one coordinate per hinge."""
+    """Trees of rigid bodies on hinges and sliders or free, in one coordinate per degree of freedom."""
 
     rtol: Annotated[float, Field(ge=1e-12, le=1e-1)] = 1e-5
     """Error of a step, relative to the size and the speed of the mechanism."""
