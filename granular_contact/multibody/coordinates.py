@@ -35,11 +35,6 @@ class End:
     point: Numbers
     angle: float = 0.0
 
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return len(self.reference)
-
 
 def coordinate(system: System, joint: Joint, origin: Vector, *, whole: bool) -> Coordinate:
     """Coordinate of a joint of a system, whose ground has its origin at a place (2,) m of the world frame.
@@ -73,12 +68,13 @@ class Coordinate:
     _at: Callable[..., tuple[float, float]] | None = None
 
     def __init__(self, joint: Joint, parent: End, child: End) -> None:
-        self.joint, self.size = joint, parent.size + child.size
+        sizes = len(parent.reference), len(child.reference)
+        self.joint, self.size = joint, sum(sizes)
         self.record, self.last_angles = np.zeros(1, JOINT), np.array([parent.angle, child.angle])
         record = self.record[0]
-        record["parent"], record["child"], record["offset"] = parent.size, child.size, joint.offset
-        record["parent_reference"][: parent.size] = parent.reference
-        record["child_reference"][: child.size] = child.reference
+        record["parent"], record["child"], record["offset"] = *sizes, joint.offset
+        record["parent_reference"][: sizes[0]] = parent.reference
+        record["child_reference"][: sizes[1]] = child.reference
         if joint.kind == "slider":
             assert joint.axis is not None
             record["kind"], record["axis"] = SLIDER, joint.axis

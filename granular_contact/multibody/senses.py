@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -91,14 +90,14 @@ class Senses:
         self.system.turns.append(made.last_angles)
         return made, found
 
-    def _link(self, name: str) -> tuple[Vector, Root, list[int]]:
-        """Shares (2, m) of coordinates in a link's centre of mass, the angle at its root, and its places."""
+    def _link(self, name: str) -> tuple[Vector, Vector, list[int]]:
+        """Shares (2, m) of coordinates in a link's centre of mass, the angle (1,) at its root, and its places."""
         system, data = self.system, self.system.mbs.systemData
         nodes = np.array([data.GetNodeLTGODE2(node) for node in system.links[name].nodes])
-        root, places = Root(np.array([system.scene.body(name).motion.angle])), system.places(name, ROOT)
-        self._turning.append((root.last_angles, places))
-        system.turns.append(root.last_angles)
-        return center_shares(mass_matrix(system), nodes), root, places
+        last, places = np.array([system.scene.body(name).motion.angle]), system.places(name, ROOT)
+        self._turning.append((last, places))
+        system.turns.append(last)
+        return center_shares(mass_matrix(system), nodes), last, places
 
     def _rigid_hinges(self, joints: list[Joint]) -> tuple[Vector, Vector]:
         """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies."""
@@ -153,8 +152,8 @@ class Senses:
         return poses, velocities
 
     @staticmethod
-    def _of_link(q: Vector, v: Vector, shares: Vector, root: Root, places: list[int]) -> tuple[Vector, Vector]:
-        angle, rate = root.angle(*q[places][2:], *v[places][2:])
+    def _of_link(q: Vector, v: Vector, shares: Vector, last: Vector, places: list[int]) -> tuple[Vector, Vector]:
+        angle, rate = _root_angle(last, *q[places][2:], *v[places][2:])
         return np.array([*(shares @ q), angle]), np.array([*(shares @ v), rate])
 
     def medium(self, poses: Vector, row: Vector | None, depths: list[Vector]) -> tuple[Vector, Vector]:
@@ -169,17 +168,11 @@ class Senses:
         return forces, deepest
 
 
-@dataclass
-class Root:
-    """Angle of a link at its root; last_angles (1,) rad: found last, by which whole turns are counted."""
-
-    last_angles: Vector
-
-    def angle(self, x: float, y: float, x_rate: float, y_rate: float) -> tuple[float, float]:
-        """Angle and rate of the slope (x, y)."""
-        phi = math.atan2(y, x)
-        self.last_angles[0] = phi + 2.0 * math.pi * round((self.last_angles[0] - phi) / (2.0 * math.pi))
-        return float(self.last_angles[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
+def _root_angle(last: Vector, x: float, y: float, x_rate: float, y_rate: float) -> tuple[float, float]:
+    """Angle and rate of the slope (x, y) at a root; last (1,) rad: found last, by which whole turns are counted."""
+    phi = math.atan2(y, x)
+    last[0] = phi + 2.0 * math.pi * round((last[0] - phi) / (2.0 * math.pi))
+    return float(last[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
 
 
 def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:
