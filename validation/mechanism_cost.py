@@ -113,7 +113,8 @@ def study(quick: bool) -> Outcome:
         found = {accuracy: runs[f"accuracy {accuracy:g}"].error(reference) / reference.way for accuracy in ACCURACIES}
         promises += [(error / accuracy, name, accuracy) for accuracy, error in found.items()]
         shipped, fixed = runs[SHIPPED], runs[f"steps of {1e3 * step:g} ms"]
-        slower.append((shipped.seconds / fixed.seconds, name))
+        if shipped.cost.steps != fixed.cost.steps:  # or it ships these very steps
+            slower.append((shipped.seconds / fixed.seconds, name))
         newton[name] = shipped.cost
         if name in LIMITS:
             error = shipped.error(reference) / reference.way
@@ -148,7 +149,7 @@ def _on_all(promises: Sequence[tuple[float, str, float]], slower: Sequence[tuple
         Claim(
             "mechanism_cost.shipped settings are no slower than fixed steps",
             ratio <= 1.0,
-            f"at most {ratio:.2f} times their time ({slowest})",
+            f"at most {ratio:.2f} times their time, where a config does not ship these very steps ({slowest})",
         ),
     ]
 

@@ -165,7 +165,7 @@ def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | No
     greatest = LOOSEST * _coarser(scene) ** 2 * whole
     if scene.in_space or scene.solver.accuracy is None or newton.residualMode != 0 or least >= greatest:
         return None
-    return least, greatest, scene.solver.step_s
+    return least, greatest, min(scene.solver.step_s, SHORT)  # a first step longer than usual makes it no closer
 
 
 def tolerances_in_space(scene: Scene, simulation: Any) -> tuple[float, float] | None:

@@ -1,9 +1,11 @@
 """How long the steps of a run are: as its config says, or by a rule for what the config leaves open.
 
 The rule rests on `validation/default_steps.py`, which compares time at equal error on shipped configs. One body in the
-plane that nothing drives strikes, slows down and stops within some hundred steps of 0.2 ms: to choose them costs more
-than it saves. All else takes 2 to 10 times as long with steps of 0.2 ms as with chosen ones, at errors far below those
-that a path is asked for. Longer fixed steps can be faster still where a motion is smooth; they are found by trial.
+plane on a hinge or a slider that nothing drives strikes, slows down and stops within some hundred steps of 0.2 ms: to
+choose them costs more than it saves. A body that flies free falls, strikes, topples over and slides on: how short its
+steps have to be changes more, and with the angle at which it strikes. All else takes 2 to 10 times as long with steps
+of 0.2 ms as with chosen ones, at errors far below those that a path is asked for. Longer fixed steps can be faster
+still where a motion is smooth; they are found by trial.
 """
 
 from __future__ import annotations
@@ -49,11 +51,12 @@ def _chosen(scenario: Scenario) -> tuple[float | None, str]:
         return None, "the config names them (solver.step_s)"
     if scenario.drives or scenario.wheel is not None:
         return ACCURACY, "drives move the mechanism"
-    if not _is_one_body(scenario):
-        return ACCURACY, "several bodies move, or one in space"
-    return None, "one body moves in the plane and nothing drives it; fixed steps are then faster at equal error"
+    if not _is_held(scenario):
+        return ACCURACY, "several bodies move, or one that flies free or moves in space"
+    return None, "one body moves in the plane, held by a joint that nothing drives; fixed steps are then faster"
 
 
-def _is_one_body(scenario: Scenario) -> bool:
-    """Whether all that moves is one body in the plane, or several that are welded together."""
-    return type(scenario) is Scenario and sum(joint.type != "weld" for joint in scenario.model.all_joints.values()) == 1
+def _is_held(scenario: Scenario) -> bool:
+    """Whether all that moves is one body in the plane, or several that are welded together, on a hinge or a slider."""
+    moving = [joint.type for joint in scenario.model.all_joints.values() if joint.type != "weld"]
+    return type(scenario) is Scenario and len(moving) == 1 and moving[0] != "free"

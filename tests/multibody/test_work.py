@@ -24,7 +24,7 @@ model:
   joints: {fall: {type: free, parent: ground, child: box}}
 medium: rft3d_sand
 initial: {joints: {fall: {angle_deg: 0, vy_m_s: -1.5, vx_m_s: 0.3}}}
-solver: {end_time_s: 0.05}
+solver: {end_time_s: 0.05, step_s: 2.0e-4}
 output: {bodies: all}
 """
 ROD = """
@@ -36,7 +36,7 @@ model:
 medium: play_sand
 bed: {slope_deg: 12}
 initial: {joints: {fall: {angle_deg: 40, vy_m_s: -2}}}
-solver: {end_time_s: 0.05}
+solver: {end_time_s: 0.05, step_s: 2.0e-4}
 output: {bodies: all}
 """
 
