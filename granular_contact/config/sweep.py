@@ -30,7 +30,7 @@ from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
 from granular_contact.config.schema.sweep import Sample, SweepFile
 from granular_contact.config.sweep_cases import Case, Numbered, named, read_overrides, varied
-from granular_contact.config.sweep_sample import sampled, with_long_ranges
+from granular_contact.config.sweep_sample import sampled, with_long
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 
@@ -135,7 +135,7 @@ def sweep_of(
     root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe | None = None, check: Check = case_faults
 ) -> Sweep:
     """The sweep of the tree of a file `path`; as `load_sweep`, with the `faults` found so far."""
-    root = with_long_ranges(root)
+    root = with_long(root, ("sample", "ranges"))
     file = validated(SweepFile, root, faults)
     common = read_overrides(root.nodes.get("set"), ("set",), faults)
     cases = _cases(root, file, faults)

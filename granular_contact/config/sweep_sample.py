@@ -21,11 +21,6 @@ from granular_contact.config.sweep_cases import Case, Numbered, read_overrides
 from granular_contact.errors import Fault
 
 
-def with_long_ranges(root: tree.Mapping) -> tree.Mapping:
-    """The tree of a sweep file with each range `[from, to]` of its sample in the long form."""
-    return with_long(root, ("sample", "ranges"))
-
-
 def with_long(root: tree.Mapping, path: tuple[str, ...]) -> tree.Mapping:
     """The tree of a file in which each `[from, to]` under the mapping at `path` has the long form."""
     held = root.nodes.get(path[0])

@@ -92,11 +92,8 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
     if spec.depth_m is None:
         return placed
     contact = spec.floor
-    floor = Floor(
-        float(placed.height(np.zeros(1))[0]) - spec.depth_m,
-        None if contact is None else contact.stiffness_N_m2,
-        0.0 if contact is None else contact.damping_s_m,
-    )
+    given = () if contact is None else (contact.stiffness_N_m2, contact.damping_s_m)
+    floor = Floor(float(placed.height(np.zeros(1))[0]) - spec.depth_m, *given)
     if spec.profile_m is not None and profile[:, 1].min() <= floor.height:
         x, y = profile[np.argmin(profile[:, 1])]
         why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "

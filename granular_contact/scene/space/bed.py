@@ -99,11 +99,8 @@ def bed(
     if spec.depth_m is None:
         return placed
     contact = spec.floor
-    floor = Floor(
-        float(placed.height(np.zeros(1), np.zeros(1))[0]) - spec.depth_m,
-        None if contact is None else contact.stiffness_N_m3,
-        0.0 if contact is None else contact.damping_s_m,
-    )
+    given = () if contact is None else (contact.stiffness_N_m3, contact.damping_s_m)
+    floor = Floor(float(placed.height(np.zeros(1), np.zeros(1))[0]) - spec.depth_m, *given)
     faults += _out_of_place(placed, floor, spec.depth_m, parts)
     return replace(placed, floor=floor)
 
