@@ -62,7 +62,8 @@ def force(joints, state, places, system_q, system_v, out):
 def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
     """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
 
-    By differences, as `lines.tangent`. Rows and columns are coordinates of the overlay; entries of zero are left out.
+    By differences, see `lines.differences`. Rows and columns are coordinates of the overlay; entries of zero are left
+    out.
     """
     q, v, here, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
     number = 0

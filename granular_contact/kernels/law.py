@@ -3,7 +3,7 @@
 A law is a record type with its coefficients and compiled functions; `joining` makes both of the class of a law. Laws
 for strips have strip_force and drag_anchor, and cap_force if they know end faces; laws for balls ball_force and
 drag_anchor. A law has up to TERMS terms, told apart in results. Tangents are differences of these forces, see
-`lines.tangent`.
+`lines.differences`.
 
 Kernels know no law: `medium` is a record LAW with the addresses of the law's functions and a copy of its own record,
 and the functions here call what stands there. So kernels are compiled once for all laws, and a law is compiled without

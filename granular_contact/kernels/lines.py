@@ -194,20 +194,10 @@ def chord(d, v, v_before, fv):
 
 
 @part
-def tangent(q, v, geometry, line, profile, medium, anchors, P, V, F, room, fq, fv, out):
-    """Add fq df/dq + fv df/dv of the generalised forces f to out (m, m), by `differences`; room (4, m) to work in."""
-    at_state, totals = piece(room, 0, q.shape[0]), room2(TERMS, 3)
-    clear(at_state)
-    line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, at_state)
-    if immersed(P, line, profile):
-        differences(
-            q, v, v, geometry, line, profile, medium, anchors, P, V, F, rows(room, 1, 3), at_state, fq, fv, out,
-        )  # fmt: skip
-
-
-@part
 def differences(q, v, v_before, geometry, line, profile, medium, anchors, P, V, F, room, at_state, fq, fv, out):
-    """`tangent` of a line that is immersed, with its generalised forces at_state (m,) at q and v.
+    """Add fq df/dq + fv df/dv of the generalised forces f of a line that is immersed to out (m, m).
+
+    at_state (m,): f at q and v.
 
     q and v are moved together, by d fq and d fv along each coordinate, see `difference`; where the rates v_before
     (m,) of the iteration before are farther away, to these. A bristle that yields has no slope, one that does not has

@@ -145,7 +145,7 @@ def tangent(
 ):  # fmt: skip
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
-    By differences, as `lines.tangent`.
+    By differences, see `lines.differences`.
     """
     q, v, there, moved = room1(7), room1(7), room1(7), room1(7)
     pose, W = room2(6, 3), room2(TERMS, 6)

@@ -77,8 +77,16 @@ class Sand:
 
     def tangent(self, fq: float, fv: float) -> Array:
         out = np.zeros((self.q.size, self.q.size))
-        lines.tangent(self.q, self.v, *self.around, np.zeros((4, self.q.size)), fq, fv, out)
+        self.add_tangent(fq, fv, out)
         return out
+
+    def add_tangent(self, fq: float, fv: float, out: Array) -> None:
+        geometry, run, profile, *_ = self.around
+        here, places = self.force(self.q, self.v), np.zeros((len(geometry), 2))
+        kinematics.stations(self.q, self.v, geometry, places, np.zeros_like(places))
+        if lines.immersed(places, run, profile):
+            room = np.zeros((3, self.q.size))
+            lines.differences(self.q, self.v, self.v, *self.around, room, here, fq, fv, out)
 
     def moved(self, j: int, fq: float, fv: float) -> Array:
         """Force where coordinate j has gone on by fq, and its rate by fv."""
@@ -198,7 +206,7 @@ def test_tangents_are_added_to_what_is_there() -> None:
     rng = np.random.default_rng(18)
     sand = Sand(cable(rng), BAR_LAWS[0].record(STATIC[0], G), run_of(False), rng)
     one, out = sand.tangent(1.0, 0.5), np.full((16, 16), 3.0)
-    lines.tangent(sand.q, sand.v, *sand.around, np.zeros((4, 16)), 1.0, 0.5, out)
+    sand.add_tangent(1.0, 0.5, out)
     # Round-off of a sum of up to 1e4.
     np.testing.assert_allclose(out, 3.0 + one, rtol=1e-12)
 

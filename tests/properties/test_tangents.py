@@ -14,7 +14,7 @@ from granular_contact.kernels import kinematics, law, lines
 from granular_contact.kernels.forces import medium_record
 
 SOFT = states(COMMON, yields=(1e-3, 1e-1))
-D = 1e-8  # s: `lines.tangent` moves positions by at most 10 nm and velocities by 1 um/s
+D = 1e-8  # s: `lines.difference` moves positions by at most 10 nm and velocities by 1 um/s
 
 
 def rigid(body: State) -> tuple[Array, Array, tuple]:
@@ -53,7 +53,7 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
         here, h = at(np.zeros(6)), 20.0 * D
         for fq, fv in ((1.0, 0.0), (0.0, 1.0), (0.7, -1.3)):
             got, steps = np.zeros((3, 3)), np.vstack([fq * np.eye(3), fv * np.eye(3)])
-            lines.tangent(q, v, *around, np.zeros((4, 3)), fq, fv, got)
+            lines.differences(q, v, v, *around, np.zeros((3, 3)), here, fq, fv, got)
             d = min(D / max(fq, 1e-300), 1e-6 / max(abs(fv), 1e-300))
             h = 20.0 * d
             for j in range(3):
