@@ -17,7 +17,7 @@ many       sweep, sweep_cases, sweep_sample     a config and what to replace in 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
 from granular_contact.config.file_kind import is_fit, is_optimise, is_run, is_sweep
-from granular_contact.config.load import Loaded, SourceMap, load, load_medium
+from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario
 from granular_contact.config.optimise import Study, load_optimise
 from granular_contact.config.references import medium_names
 from granular_contact.config.schema import Scenario
@@ -39,6 +39,7 @@ __all__ = [
     "load",
     "load_medium",
     "load_optimise",
+    "load_scenario",
     "load_sweep",
     "medium_names",
     "scenario_to_dict",

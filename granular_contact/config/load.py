@@ -287,6 +287,11 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Mapping[str, An
     return scenario
 
 
+def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
+    """The scenario of `load`, for those who need no lines; raises the same ConfigError."""
+    return load(path, overrides).scenario
+
+
 def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
     """`node` with the provenance of its media corrected where overrides changed numbers, see `config.provenance`."""
 

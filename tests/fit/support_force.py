@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from support_runs import CONFIGS
 
 from granular_contact.bed.steady import SteadyBody
-from granular_contact.config import load
+from granular_contact.config import load_scenario
 from granular_contact.config.schema.fit import ForceTest
 from granular_contact.scene import build
 from granular_contact.studies.fit import Fit, fit, load_specification, prepare
@@ -24,7 +24,7 @@ WIDTH = "model.bodies.plate.shapes.0.width_m"
 
 def forces(config: Path, sets: Sequence[str], depth: Vector, speed: float | Vector = 1e-3, direction: float = 90.0):
     """Columns of a test by the law itself."""
-    body = SteadyBody(build(load(config, list(sets)).scenario))
+    body = SteadyBody(build(load_scenario(config, list(sets))))
     speeds = np.broadcast_to(np.asarray(speed, float), depth.shape)
     return measured(body, Motion(depth, speeds, np.zeros(len(depth)), direction))
 
