@@ -64,15 +64,17 @@ MANY = 1 << 20  # iterations: more than any step has
 
 
 @kernel
-def begin(words, of_q, of_v, forget, jacobians, fixed):
+def begin(words, of_q, of_v, forget, jacobians, fixed, held):
     """Begin a step with what the last one ended with; whether it is to be with a new Jacobian.
 
     of_q, of_v: from now on in `of`; forget: all iterations; jacobians: how many were computed so far; fixed: whether
     steps are. Where they are, rates that would change their sign begin with zero: what sand stops it does not throw
-    back.
+    back. held (m/s): speed up to which bristles may hold, 0 where there are none; what was no faster, and would become
+    so, begins with the rate that it had: the acceleration of the step that brought it to a stop is over.
     """
     q, v, a, multipliers, of = row(words, Q), row(words, V), row(words, A), row(words, MULTIPLIERS), row(words, OF)
     v_before, a_before, multipliers_before = row(words, V_BEFORE), row(words, A_BEFORE), row(words, MULTIPLIERS_BEFORE)
+    lever = row(words, LEVER)
     kept, kept_multipliers, number = rows(words, KEPT), rows(words, KEPT_MULTIPLIERS), numbers(words, NUMBER)
     if forget or abs(of_v - of[1]) > SAME * of_v:
         number[PAIRS], number[NEXT] = 0, 0
@@ -82,6 +84,8 @@ def begin(words, of_q, of_v, forget, jacobians, fixed):
         further = a_before[i]
         if fixed and (v[i] + of_v * further) * v_before[i] < 0.0:
             further = -v[i] / of_v
+        if lever[i] * abs(v_before[i]) < held and abs(v[i] + of_v * further) > abs(v_before[i]):
+            further = (v_before[i] - v[i]) / of_v
         q[i] += of_q * further
         v[i] += of_v * further
         a[i] += further

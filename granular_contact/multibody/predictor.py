@@ -48,6 +48,8 @@ class Predictor:
     on by those of their step only: of one body they would end as soon as the tolerance lets them, all on one side.
     gain: see above; infinite where the engine's rule holds. fixed: whether steps are.
 
+    held: speed (m/s) up to which bristles may hold in a step of a length (s), 0 where none touches anything.
+
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
     of the step, so that the tolerance grows with that square.
@@ -68,12 +70,14 @@ class Predictor:
         alone: bool = False,
         gain: float = math.inf,
         fixed: bool = False,
+        held: Callable[[float], float] = lambda _: 0.0,
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever = solver, lever
         self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
         self.views: Views | None = None  # given before the first step
         self._late, self._alone, self._fixed = LATE if bends else 0, alone, fixed and not alone
+        self._held = held
         self._found: Views | None = None  # those of which the following is known
         self._of_square, self._of_step = 0.0, 0.0  # see `_look`
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
@@ -114,7 +118,8 @@ class Predictor:
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
             jacobians = self._it.newtonJacobiCount
-            if self._start(self._words, of_q, of_v, self._alone, jacobians, self._fixed):
+            held = self._held(step) if self._fixed else 0.0
+            if self._start(self._words, of_q, of_v, self._alone, jacobians, self._fixed, held):
                 self._conv.jacobianUpdateRequested = True
             return
         before = views.a_before
@@ -163,6 +168,6 @@ class Predictor:
         self._words = places(*self._arrays)
         if self._go_on is None:
             self._start, self._go_on = (
-                entry(anderson.begin, self._words, 0.0, 0.0, False, 0, False),
+                entry(anderson.begin, self._words, 0.0, 0.0, False, 0, False, 0.0),
                 entry(anderson.go_on, self._words, 0, 0.5, True),
             )

@@ -133,7 +133,14 @@ class Solve:
         alone = moving_joints(scene) <= 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
         bends, fixed = alone and bool(scene.links), scene.solver.accuracy is None
-        return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed)
+        return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=self._held)
+
+    def _held(self, step: float) -> float:
+        """Speed (m/s) up to which bristles hold within a step (s); 0 where none is touched."""
+        bed = self.system.bed
+        if bed is None or not bed.load.active:
+            return 0.0
+        return self.system.scene.load.friction.holding_speed(step)
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.

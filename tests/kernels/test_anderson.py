@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from granular_contact.kernels import anderson
@@ -24,7 +25,8 @@ class Iterations:
 
     def __post_init__(self) -> None:
         self.q, self.v = np.zeros(UNKNOWNS), np.zeros(UNKNOWNS)
-        before = np.zeros(UNKNOWNS), self.a.copy(), np.zeros(1)
+        self.v_before = np.zeros(UNKNOWNS)
+        before = self.v_before, self.a.copy(), np.zeros(1)
         kept = np.zeros((4, UNKNOWNS)), np.zeros((2, 1)), np.zeros(2)
         pairs = [np.zeros((rows, of.DEPTH)) for rows in (UNKNOWNS, 1, UNKNOWNS, of.DEPTH)]
         numbers = np.zeros(of.NUMBERS, np.int64), np.zeros(of.LINE)
@@ -34,11 +36,11 @@ class Iterations:
         self.words = places(*self.arrays)
         self.begin()
 
-    def begin(self, jacobians: int = 1, *, fixed: bool = False) -> bool:
+    def begin(self, jacobians: int = 1, *, fixed: bool = False, held: float = 0.0) -> bool:
         """Begin a step, where the engine has set all to zero; whether it is to be with a new Jacobian."""
         for array in (self.q, self.v, self.a):
             array[:] = 0.0
-        return bool(anderson.begin(self.words, OF_Q, OF_V, False, jacobians, fixed))
+        return bool(anderson.begin(self.words, OF_Q, OF_V, False, jacobians, fixed, held))
 
     def lead(self, a: NDArray[np.float64], multipliers: float, jacobians: int = 1, gain: float = np.inf) -> bool:
         """Let an iteration lead to a and these multipliers, and the next one begin where it is then.
@@ -126,3 +128,13 @@ def test_a_jacobian_that_has_cost_enough_iterations_is_renewed() -> None:
         asked.append(system.begin(1, fixed=True))
     assert asked == [False] * 4 + [True]
     assert not system.begin(2, fixed=True)  # a new one has cost nothing yet
+
+
+def test_what_bristles_hold_begins_a_step_with_the_rate_that_it_had() -> None:
+    """And not with the acceleration that has stopped it, which still counts for all that is faster or turns round."""
+    system = Iterations(np.full(UNKNOWNS, 2.0))
+    system.v_before[:] = 1e-4, -1e-4, 2e-2, 1e-3
+    system.begin(fixed=True, held=1e-2)
+    assert system.v == pytest.approx([1e-4, 0.0, 2e-3, 1e-3])
+    system.begin(fixed=True)
+    assert system.v == pytest.approx([2e-3, 0.0, 2e-3, 2e-3])

@@ -48,10 +48,11 @@ def test_what_the_load_does_is_linear_in_the_links() -> None:
         trajectory = scaling.solve(system)
         (batch,) = system.bed.load.batches
         entries.append(batch.entries)
-        calls.append(trajectory.cost.load_calls / trajectory.cost.newton_iterations)
+        cost = trajectory.cost
+        calls.append(cost.load_calls / (cost.newton_iterations + cost.steps))
     assert entries[1] == 4 * entries[0]
     # One for each iteration, one more for each step.
-    assert all(1.0 < each < 1.6 for each in calls)
+    assert all(0.9 < each < 1.1 for each in calls)
 
 
 def test_mujoco_and_minimal_coordinates_agree() -> None:
@@ -72,3 +73,10 @@ def test_a_chain_of_links_that_bend_in_the_sand_seldom_repeats_a_step() -> None:
     cost = scaling.once(scaling.set_up("flexible", "lowest quarter", 16), empty=False)
     assert cost.steps < 230  # 205 when written, of 200
     assert cost.jacobians < 200  # 124
+
+
+def test_chains_that_bend_take_hardly_longer_steps_in_sand_than_without() -> None:
+    """Their unresolved vibrations fade, and what is held begins a step at rest: 880 and 55 without both."""
+    cost = scaling.once(scaling.set_up("flexible", "lowest quarter", 64), empty=False)
+    assert cost.iterations < 620  # 544 when written
+    assert cost.jacobians < 40  # 24
