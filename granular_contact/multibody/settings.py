@@ -53,9 +53,9 @@ FULL = 60
 GAIN, OF_RIGID, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 0.6, 14, 40
 NO_SHARE = 1e-30  # of a residual: the engine asks for more than 0
 # At fixed steps whose iterations are led on by those before: what a change may be of the way before, of links that
-# bend, whose Jacobian takes as long as eight iterations; most iterations. Where all links of a chain stop at once a
+# bend, and of those that sand stops, whose Jacobian takes as long as eight iterations; most iterations. Where all links of a chain stop at once a
 # step takes 30, and more if it is halved after 25.
-OF_LED, MOST_LED = 1.2, 60
+OF_LED, OF_STOPPED, MOST_LED = 0.7, 1.2, 60
 
 
 def force_noise(scene: Scene, link: FlexibleLink) -> float:
@@ -171,8 +171,9 @@ def _swings(scene: Scene) -> bool:
 
 
 def _stops(scene: Scene) -> bool:
-    """Whether links that bend and hang on each other meet sand, at fixed steps."""
-    return bool(scene.links and scene.media) and moving_joints(scene) > 1 and scene.solver.accuracy is None
+    """Whether links that bend and hang on each other, and are not driven, meet sand, at fixed steps."""
+    passive = not scene.drives and scene.solver.accuracy is None
+    return passive and bool(scene.links and scene.media) and moving_joints(scene) > 1
 
 
 def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | None:
@@ -194,7 +195,9 @@ def tolerances_in_space(scene: Scene, simulation: Any) -> tuple[float, float] | 
 def led_on(scene: Scene, simulation: Any) -> float:
     """What a change of an iteration may be of the one before at most; the engine's own rule is switched off."""
     newton = simulation.timeIntegration.newton
-    gain = OF_LED if scene.links and scene.solver.accuracy is None else newton.modifiedNewtonContractivity
+    gain = newton.modifiedNewtonContractivity
+    if scene.links and scene.solver.accuracy is None:
+        gain = OF_STOPPED if _stops(scene) else OF_LED
     newton.modifiedNewtonContractivity, newton.maxModifiedNewtonIterations = math.inf, NEVER
     if scene.solver.accuracy is None:
         newton.maxIterations = MOST_LED

@@ -136,11 +136,14 @@ class Solve:
         return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=self._held)
 
     def _held(self, step: float) -> float:
-        """Speed (m/s) up to which bristles hold within a step (s); 0 where none is touched."""
-        bed = self.system.bed
-        if bed is None or not bed.load.active:
+        """Speed (m/s) up to which bristles hold within a step (s); 0 where none is touched.
+
+        And where joints are driven: a drive moves on what has stopped, which walkers take a tenth more iterations for.
+        """
+        bed, scene = self.system.bed, self.system.scene
+        if bed is None or not bed.load.active or scene.drives:
             return 0.0
-        return self.system.scene.load.friction.holding_speed(step)
+        return scene.load.friction.holding_speed(step)
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.
