@@ -53,8 +53,8 @@ FULL = 60
 GAIN, OF_RIGID, MOST_ITERATIONS, MOST_IN_SPACE = 0.25, 0.6, 14, 40
 NO_SHARE = 1e-30  # of a residual: the engine asks for more than 0
 # At fixed steps whose iterations are led on by those before: what a change may be of the way before, of links that
-# bend, and of those that sand stops, whose Jacobian takes as long as eight iterations; most iterations. Where all links of a chain stop at once a
-# step takes 30, and more if it is halved after 25.
+# bend, and of those that sand stops, whose Jacobian takes as long as eight iterations; most iterations. Where all links
+# of a chain stop at once a step takes 30, and more if it is halved after 25.
 OF_LED, OF_STOPPED, MOST_LED = 0.7, 1.2, 60
 
 
