@@ -54,7 +54,7 @@ def test_a_wrong_answer_without_a_word_is_seen() -> None:
 
 
 def test_ten_times_the_step_is_told() -> None:
-    found = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "c_leg")]
+    found = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "runner")]
     assert study.coarse_claim(found).held
     assert [bool(one.warnings) for one in found] == [True, True, False]
     assert study.coarse_table(found).count("\n") == 4
