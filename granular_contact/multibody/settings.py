@@ -46,6 +46,8 @@ EASED, SHORT = 100.0, 2e-4
 # Links that bend, on each other, in sand: what stops them takes out what an iteration leaves. The error of the steps is
 # the same to three digits with a tolerance so many times the one asked for.
 EASED_IN_SAND = 30.0
+# Of the scale of forces: nothing is eased beyond it, or who asks for less than by default gets far less.
+MOST_EASED = 1e-3
 # Systems up to so many unknowns are solved by full matrices: a Jacobian then takes half of the time, and an iteration
 # as much.
 FULL = 60
@@ -144,7 +146,7 @@ def _force_tolerance(scene: Scene) -> float:
         return asked * max(1.0, solver.step_s / SHORT)
     eased = EASED if _swings(scene) else EASED_IN_SAND if _stops(scene) else 1.0
     if not unresolved(scene):
-        return asked * max(1.0, eased * min(1.0, solver.step_s / SHORT) ** 2)
+        return max(asked, min(asked * eased * min(1.0, solver.step_s / SHORT) ** 2, MOST_EASED * scene.force_scale))
     return asked
 
 
