@@ -167,29 +167,6 @@ def test_numba_and_the_collector_are_left_as_they_were() -> None:
         gc.enable()
 
 
-def test_what_kernels_call_has_machine_code_of_its_own_once_its_address_is_asked_for() -> None:
-    from numba import types
-
-    from granular_contact.kernels import hurry
-    from granular_contact.kernels.compiled import kernel, part
-    from granular_contact.kernels.law import address_of
-
-    @part(cache=False)
-    def twice(x):  # type: ignore[no-untyped-def]
-        return 2.0 * x
-
-    @kernel
-    def beyond(x):  # type: ignore[no-untyped-def]
-        return twice(x) + 1.0
-
-    assert beyond(1.0) == 3.0
-    library = twice.overloads[types.float64,].library
-    assert library in hurry._unwritten
-    assert address_of(twice, (types.float64,)) > 0
-    assert library not in hurry._unwritten
-    assert (beyond(1.0), twice(2.0)) == (3.0, 4.0)
-
-
 def test_only_what_makes_an_array_or_gives_one_back_counts_references() -> None:
     def filled(a):  # type: ignore[no-untyped-def]
         for i in range(a.shape[0]):

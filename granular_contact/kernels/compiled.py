@@ -22,11 +22,9 @@ PLAIN = {"nopython": True, "boundscheck": None, "error_model": "numpy", "no_cfun
 class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
     """A compiled function."""
 
-    _within = False  # whether it is being compiled for kernels alone
-
     def compile(self, signature: Any) -> Any:
         """Compile it for arguments of these types, or find it on the disk."""
-        with hurried(self._within):
+        with hurried():
             return super().compile(signature)
 
     def get_call_template(self, arguments: Any, named: Any) -> Any:
@@ -54,14 +52,6 @@ class _Part(_Kernel):
     """
 
     _called: Any = None
-
-    def get_call_template(self, arguments: Any, named: Any) -> Any:
-        """As called by a kernel, which takes in its code."""
-        before, self._within = self._within, True
-        try:
-            return super().get_call_template(arguments, named)
-        finally:
-            self._within = before
 
     def __call__(self, *arguments: Any) -> Any:
         if self._called is None:

@@ -21,8 +21,6 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 from numba.np.arrayobj import make_array, populate_array
 
-from granular_contact.kernels.hurry import write
-
 _numbers = count()
 
 
@@ -43,7 +41,6 @@ def bound(kernel: Any, *arguments: Any) -> Callable[[], Any]:
     kinds = tuple(_type_of(argument) for argument in arguments)
     kernel.compile(kinds)
     compiled = kernel.overloads[kinds]
-    write(compiled.library)
     address = int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
     call, _ = _from_words(address, kinds, compiled.signature.return_type)
     words = np.array([word for argument in arguments for word in _words(argument)], np.int64)

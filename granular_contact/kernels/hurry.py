@@ -6,10 +6,9 @@ variables, for each of which it has LLVM read a text, and functions that it look
 finds nine times for each function, and needs it once. LLVM optimises each function by itself, and again with all that
 it calls: the second time is enough, and kernels are no slower without the first. And Python's collector of garbage
 looks again and again at all that is loaded, as compiling makes many small objects that live on: a tenth. References
-are counted where arrays are made alone (`counting`), and then LLVM has to optimise once, not twice. Machine code is
-written for what Python calls or an address is asked of: what kernels call is within theirs and needs none of its own.
-Messages on types that do not fit get no colours. None of it changes a result. Where numba has no such place any more,
-it takes its own time.
+are counted where arrays are made alone (`counting`), and then LLVM has to optimise once, not twice. Messages on types
+that do not fit get no colours. None of it changes a result. Where numba has no such place any more, it takes its own
+time.
 """
 
 from __future__ import annotations
@@ -18,16 +17,13 @@ import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
-from weakref import WeakSet
 
-from llvmlite.binding import Linkage
 from llvmlite.ir import Type
 from numba import types
 from numba.core import errors
 from numba.core.base import BaseContext
-from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
+from numba.core.codegen import CPUCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.environment import lookup_environment
 from numba.core.ir import Inst, Loc, Var
 from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.transforms import canonicalize_cfg
@@ -40,16 +36,11 @@ KINDS = (types.Number, types.Boolean, types.Array, types.BaseTuple)  # constants
 PLAIN = {Loc, str, int, bool, type(None)}  # in a statement, beside variables
 OPTIONAL = ("__array__", "static_getitem", "static_setitem")  # what numba does in another way where there is none
 _depth = 0
-_within: list[bool] = []  # of each function that is being compiled, the inmost last: whether others take it in whole
-_unwritten: WeakSet[Any] = WeakSet()  # libraries without machine code
 
 
 @contextmanager
-def hurried(within: bool = False) -> Iterator[None]:
-    """Compile faster inside; threads that compile wait for each other, as numba asks.
-
-    within: whether the function is for kernels, which take in its code before machine code is written.
-    """
+def hurried() -> Iterator[None]:
+    """Compile faster inside; threads that compile wait for each other, as numba asks."""
     global _depth
     with global_compiler_lock:
         collects = _depth == 0 and gc.isenabled()
@@ -57,11 +48,9 @@ def hurried(within: bool = False) -> Iterator[None]:
             gc.disable()
             _let(_HURRIED)
         _depth += 1
-        _within.append(within)
         try:
             yield
         finally:
-            _within.pop()
             _depth -= 1
             if _depth == 0:
                 _let(_OWN)
@@ -194,67 +183,6 @@ def _together(own: Any) -> Callable[..., Any]:
     return optimize
 
 
-def _later(own: Any) -> Callable[..., Any]:
-    """`_finalize_final_module` of a library: no machine code of what is within kernels, whose code has it."""
-
-    def finish(library: Any) -> None:
-        if _within[-1] and not any(map(_wraps, library.get_defined_functions())):
-            library._finalize_dynamic_globals()
-            library._finalized = True
-            _unwritten.add(library)
-        else:
-            _write(own, library)
-
-    return finish
-
-
-def _wraps(function: Any) -> bool:
-    """Whether a function of LLVM is for callers in Python or C."""
-    return function.linkage == Linkage.external and ("cpython" in function.name or "cfunc" in function.name)
-
-
-def _write(own: Any, library: Any) -> None:
-    """Write the machine code of a library; all that is within it gets its surroundings, too."""
-    own(library)
-    for variable in library._final_module.global_variables:
-        surroundings = lookup_environment(variable.name)
-        if surroundings is not None:
-            library.codegen.set_env(variable.name, surroundings)
-
-
-def _placed(own: Any) -> Callable[..., Any]:
-    """`set_env` of what writes code: surroundings of a function, where there is machine code that knows of them."""
-
-    def set_env(codegen: Any, name: str, surroundings: Any) -> None:
-        if codegen._engine.get_global_value_address(name):
-            own(codegen, name, surroundings)
-
-    return set_env
-
-
-def _kept(own: Any) -> Callable[..., Any]:
-    """`serialize_using_object_code` of a library: without machine code what LLVM made before it."""
-
-    def serialize(library: Any) -> Any:
-        return library.serialize_using_bitcode() if library in _unwritten else own(library)
-
-    return serialize
-
-
-def write(library: Any) -> None:
-    """Write the machine code of a library that has none yet, as its address is asked for."""
-    if library in _unwritten:
-        with global_compiler_lock:
-            _unwritten.discard(library)
-            with hurried():
-                _write(_OWN[CPUCodeLibrary, "_finalize_final_module"], library)
-
-
-_TOGETHER = (  # to leave out machine code takes all of these
-    (CPUCodeLibrary, "_finalize_final_module"),
-    (CPUCodeLibrary, "serialize_using_object_code"),
-    (JITCPUCodegen, "set_env"),
-)
 _PLACES = {
     (BaseFunction, "get_call_type"): _signature,
     (Type, "get_abi_size"): _size,
@@ -262,14 +190,9 @@ _PLACES = {
     (PostProcessor, "run"): _lifetimes,
     (CPUCodeLibrary, "_optimize_functions"): _together,
     (CPUCodeLibrary, "_optimize_final_module"): _once,
-    (CPUCodeLibrary, "_finalize_final_module"): _later,
-    (CPUCodeLibrary, "serialize_using_object_code"): _kept,
-    (JITCPUCodegen, "set_env"): _placed,
     (BaseNativeLowering, "run_pass"): _uncounted,
     (Inst, "_rec_list_vars"): _variables,
     (getattr(errors, "HighlightColorScheme", None), "_markup"): _uncoloured,
 }
 _OWN = {place: getattr(*place, None) for place in _PLACES}
-if any(_OWN[place] is None for place in _TOGETHER) or not hasattr(CPUCodeLibrary, "_finalize_dynamic_globals"):
-    _OWN |= dict.fromkeys(_TOGETHER)
 _HURRIED = {place: None if own is None else _PLACES[place](own) for place, own in _OWN.items()}

@@ -23,7 +23,6 @@ from numba.core.errors import TypingError
 from numba.extending import intrinsic, overload
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.hurry import write
 from granular_contact.kernels.kinematics import STATION
 from granular_contact.kernels.records import fields
 
@@ -233,7 +232,6 @@ def address_of(function: Any, arguments: tuple[Any, ...]) -> int:
     """Address of a function compiled for arguments of these types; it is compiled where it is not yet."""
     function.compile(arguments)
     compiled = function.overloads[arguments]
-    write(compiled.library)
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
 
 
