@@ -66,12 +66,17 @@ def _formats(text: str) -> tuple[str, ...]:
 
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
-    """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method."""
+    """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method.
+
+    A solver.accuracy of the config, which is the engine's, goes with the method that it was for.
+    """
     if chosen.method in ("engine", "minimal") and chosen.modes is not None:
         what = "the engine has none" if chosen.method == "engine" else "rigid bodies have none"
         raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
     if chosen.method is not None:
         yield "method=engine" if chosen.method == "engine" else f"method={{{chosen.method}: {{}}}}"
+        if chosen.method != "engine":
+            yield "solver.accuracy=null"
     if chosen.modes is not None:
         yield f"method.reduced.modes={chosen.modes}"
 

@@ -149,5 +149,7 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     run = ["run", str(CONFIGS / "pendulum_rigid.yaml"), "--method", "minimal"]
     assert cli.main([*run, "--no-plots", "--out", str(tmp_path / "a")]) == 0
     assert "stopping time   25.4" in capsys.readouterr().out
+    chosen = ["run", str(CONFIGS / "runner.yaml"), "--method", "minimal", "--set", "solver.end_time_s=0.02"]
+    assert cli.main([*chosen, "--no-plots", "--out", str(tmp_path / "b")]) == 0  # its accuracy is the engine's
     assert cli.main([*run, "--modes", "1"]) == 2
     assert "rigid bodies have none" in capsys.readouterr().err
