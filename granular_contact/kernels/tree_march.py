@@ -23,7 +23,7 @@ PAUSE, REST, END, FAILED = 0, 1, 2, 3
 CONTROL = np.dtype([*fields("f8", "end", "longest", "rest_speed", "rest_time"), ("allowed", "f8", (2,))])
 NOW, STEP, RESTING_SINCE, RADIUS, AGE = 0, 1, 2, 3, 4  # of clock (5,): s, s, s, 1/s and steps since that was found
 STEPS, REJECTED, RATES = 0, 1, 2  # of counts (3,)
-WIDTH = 11  # numbers of a node in a row of states, beside the two works
+MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: before the two works, and in all
 OLD = 20  # steps after which the spectral radius is looked at anew
 
 
@@ -50,9 +50,9 @@ def write(t, y, w, blank, state, row):
             state[3 * i + k] = w.motion.pose[i, k]
             state[3 * (n + i) + k] = w.motion.twist[i, k]
             state[3 * (2 * n + i) + k] = w.motion.acceleration[i, k]
-        state[9 * n + 2 + i] = w.motion.effort[i]
-        state[10 * n + 2 + i] = w.state[i, VALUE]
-    state[9 * n], state[9 * n + 1] = y[2 * n], y[2 * n + 1]
+        state[MOVES * n + 2 + i] = w.motion.effort[i]
+        state[(MOVES + 1) * n + 2 + i] = w.state[i, VALUE]
+    state[MOVES * n], state[MOVES * n + 1] = y[2 * n], y[2 * n + 1]
 
 
 @part

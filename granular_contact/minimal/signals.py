@@ -39,9 +39,8 @@ def tabulate(signals: Sequence[Signal], end: float) -> tuple[Vector, Vector]:
         while waiting:
             start, stop = waiting.pop()
             piece = np.array([_piece(signal, start, stop) for signal in signals]).reshape(len(signals), 6)
-            if stop - start > SHORTEST and any(
-                map(_is_off, signals, piece, [start] * len(signals), [stop] * len(signals))
-            ):
+            off = any(_is_off(signal, of, start, stop) for signal, of in zip(signals, piece, strict=True))
+            if off and stop - start > SHORTEST:
                 middle = 0.5 * (start + stop)
                 waiting += [(middle, stop), (start, middle)]
             else:

@@ -40,8 +40,7 @@ class March:
         self.control = np.zeros(1, kernels.CONTROL)
         self.control["end"], self.control["longest"] = solver.end_time_s, solver.step_s
         self.control["rest_speed"] = solver.rest_speed_m_s
-        rests = solver.rest_time_s is not None and not scene.drives
-        self.control["rest_time"] = solver.rest_time_s if rests else np.inf
+        self.control["rest_time"] = np.inf if scene.rest_time is None else scene.rest_time
         self.control["allowed"] = [[method.rtol * reach, method.rtol * speed]]
         self.clock = np.array([0.0, FIRST_STEP * solver.step_s, 0.0, 0.0, kernels.OLD])
         self.counts = np.zeros(3, dtype=np.int64)
@@ -161,19 +160,19 @@ class Solve:
     def observe(self) -> Observations:
         """What is seen of the present state."""
         row = self.march.last
-        q, v, _ = self._coordinates(slice(row, row + 1))
-        return self._senses.read(self.time, q[0], v[0], self.march.rows[row])
+        return self._senses.read(self.time, self._coordinates(row, 0), self._coordinates(row, 1), self.march.rows[row])
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
-        q, v, _ = self._coordinates(slice(self.march.last, self.march.last + 1))
-        return Kinematics(self.tree.system, at_one(self.tree.system, np.array([self.time]), q, v)).outlines(0)
+        system, now = self.tree.system, slice(self.march.last, self.march.last + 1)
+        q, v = (self._coordinates(now, derivative) for derivative in (0, 1))
+        return Kinematics(system, at_one(system, np.array([self.time]), q, v)).outlines(0)
 
-    def _coordinates(self, rows: slice) -> tuple[Vector, Vector, Vector]:
-        """Coordinates of the system (k, m), their rates and accelerations, of these rows."""
-        size, states = 3 * len(self.tree.arrays.nodes), self.march.states[rows]
-        q, v, a = (states[:, i * size + self.tree.coordinates] for i in range(3))
-        return q, v, a
+    def _coordinates(self, rows: int | slice, derivative: int) -> Vector:
+        """Coordinates of the system (m,) or (k, m) in these rows, or their first or second derivatives by time."""
+        first = 3 * len(self.tree.arrays.nodes) * derivative
+        found: Vector = self.march.states[rows, first:][..., self.tree.coordinates]
+        return found
 
     def set_to(self, joint: str, value: float) -> None:
         """Set the drive of a joint, in SI units, from now on."""
@@ -198,10 +197,9 @@ class Solve:
         """All steps so far, in the engine's coordinates."""
         march, tree = self.march, self.tree
         steps, _, evaluations = (int(count) for count in march.counts)
-        rows, (q, v, a) = slice(0, steps + 1), self._coordinates(slice(0, steps + 1))
-        works, efforts, wanted = np.split(
-            march.states[rows, 9 * len(tree.arrays.nodes) :], [2, 2 + len(tree.arrays.nodes)], axis=1
-        )
+        rows, nodes = slice(0, steps + 1), len(tree.arrays.nodes)
+        q, v, a = (self._coordinates(rows, derivative) for derivative in range(3))
+        works, efforts, wanted = np.split(march.states[rows, kernels.MOVES * nodes :], [2, 2 + nodes], axis=1)
         return Trajectory(
             status=self.status(),
             cost=Cost(solve_s=self.seconds, steps=steps, newton_iterations=0, jacobians=0, load_calls=evaluations),

@@ -19,7 +19,7 @@ from granular_contact.multibody.coordinates import coordinate
 from granular_contact.multibody.joint_loads import JointLoad
 from granular_contact.multibody.system import RigidHandle, System
 from granular_contact.scene.types import Joint, RigidBody, Scene, Vector
-from granular_contact.scene.workspace import can_be_immersed
+from granular_contact.scene.workspace import immersible
 
 
 class Numbers:
@@ -100,14 +100,11 @@ def tree(scene: Scene) -> Tree:
 
 def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
     """Load on all shapes that can reach the surface, of bodies with their nodes; None when there are none."""
-    if scene.bed is None:
+    if scene.bed is None or not scene.media:
         return None
     load, strips = load_of(scene), scene.load.strips_per_rigid_part
-    for body in scene.rigid:
-        for shape in body.shapes:
-            if can_be_immersed(scene.bed, body, shape):
-                coordinates = 3 * places[body.name] + np.arange(3)
-                load.add(lines_of(Body(body.name, coordinates), shape, strips))
+    for body, shape in immersible(scene.bed, scene.rigid):
+        load.add(lines_of(Body(body.name, 3 * places[body.name] + np.arange(3)), shape, strips))
     load.close()
     return load if load.lines else None
 

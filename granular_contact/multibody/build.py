@@ -16,7 +16,7 @@ from granular_contact.multibody.mass_and_gravity import gravity_loads
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.system import LinkHandle, RigidHandle, System
 from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector, rotation
-from granular_contact.scene.workspace import can_be_immersed, can_get_below
+from granular_contact.scene.workspace import can_get_below, immersible
 
 if TYPE_CHECKING:
     from granular_contact.multibody.coupling import Coupling
@@ -127,12 +127,7 @@ def _granular_load(system: System) -> Coupling | None:
     scene = system.scene
     if scene.bed is None or not scene.media:
         return None
-    shapes = [
-        (h, shape)
-        for h in system.rigid.values()
-        for shape in h.body.shapes
-        if can_be_immersed(scene.bed, h.body, shape)
-    ]
+    shapes = immersible(scene.bed, scene.rigid)
     cables = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
     if not shapes and not any(elements for _, elements in cables):
         return None
@@ -141,8 +136,8 @@ def _granular_load(system: System) -> Coupling | None:
 
     coupling = Coupling(system.mbs, load_of(scene), system.origin)
     load, strips = coupling.load, scene.load
-    for rigid, shape in shapes:
-        load.add(lines_of(coupling.body(rigid.object), shape, strips.strips_per_rigid_part))
+    for body, shape in shapes:
+        load.add(lines_of(coupling.body(system.rigid[body.name].object), shape, strips.strips_per_rigid_part))
     for handle, elements in cables:
         if elements:
             link, each = handle.link, strips.strips_per_element

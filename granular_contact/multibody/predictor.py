@@ -48,7 +48,8 @@ class Predictor:
     on by those of their step only: of one body they would end as soon as the tolerance lets them, all on one side.
     gain: see above; infinite where the engine's rule holds. fixed: whether steps are.
 
-    held: speed (m/s) up to which bristles may hold in a step of a length (s), 0 where none touches anything.
+    held: speed (m/s) up to which bristles may hold in a step of a length (s); None where there are none, or steps are
+    chosen.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
@@ -70,7 +71,7 @@ class Predictor:
         alone: bool = False,
         gain: float = math.inf,
         fixed: bool = False,
-        held: Callable[[float], float] = lambda _: 0.0,
+        held: Callable[[float], float] | None = None,
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever = solver, lever
@@ -118,7 +119,7 @@ class Predictor:
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
             jacobians = self._it.newtonJacobiCount
-            held = self._held(step) if self._fixed else 0.0
+            held = 0.0 if self._held is None else self._held(step)
             if self._start(self._words, of_q, of_v, self._alone, jacobians, self._fixed, held):
                 self._conv.jacobianUpdateRequested = True
             return

@@ -44,7 +44,7 @@ class Recorder:
         self.control: StepControl | None = None
         self.shortened = 0
         fixed = self.solver.accuracy is None
-        self._rest_time = None if system.scene.drives else self.solver.rest_time_s
+        self._rest_time = system.scene.rest_time
         self._moving = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
         self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
         self.deadline = math.inf

@@ -133,17 +133,15 @@ class Solve:
         alone = moving_joints(scene) <= 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
         bends, fixed = alone and bool(scene.links), scene.solver.accuracy is None
-        return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=self._held)
+        # A drive moves on what has stopped: walkers would take a tenth more iterations.
+        held = self._held if fixed and self.system.bed is not None and not scene.drives else None
+        return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=held)
 
     def _held(self, step: float) -> float:
-        """Speed (m/s) up to which bristles hold within a step (s); 0 where none is touched.
-
-        And where joints are driven: a drive moves on what has stopped, which walkers take a tenth more iterations for.
-        """
-        bed, scene = self.system.bed, self.system.scene
-        if bed is None or not bed.load.active or scene.drives:
-            return 0.0
-        return scene.load.friction.holding_speed(step)
+        """Speed (m/s) up to which bristles of the bed hold within a step (s); 0 where none is touched."""
+        system = self.system
+        assert system.bed is not None  # of those that are asked
+        return system.scene.load.friction.holding_speed(step) if system.bed.load.active else 0.0
 
     def _goes_round(self) -> bool:
         """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.

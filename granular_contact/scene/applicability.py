@@ -13,7 +13,7 @@ from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.law import Law, what_it_takes
 from granular_contact.scene.bed import Bed, places
 from granular_contact.scene.types import Scene
-from granular_contact.scene.workspace import can_be_immersed, can_get_below
+from granular_contact.scene.workspace import can_get_below, immersible
 
 
 def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
@@ -57,5 +57,5 @@ def _getting_to(scene: Scene, bed: Bed, depth: float) -> list[tuple[str, Kind]]:
     """Parts that can get below a depth (m), each once, with the kind of shape that a medium meets."""
     ends = [(link, np.array([[0.0, 0.0], [link.length, 0.0]])) for link in scene.links]
     parts = [(link.name, link.kind) for link, both in ends if can_get_below(bed, link, both, depth=depth)]
-    parts += [(s.part, s.kind) for body in scene.rigid for s in body.shapes if can_be_immersed(bed, body, s, depth)]
+    parts += [(shape.part, shape.kind) for _, shape in immersible(bed, scene.rigid, depth)]
     return list(dict.fromkeys(parts))

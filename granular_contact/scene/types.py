@@ -340,6 +340,11 @@ class Scene:
         """
         return self.mass * (max(abs(self.gravity), 9.81) + self.speed * self.speed / max(self.length, 1e-3))
 
+    @property
+    def rest_time(self) -> float | None:
+        """Time (s) at rest after which a run ends; None where rest ends none, as of what drives move on."""
+        return None if self.drives else self.solver.rest_time_s
+
     @cached_property
     def pivot(self) -> Joint | None:
         """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""

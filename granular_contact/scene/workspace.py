@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.types import FlexibleLink, RigidBody, Shape, Vector
 
@@ -24,3 +26,8 @@ def can_get_below(
 def can_be_immersed(bed: Bed, body: RigidBody, shape: Shape, depth: float = 0.0) -> bool:
     """Whether the medium deeper than `depth` (m) may act on a shape of a body."""
     return shape.in_sand and can_get_below(bed, body, shape.points, drop=shape.drop, depth=depth)
+
+
+def immersible(bed: Bed, bodies: Iterable[RigidBody], depth: float = 0.0) -> list[tuple[RigidBody, Shape]]:
+    """All shapes that the medium deeper than `depth` (m) may act on, with their bodies."""
+    return [(body, shape) for body in bodies for shape in body.shapes if can_be_immersed(bed, body, shape, depth)]
