@@ -100,7 +100,6 @@ class HistoryTable:
         self._first_body = self._first_term + size * TERMS * self.media
         self.blank = np.concatenate([first, np.zeros(self._first_body - self._first + size * len(bodies))])
         self._rows = np.zeros((256, len(self.blank)))
-        self._work: Vector | None = None
         self._summed = 0, 0.0  # a row, and the work up to it
         self.length = 0
 
@@ -150,7 +149,7 @@ class HistoryTable:
 
     def last(self) -> LoadHistory:
         """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
-        if self._work is not None or self.length < 3:
+        if self.length < 3:
             return self.history().at_end()
         first, before = self._summed
         rows = self._rows[first : self.length]
@@ -159,7 +158,7 @@ class HistoryTable:
         return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
 
     def history(self) -> LoadHistory:
-        """All rows so far; works that were not brought along are integrals of the power by the trapezoidal rule."""
+        """All rows so far; works are integrals of the power by the trapezoidal rule."""
         return self._read(self._rows[: self.length].copy())
 
     def _power(self, rows: Vector) -> Vector:
@@ -174,7 +173,7 @@ class HistoryTable:
         terms = rows[:, self._first_term : self._first_body].reshape(len(rows), TERMS * self.media, self._size)
         return LoadHistory(
             time=time,
-            work=accumulate(time, power) if self._work is None else self._work,
+            work=accumulate(time, power),
             power=power,
             floor_work=accumulate(time, floor),
             depth=rows[:, DEPTH],
@@ -188,6 +187,6 @@ class HistoryTable:
             body_names=self._names[1],
         )
 
-    def adopt(self, rows: Vector, work: Vector) -> None:
-        """Take on rows that were filled elsewhere, with the work (n,) J of all media as it was found there."""
-        self._rows, self._work, self.length = rows, work, len(rows)
+    def adopt(self, rows: Vector) -> None:
+        """Take on rows that were filled elsewhere."""
+        self._rows, self.length = rows, len(rows)

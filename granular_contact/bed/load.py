@@ -140,7 +140,7 @@ class GranularLoad:
                 )
                 self.batches.append(Batch(acting, records, profile, medium, columns, paths))
                 self.met.append(None if layer is None else layer.medium)
-        self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
+        self.room_for_tangents = np.zeros((sum(batch.entries for batch in self.batches), 3))  # of `planar_sand.tangent`
         self._leaning = [batch for batch in self.batches if batch.leans]
 
     def _meetings(self) -> Iterator[tuple[int, Collection[str], Vector, NDArray[np.void], Layer | None]]:
@@ -196,7 +196,7 @@ class GranularLoad:
         if self._compiled is None:
             self._compiled = _Compiled(
                 entry(planar_sand.force, sand, q, q, q),
-                entry(planar_sand.tangent, sand, q, q, 1.0, 1.0, self._triplets),
+                entry(planar_sand.tangent, sand, q, q, 1.0, 1.0, self.room_for_tangents),
                 entry(planar_sand.accept, sand, q, q, q, True),
                 entry(planar_sand.update_active, sand, 0.0),
                 entry(planar_sand.soonest, sand),
@@ -219,8 +219,8 @@ class GranularLoad:
         """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3); the next call overwrites them."""
         number = 0
         if self._compiled is not None:
-            number = self._compiled.tangent(self._sand, q, v, factor_q, factor_v, self._triplets)
-        return self._triplets[:number]
+            number = self._compiled.tangent(self._sand, q, v, factor_q, factor_v, self.room_for_tangents)
+        return self.room_for_tangents[:number]
 
     def accept(self, t: float, q: Vector, v: Vector) -> None:
         """End a step at the time t (s) in this state: the friction state follows, the history gets a row."""

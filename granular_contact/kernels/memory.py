@@ -65,6 +65,23 @@ def piece(typing_context, array, i, count):
 
 
 @intrinsic
+def flat(typing_context, array):
+    """array.ravel() of an array that outlives it, as an argument does."""
+    _contiguous(array)
+    kind = array.copy(ndim=1)
+
+    def generate(context, builder, signature, values):
+        given = make_array(array)(context, builder, values[0])
+        made = make_array(kind)(context, builder)
+        size, nothing = cgutils.intp_t(context.get_abi_sizeof(context.get_data_type(kind.dtype))), made.meminfo.type
+        shape, strides = [given.nitems], [size]
+        populate_array(made, given.data, shape, strides, size, cgutils.get_null_value(nothing))
+        return made._getvalue()
+
+    return kind(array), generate
+
+
+@intrinsic
 def borrowed(typing_context, array):
     """The array itself, of one that outlives it, as an argument does; nobody counts references to it.
 

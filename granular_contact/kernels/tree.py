@@ -12,78 +12,70 @@ acceleration A = (r'', alpha) of a node is that of its parent p, carried over, a
     b_i = (-omega_p^2 e_i - omega_i^2 d_i, 0),    S_i = (-d_i', -1)                       hinge
     b_i = (-omega_p^2 (e_i + d_i) + 2 omega_p s_i' u_i', 0),    S_i = (u_i, 0)            slider
 
-A node with all that hangs on it takes the force I A + p from its joint, where I = diag(m, m, J) and p = -f for the node
-alone, f the force and moment on it. Along its coordinate the joint gives tau = S . (I A + p), so that with U = I S and
-D = S . U
+With f_i the force and moment on a node and I_i = diag(m, m, J), its joint passes on
 
-    s'' = (tau - S . p - U . (X A_p + b)) / D,
+    P_i = I_i A_i - f_i + sum of X_c^T P_c over its children c,    and lacks    R_i = S_i . P_i - tau_i,
 
-and to its parent a child adds X^T (I - U U^T / D) X to I and X^T (p + (I - U U^T / D) b + U (tau - S . p) / D) to p.
-A coordinate that is prescribed has s'', and its child adds X^T I X and X^T (p + I (b + S s'')); its tau follows. (The
-articulated-body algorithm and its hybrid form, Featherstone 2008, in the plane.)
+tau_i what acts along its coordinate. A motion has R = 0. An implicit step asks for s'' at its end, where forces depend
+on it: with a change of s'' by 1, rates change by fv and coordinates by fq. Newton's method then solves for a change of
+s'' that takes R away. What it does to forces is, of each node, a matrix on the change of its A, and of each joint a
+number on that of s'':
+
+    B_i = I_i - fq df_i/dq - fv df_i/dv,    c_i = -fq dtau_i/ds - fv dtau_i/ds'
+
+so that the change has the equations of a tree whose bodies have the inertia B, and these are solved as those of
+articulated bodies are (Featherstone 2008), from the leaves inward and back, with no matrix of the whole:
+
+    U = B S,    W = S B,    D = S . U + c,    B_p gets X^T (B - U W / D) X,
+    g = (-R - S . p) / D,    p_p gets X^T (p + U g),    change of s'' = g - W . (X dA_p) / D.
+
+B has no symmetry, as sand has no potential. What turns with the change (arms, axes, b) is left out of it, a share of
+the order of a step times a rate. A coordinate that is prescribed has 1 / D = 0, and its tau is what R = 0 asks for.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
-
-import numpy as np
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.records import fields
+from granular_contact.kernels.memory import clear, piece
+from granular_contact.kernels.tree_arrays import (
+    ACCELERATION,
+    ALONG,
+    ARM,
+    BIAS,
+    BODY,
+    CHANGE,
+    EFFORT,
+    FORCE,
+    JOINTS,
+    MOVED,
+    NODES,
+    PASSED,
+    POSE,
+    RATES,
+    REST,
+    S2,
+    STIFFNESS,
+    TURNED,
+    TWIST,
+    S,
+    nodes_of,
+    row,
+    rows,
+)
 
 HINGE, SLIDER = 0, 1
 
-# parent: index of the node it hangs on, -1 for the ground; kind: of its joint; on_parent (2,) m: the joint's point in
-# the parent's frame, seen from its centre of mass (in the world, on the ground), of a slider at s = 0; point (2,) m:
-# the same in the node's own frame; axis (2,): of a slider, in the parent's frame; turn (rad): angle of the node in its
-# parent's frame at s = 0; prescribed: whether a signal says s; acts: whether something acts along it; mass kg; inertia
-# kg m2 about the centre of mass; radius m: of the farthest point from the centre of mass.
-NODE = np.dtype(
-    [
-        *fields("i8", "parent", "kind", "prescribed", "acts"),
-        *((name, "f8", (2,)) for name in ("on_parent", "point", "axis")),
-        *fields("f8", "turn", "mass", "inertia", "radius"),
-    ]
-)
-
-# Of a row of `Motion.whole`: I, of which the lower triangle is that of the upper, and p.
-XX, XY, XT, YY, YT, TT, PX, PY, PT = range(9)
-
-
-class Motion(NamedTuple):
-    """Room for the motion of all nodes.
-
-    pose (n, 3): centre of mass x, y (m) and angle; twist (n, 3): their rates; acceleration (n, 3) likewise; turned
-    (n, 2): cosine and sine of the angle; arm (n, 4): e and d above (m); along (n, 3): S; bias (n, 2): b; force (n, 3):
-    on the nodes, x, y (N) and moment about the centre of mass (N m); effort (n,): tau (N m, N), found of coordinates
-    that are prescribed and given of all others; whole (n, 9): see above; joint (n, 5): U, 1 / D and S . p.
-    """
-
-    pose: Any
-    twist: Any
-    acceleration: Any
-    turned: Any
-    arm: Any
-    along: Any
-    bias: Any
-    force: Any
-    effort: Any
-    whole: Any
-    joint: Any
-
-
-def motion(nodes: int) -> Motion:
-    """Room for so many nodes."""
-    widths = (3, 3, 3, 2, 4, 3, 2, 3, 0, 9, 5)
-    return Motion(*(np.zeros((nodes, width) if width else nodes) for width in widths))
+# Columns of `joint`: U, W, 1 / D, S, and the arm e + d from the parent's centre of mass, turned.
+UX, UY, UT, WX, WY, WT, INVERSE, SX, SY, ST, TX, TY = range(12)
 
 
 @part
-def place(s, rates, nodes, motion):
-    """Fill pose, twist, arm, along and bias."""
-    pose, twist, arm, along, bias = motion.pose, motion.twist, motion.arm, motion.along, motion.bias
+def place(w):
+    """Fill pose, twist, arm, along and bias from coordinates and rates."""
+    nodes, s, rates, turned, arm = nodes_of(w, NODES), row(w, S), row(w, RATES), rows(w, TURNED), rows(w, ARM)
+    pose, twist, along, bias = rows(w, POSE), rows(w, TWIST), rows(w, ALONG), rows(w, BIAS)
     for i in range(nodes.shape[0]):
         node = nodes[i]
         p, slides = node.parent, node.kind == SLIDER
@@ -91,7 +83,7 @@ def place(s, rates, nodes, motion):
         if p >= 0:
             x, y, phi = pose[p, 0], pose[p, 1], pose[p, 2]
             vx, vy, omega = twist[p, 0], twist[p, 1], twist[p, 2]
-            c, n = motion.turned[p, 0], motion.turned[p, 1]
+            c, n = turned[p, 0], turned[p, 1]
         px, py = node.on_parent[0], node.on_parent[1]
         ex, ey, ux, uy = c * px - n * py, n * px + c * py, 0.0, 0.0
         angle, rate, speed = phi + node.turn, omega, 0.0
@@ -101,13 +93,13 @@ def place(s, rates, nodes, motion):
         else:
             angle, rate = angle - s[i], rate - rates[i]
         c, n = math.cos(angle), math.sin(angle)
-        motion.turned[i, 0], motion.turned[i, 1] = c, n
+        turned[i, 0], turned[i, 1] = c, n
         dx, dy = n * node.point[1] - c * node.point[0], -(n * node.point[0] + c * node.point[1])
         pose[i, 0], pose[i, 1], pose[i, 2] = x + ex + dx, y + ey + dy, angle
         twist[i, 0] = vx - omega * ey - rate * dy + speed * ux
         twist[i, 1] = vy + omega * ex + rate * dx + speed * uy
         twist[i, 2] = rate
-        arm[i, 0], arm[i, 1], arm[i, 2], arm[i, 3] = ex, ey, dx, dy
+        arm[i, 0], arm[i, 1] = -(ey + dy), ex + dx
         along[i, 0], along[i, 1], along[i, 2] = dy, -dx, -1.0
         if slides:
             along[i, 0], along[i, 1], along[i, 2] = ux, uy, 0.0
@@ -116,79 +108,112 @@ def place(s, rates, nodes, motion):
 
 
 @part
-def times(whole, i, x, y, t):
-    """I (x, y, t) of node i."""
-    xx, xy, xt, yy, yt, tt = whole[i, XX], whole[i, XY], whole[i, XT], whole[i, YY], whole[i, YT], whole[i, TT]
-    return xx * x + xy * y + xt * t, xy * x + yy * y + yt * t, xt * x + yt * y + tt * t
-
-
-@part
-def hang(i, nodes, motion, prescribed):
-    """Find U, 1 / D and S . p of node i, whose children have been added, and add it to its parent.
-
-    prescribed: s'' where it is.
-    """
-    whole, joint, along, node = motion.whole, motion.joint, motion.along, nodes[i]
-    sx, sy, st = along[i, 0], along[i, 1], along[i, 2]
-    ux, uy, ut = times(whole, i, sx, sy, st)
-    d, own = sx * ux + sy * uy + st * ut, sx * whole[i, PX] + sy * whole[i, PY] + st * whole[i, PT]
-    inverse = 1.0 / d
-    joint[i, 0], joint[i, 1], joint[i, 2], joint[i, 3], joint[i, 4] = ux, uy, ut, inverse, own
-    p = node.parent
-    if p < 0:
-        return
-    bx, by = motion.bias[i, 0], motion.bias[i, 1]
-    xx, xy, xt, yy, yt, tt = whole[i, XX], whole[i, XY], whole[i, XT], whole[i, YY], whole[i, YT], whole[i, TT]
-    if node.prescribed:
-        push = prescribed
-    else:
-        vx, vy, vt = ux * inverse, uy * inverse, ut * inverse
-        xx, xy, xt = xx - ux * vx, xy - ux * vy, xt - ux * vt
-        yy, yt, tt = yy - uy * vy, yt - uy * vt, tt - ut * vt
-        push = (motion.effort[i] - own) * inverse
-    fx = whole[i, PX] + xx * bx + xy * by + ux * push
-    fy = whole[i, PY] + xy * bx + yy * by + uy * push
-    ft = whole[i, PT] + xt * bx + yt * by + ut * push
-    # X = [1 l'; 0 1] with l the arm from the parent's centre of mass.
-    tx, ty = -(motion.arm[i, 1] + motion.arm[i, 3]), motion.arm[i, 0] + motion.arm[i, 2]
-    mx, my = xx * tx + xy * ty + xt, xy * tx + yy * ty + yt
-    whole[p, XX] += xx
-    whole[p, XY] += xy
-    whole[p, YY] += yy
-    whole[p, XT] += mx
-    whole[p, YT] += my
-    whole[p, TT] += tx * mx + ty * my + xt * tx + yt * ty + tt
-    whole[p, PX] += fx
-    whole[p, PY] += fy
-    whole[p, PT] += tx * fx + ty * fy + ft
-
-
-@part
-def accelerate(nodes, motion, s2):
-    """Fill s2 (n,) with the accelerations of coordinates that are not prescribed; of those that are it has them.
-
-    Reads the forces and efforts; fills the accelerations of the nodes, and the efforts of what is prescribed.
-    """
-    whole, joint, force, arm, A = motion.whole, motion.joint, motion.force, motion.arm, motion.acceleration
-    count = nodes.shape[0]
-    for i in range(count):
-        m = nodes[i].mass
-        whole[i, XX], whole[i, XY], whole[i, XT] = m, 0.0, 0.0
-        whole[i, YY], whole[i, YT], whole[i, TT] = m, 0.0, nodes[i].inertia
-        whole[i, PX], whole[i, PY], whole[i, PT] = -force[i, 0], -force[i, 1], -force[i, 2]
-    for i in range(count - 1, -1, -1):
-        hang(i, nodes, motion, s2[i])
-    for i in range(count):
-        p, ax, ay, alpha = nodes[i].parent, motion.bias[i, 0], motion.bias[i, 1], 0.0
+def carry(w):
+    """Fill the accelerations of the nodes from those of the coordinates."""
+    nodes, s2, A = nodes_of(w, NODES), row(w, S2), rows(w, ACCELERATION)
+    arm, along, bias = rows(w, ARM), rows(w, ALONG), rows(w, BIAS)
+    for i in range(nodes.shape[0]):
+        p, ax, ay, alpha = nodes[i].parent, bias[i, 0], bias[i, 1], 0.0
         if p >= 0:
             alpha = A[p, 2]
-            ax += A[p, 0] - alpha * (arm[i, 1] + arm[i, 3])
-            ay += A[p, 1] + alpha * (arm[i, 0] + arm[i, 2])
-        carried = joint[i, 0] * ax + joint[i, 1] * ay + joint[i, 2] * alpha
+            ax += A[p, 0] + arm[i, 0] * alpha
+            ay += A[p, 1] + arm[i, 1] * alpha
+        A[i, 0] = ax + along[i, 0] * s2[i]
+        A[i, 1] = ay + along[i, 1] * s2[i]
+        A[i, 2] = alpha + along[i, 2] * s2[i]
+
+
+@part
+def lack(w):
+    """Fill R for the accelerations of the nodes, and the efforts of what is prescribed."""
+    nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
+    arm, along, effort, rest = rows(w, ARM), rows(w, ALONG), row(w, EFFORT), row(w, REST)
+    for i in range(nodes.shape[0]):
+        P[i, 0] = nodes[i].mass * A[i, 0] - force[i, 0]
+        P[i, 1] = nodes[i].mass * A[i, 1] - force[i, 1]
+        P[i, 2] = nodes[i].inertia * A[i, 2] - force[i, 2]
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        asked = along[i, 0] * P[i, 0] + along[i, 1] * P[i, 1] + along[i, 2] * P[i, 2]
         if nodes[i].prescribed:
-            motion.effort[i] = s2[i] / joint[i, 3] + joint[i, 4] + carried
-        else:
-            s2[i] = (motion.effort[i] - joint[i, 4] - carried) * joint[i, 3]
-        A[i, 0] = ax + motion.along[i, 0] * s2[i]
-        A[i, 1] = ay + motion.along[i, 1] * s2[i]
-        A[i, 2] = alpha + motion.along[i, 2] * s2[i]
+            effort[i] = asked
+        rest[i] = asked - effort[i]
+        p = nodes[i].parent
+        if p >= 0:
+            P[p, 0] += P[i, 0]
+            P[p, 1] += P[i, 1]
+            P[p, 2] += P[i, 2] + arm[i, 0] * P[i, 0] + arm[i, 1] * P[i, 1]
+
+
+@part
+def inertias(w):
+    """Fill B and c with what they are without any forces."""
+    nodes, body = nodes_of(w, NODES), rows(w, BODY)
+    clear(body)
+    clear(row(w, STIFFNESS))
+    for i in range(nodes.shape[0]):
+        body[i, 0] = body[i, 4] = nodes[i].mass
+        body[i, 8] = nodes[i].inertia
+
+
+@part
+def hang(b, f, parent):
+    """Add X^T (B - U W / D) X of a node with B in b (9,) and its joint in f (12,) to the B of its parent (9,)."""
+    ux, uy, ut = f[UX] * f[INVERSE], f[UY] * f[INVERSE], f[UT] * f[INVERSE]
+    tx, ty = f[TX], f[TY]
+    xx, xy, xt = b[0] - ux * f[WX], b[1] - ux * f[WY], b[2] - ux * f[WT]
+    yx, yy, yt = b[3] - uy * f[WX], b[4] - uy * f[WY], b[5] - uy * f[WT]
+    zx, zy, zt = b[6] - ut * f[WX], b[7] - ut * f[WY], b[8] - ut * f[WT]
+    mx, my, mt = xx * tx + xy * ty + xt, yx * tx + yy * ty + yt, zx * tx + zy * ty + zt
+    parent[0] += xx
+    parent[1] += xy
+    parent[2] += mx
+    parent[3] += yx
+    parent[4] += yy
+    parent[5] += my
+    parent[6] += tx * xx + ty * yx + zx
+    parent[7] += tx * xy + ty * yy + zy
+    parent[8] += tx * mx + ty * my + mt
+
+
+@part
+def fold(w):
+    """Fill `joint` from B and c; B of each node then has all that hangs on it."""
+    nodes, body, joint, stiffness = nodes_of(w, NODES), rows(w, BODY), rows(w, JOINTS), row(w, STIFFNESS)
+    along, arm = rows(w, ALONG), rows(w, ARM)
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        b, f, x, y, t = piece(body, i, 9), piece(joint, i, 12), along[i, 0], along[i, 1], along[i, 2]
+        for k in range(3):
+            f[UX + k] = b[3 * k] * x + b[3 * k + 1] * y + b[3 * k + 2] * t
+            f[WX + k] = b[k] * x + b[3 + k] * y + b[6 + k] * t
+        d = x * f[UX] + y * f[UY] + t * f[UT] + stiffness[i]
+        f[INVERSE] = 0.0 if nodes[i].prescribed else 1.0 / d
+        f[SX], f[SY], f[ST], f[TX], f[TY] = x, y, t, arm[i, 0], arm[i, 1]
+        if nodes[i].parent >= 0:
+            hang(b, f, piece(body, nodes[i].parent, 9))
+
+
+@part
+def solve(w):
+    """Fill the change of s'' that takes R away, and that of the nodes' accelerations.
+
+    By what `fold` found, which may have been at another place.
+    """
+    nodes, joint, rest, change = nodes_of(w, NODES), rows(w, JOINTS), row(w, REST), row(w, CHANGE)
+    p, A = rows(w, PASSED), rows(w, MOVED)
+    clear(p)
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        f, q = piece(joint, i, 12), nodes[i].parent
+        g = (-rest[i] - f[SX] * p[i, 0] - f[SY] * p[i, 1] - f[ST] * p[i, 2]) * f[INVERSE]
+        change[i] = g
+        if q >= 0:
+            x, y = p[i, 0] + f[UX] * g, p[i, 1] + f[UY] * g
+            p[q, 0] += x
+            p[q, 1] += y
+            p[q, 2] += p[i, 2] + f[UT] * g + f[TX] * x + f[TY] * y
+    for i in range(nodes.shape[0]):
+        f, q, x, y, t = piece(joint, i, 12), nodes[i].parent, 0.0, 0.0, 0.0
+        if q >= 0:
+            t = A[q, 2]
+            x, y = A[q, 0] + f[TX] * t, A[q, 1] + f[TY] * t
+        change[i] -= (f[WX] * x + f[WY] * y + f[WT] * t) * f[INVERSE]
+        A[i, 0], A[i, 1], A[i, 2] = x + f[SX] * change[i], y + f[SY] * change[i], t + f[ST] * change[i]

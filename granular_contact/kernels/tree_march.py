@@ -1,148 +1,196 @@
-"""March of a tree through time: steps as long as their error allows, one row for each."""
+"""March of a tree through time: steps that are fixed, or as long as their error allows, one row for each."""
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
-from granular_contact.kernels import planar_sand
-from granular_contact.kernels.chebyshev import MOST_STAGES, radius, stages_for, step
+from granular_contact.kernels import step_error
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_loads import VALUE
 from granular_contact.kernels.lines import TIME
-from granular_contact.kernels.memory import copy
-from granular_contact.kernels.records import fields
-from granular_contact.kernels.tree import SLIDER
-from granular_contact.kernels.tree_load import accept, fastest, rates
+from granular_contact.kernels.memory import copy, piece
+from granular_contact.kernels.step_choice import LONGER, SLOWED, ahead, factor, needed
+from granular_contact.kernels.tree_arrays import (
+    ACCELERATION,
+    ARMS,
+    BENDS,
+    BLANK,
+    CHANGES,
+    CHOICES,
+    CLOCK,
+    CONTROLS,
+    COUNTS,
+    EFFORT,
+    FASTEST,
+    FOLLOWED,
+    KNOTS,
+    LAGGED,
+    LAGGED_BEFORE,
+    MATRIX,
+    NODES,
+    NOW,
+    PIECES,
+    POSE,
+    RATES,
+    RATES_BEFORE,
+    RESTING_SINCE,
+    S2,
+    S2_BEFORE,
+    S_BEFORE,
+    SCHEMES,
+    SPEED,
+    STATE,
+    STATES,
+    STEP,
+    TABLE,
+    TWIST,
+    WANTED,
+    S,
+    blocks,
+    choices,
+    controls,
+    nodes_of,
+    numbers,
+    row,
+    rows,
+    schemes,
+)
+from granular_contact.kernels.tree_calls import attempt, soonest
+from granular_contact.kernels.tree_load import accept, fastest, follow_signals
+from granular_contact.kernels.tree_newton import finish, settle_in
 
-# Why `march` came back: the table is full, everything rests, the end, no step is small enough.
-PAUSE, REST, END, FAILED = 0, 1, 2, 3
-
-# Times and speeds in SI units; allowed: error of a step, in position (m) and in velocity (m/s).
-CONTROL = np.dtype([*fields("f8", "end", "longest", "rest_speed", "rest_time"), ("allowed", "f8", (2,))])
-NOW, STEP, RESTING_SINCE, RADIUS, AGE = 0, 1, 2, 3, 4  # of clock (5,): s, s, s, 1/s and steps since that was found
-STEPS, REJECTED, RATES = 0, 1, 2  # of counts (3,)
-MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: before the two works, and in all
-OLD = 20  # steps after which the spectral radius is looked at anew
+# Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
+# diverged, there are too many steps.
+PAUSE, REST, END, FAILED, AWAY, CROWD = 0, 1, 2, 3, 4, 5
+STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
+MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: of its motion, and in all
 
 
 @kernel
-def start(y, w, blank, states, rows):
-    """Reset the friction state and write the first row."""
-    accept(y, w, rows[0], True)
-    rates(0.0, y, w, np.empty_like(y))
-    write(0.0, y, w, blank, states[0], rows[0])
+def start(w):
+    """Reset the friction state, find the accelerations and write the first row."""
+    table, clock = rows(w, TABLE), row(w, CLOCK)
+    follow_signals(0.0, w)
+    accept(w, piece(table, 0, table.shape[1]), True)
+    settle_in(w)
+    write(0.0, w)
+    clock[SPEED] = step_error.begin(numbers(w, CHANGES), clock[STEP])
 
 
 @part
-def write(t, y, w, blank, state, row):
-    """Accept y at time t (s) and keep it: the medium's doing in `row`, first made `blank`, all else in `state`.
+def write(t, w):
+    """Accept a step that ends at t (s) and keep it in the next row.
 
-    state: pose, twist and acceleration of all nodes, both works, efforts of all joints, and what their drives want.
+    Of states: pose, twist and acceleration of all nodes, efforts of all joints, and what their drives want.
     """
-    copy(row, blank)
-    accept(y, w, row, False)
-    row[TIME] = t
-    n = w.nodes.shape[0]
+    table, states, at = rows(w, TABLE), rows(w, STATES), numbers(w, COUNTS)[STEPS]
+    history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
+    copy(history, row(w, BLANK))
+    accept(w, history, False)
+    history[TIME] = t
+    pose, twist, acceleration = rows(w, POSE), rows(w, TWIST), rows(w, ACCELERATION)
+    effort, state, n = row(w, EFFORT), rows(w, STATE), pose.shape[0]
     for i in range(n):
         for k in range(3):
-            state[3 * i + k] = w.motion.pose[i, k]
-            state[3 * (n + i) + k] = w.motion.twist[i, k]
-            state[3 * (2 * n + i) + k] = w.motion.acceleration[i, k]
-        state[MOVES * n + 2 + i] = w.motion.effort[i]
-        state[(MOVES + 1) * n + 2 + i] = w.state[i, VALUE]
-    state[MOVES * n], state[MOVES * n + 1] = y[2 * n], y[2 * n + 1]
+            kept[3 * i + k] = pose[i, k]
+            kept[3 * (n + i) + k] = twist[i, k]
+            kept[3 * (2 * n + i) + k] = acceleration[i, k]
+        kept[MOVES * n + i] = effort[i]
+        kept[(MOVES + 1) * n + i] = state[i, VALUE]
 
 
 @part
-def error(y, h, slope, end, end_slope, w, allowed):
-    """Estimated error of a step over what is allowed for it; a coordinate that is prescribed has none.
-
-    That of a body's angle is the sum of those of the hinges that carry it, and counts with the reach of the body;
-    errors of bodies along a chain add like those of a random walk.
-    """
-    n, position, velocity = w.nodes.shape[0], 0.0, 0.0
-    turned = w.motion.bias  # room for the errors of angles and of their rates; `place` fills it anew
-    for i in range(n):
-        node, one, two = w.nodes[i], 0.0, 0.0
-        if not node.prescribed:
-            one = 0.8 * (y[i] - end[i]) + 0.4 * h * (slope[i] + end_slope[i])
-            two = 0.8 * (y[n + i] - end[n + i]) + 0.4 * h * (slope[n + i] + end_slope[n + i])
-        if node.parent < 0:
-            turned[i, 0], turned[i, 1] = 0.0, 0.0
-        else:
-            turned[i, 0], turned[i, 1] = turned[node.parent, 0], turned[node.parent, 1]
-        if node.kind == SLIDER:
-            position += one * one
-            velocity += two * two
-            continue
-        turned[i, 0] += one
-        turned[i, 1] += two
-        position += (node.radius * turned[i, 0]) ** 2
-        velocity += (node.radius * turned[i, 1]) ** 2
-    return max(math.sqrt(position) / allowed[0], math.sqrt(velocity) / allowed[1])
+def keep(w):
+    """Keep the state as that at the start of a step."""
+    copy(row(w, S_BEFORE), row(w, S))
+    copy(row(w, RATES_BEFORE), row(w, RATES))
+    copy(row(w, S2_BEFORE), row(w, S2))
+    copy(row(w, LAGGED_BEFORE), row(w, LAGGED))
 
 
 @part
-def tried(h, y, w, c, clock, counts, direction, slope, end, end_slope, before, last):
-    """Try a step of h (s), and shorter ones until its error is allowed: its length, 0 if none is, and that ratio.
-
-    slope: rates at y; end and end_slope get where it leads, and the rates there; before, last: to work in.
-    """
-    t = clock[NOW]
+def chosen(h, w):
+    """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
+    clock, choice, control, counts = row(w, CLOCK), choices(w, CHOICES)[0], controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    refused, matrix = False, row(w, MATRIX)
+    allowed = control.closeness * choice.accuracy * max(clock[SPEED], clock[FASTEST] / SLOWED)
     while True:
-        if clock[AGE] >= OLD:
-            clock[RADIUS], evaluations = radius(t, y, slope, w, direction, last, before)
-            clock[AGE] = 0
-            counts[RATES] += evaluations
-        stages = stages_for(h, clock[RADIUS])
-        if stages == MOST_STAGES:
-            h = (MOST_STAGES**2 - 2) / (1.54 * clock[RADIUS])
-        step(t, y, h, stages, w, slope, before, last, end)
-        rates(t + h, end, w, end_slope)
-        counts[RATES] += stages
-        ratio = error(y, h, slope, end, end_slope, w, c.allowed)
-        if ratio <= 1.0:
-            return h, ratio
-        counts[REJECTED] += 1
-        clock[AGE] = OLD
-        h *= max(0.1, 0.8 * ratio ** (-1.0 / 3.0)) if ratio < np.inf else 0.1
-        if h <= 1e-13 * c.end:
-            return 0.0, ratio
+        if not attempt(h, allowed, w):
+            matrix[0] = 0.0
+            h *= 0.5
+            if h < choice.least:
+                return 0.0
+            continue
+        need = needed(numbers(w, CHANGES), h, choice, clock[FASTEST], clock[SPEED])
+        if need > 1.0 and h > choice.least:
+            counts[REFUSED] += 1
+            matrix[0], refused = 0.0, True
+            h = max(factor(need) * h, choice.least)
+            continue
+        wanted = h if refused and need > 1.0 else min(factor(need) * h, choice.longest)
+        clock[STEP] = h if h < wanted < LONGER * h and wanted < choice.longest else wanted
+        return h
+
+
+@part
+def fixed(h, w):
+    """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
+    allowed, whole, least = controls(w, CONTROLS)[0].closeness * h, h, choices(w, CHOICES)[0].least
+    while not attempt(h, allowed, w):
+        row(w, MATRIX)[0] = 0.0
+        h *= 0.5
+        if h < least:
+            return 0.0
+    numbers(w, COUNTS)[SHORTENED] += h < whole
+    return h
+
+
+@part
+def next_step(w):
+    """Length (s) of the step to try next; one that shares the time left evenly with the one after it."""
+    clock, choice, is_fixed = row(w, CLOCK), choices(w, CHOICES)[0], schemes(w, SCHEMES)[0].fixed
+    t, h, left = clock[NOW], clock[STEP], controls(w, CONTROLS)[0].end - clock[NOW]
+    if is_fixed:
+        return left if h > left * (1.0 - 1e-9) else h
+    h = ahead(
+        t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], row(w, BENDS),
+        numbers(w, FOLLOWED), row(w, ARMS), row(w, KNOTS), blocks(w, PIECES), rows(w, WANTED),
+    )  # fmt: skip
+    return left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
+
+
+@part
+def is_over(w):
+    """Why there is no next step; PAUSE where there is one."""
+    clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    speed = fastest(rows(w, TWIST), nodes_of(w, NODES))
+    if not speed < control.away:
+        return AWAY
+    if speed > control.rest_speed:
+        clock[RESTING_SINCE] = clock[NOW]
+    if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
+        return REST
+    if clock[NOW] >= control.end:
+        return END
+    return CROWD if counts[STEPS] > control.crowd else PAUSE
 
 
 @kernel
-def march(y, w, control, clock, counts, direction, blank, states, rows):
-    """Step on from y until one of the reasons above; everything passed in is kept up to date.
-
-    direction: of the power method, see `chebyshev.radius`; states, rows: tables with a row for each accepted step, of
-    which the first counts[STEPS] + 1 are filled.
-    """
-    c = control[0]
-    slope, end, end_slope = np.empty_like(y), np.empty_like(y), np.empty_like(y)
-    before, last = np.empty_like(y), np.empty_like(y)
-    while True:
-        if counts[STEPS] + 1 >= rows.shape[0]:
-            return PAUSE
-        h = min(clock[STEP], c.longest)
-        left = c.end - clock[NOW]
-        h = left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
-        planar_sand.update_active(w.sand, h)
-        rates(clock[NOW], y, w, slope)
-        counts[RATES] += 1
-        h, ratio = tried(h, y, w, c, clock, counts, direction, slope, end, end_slope, before, last)
+def march(share, w):
+    """Step on until one of the reasons above; at most `share` steps, for which the tables have room."""
+    clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    is_fixed = schemes(w, SCHEMES)[0].fixed
+    for _ in range(share):
+        keep(w)
+        asked, left = next_step(w), control.end - clock[NOW]
+        h = fixed(asked, w) if is_fixed else chosen(asked, w)
         if h == 0.0:
             return FAILED
-        clock[STEP] = h * min(5.0, 0.8 * max(ratio, 1e-10) ** (-1.0 / 3.0))
-        clock[NOW] = c.end if h == left else clock[NOW] + h
-        clock[AGE] += 1
+        finish(w)
+        clock[NOW] = control.end if h == left else clock[NOW] + h
         counts[STEPS] += 1
-        copy(y, end)
-        write(clock[NOW], y, w, blank, states[counts[STEPS]], rows[counts[STEPS]])
-        if fastest(w) > c.rest_speed:
-            clock[RESTING_SINCE] = clock[NOW]
-        if clock[NOW] - clock[RESTING_SINCE] >= c.rest_time:
-            return REST
-        if clock[NOW] >= c.end:
-            return END
+        write(clock[NOW], w)
+        clock[SPEED] = step_error.begin(numbers(w, CHANGES), h)
+        clock[FASTEST] = max(clock[FASTEST], clock[SPEED])
+        why = is_over(w)
+        if why != PAUSE:
+            return why
+    return PAUSE

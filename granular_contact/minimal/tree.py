@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,13 @@ from granular_contact.bed.contact_lines import Body
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.of_scene import lines_of, load_of
 from granular_contact.kernels.joint_loads import JOINT
-from granular_contact.kernels.tree import HINGE, NODE, SLIDER, motion
-from granular_contact.kernels.tree_load import TreeArrays
-from granular_contact.minimal.signals import tabulate
+from granular_contact.kernels.tree import HINGE, SLIDER
+from granular_contact.kernels.tree_arrays import NODE, room
 from granular_contact.multibody.coordinates import coordinate
 from granular_contact.multibody.joint_loads import JointLoad
+from granular_contact.multibody.stepping import signals_of
 from granular_contact.multibody.system import RigidHandle, System
+from granular_contact.scene.signal_tables import tabulate
 from granular_contact.scene.types import Joint, RigidBody, Scene, Vector
 from granular_contact.scene.workspace import immersible
 
@@ -45,15 +47,15 @@ class Numbers:
 class Tree:
     """A scene in minimal coordinates.
 
-    system: for observers; load: None where the medium meets nothing; arrays: for kernels; start: state of
-    `kernels.tree_load`; coordinates (3 bodies,): where those of the system are among the nodes'; prescribed: drives of
-    prescribed motions with their nodes; set_from_outside: nodes of joints whose drives are, by joint.
+    system: for observers; load: None where the medium meets nothing; arrays: what kernels have of its nodes at the
+    start, by the names of `kernels.tree_arrays`; coordinates (3 bodies,): where those of the system are among the
+    nodes'; prescribed: drives of prescribed motions with their nodes; set_from_outside: nodes of joints whose drives
+    are, by joint.
     """
 
     system: System
     load: GranularLoad | None
-    arrays: TreeArrays
-    start: Vector
+    arrays: dict[str, NDArray[Any]]
     coordinates: NDArray[np.int64]
     prescribed: dict[str, int]
     set_from_outside: dict[str, int]
@@ -90,12 +92,11 @@ def tree(scene: Scene) -> Tree:
     system = System(scene, None, Numbers(len(bodies)), handles, {}, None)
     system.loads.update({name: made for name in joints if (made := _joint_load(system, scene.joint(name)))})
     load = _granular_load(scene, places)
-    start = np.array([*(node.start for node in nodes), *(node.rate for node in nodes), 0.0, 0.0])
     coordinates = np.concatenate([3 * i + np.arange(3) for i in places.values()])
     motions = {drive.joint: joints[drive.joint] for drive in scene.drives if drive.kind == "motion"}
     external = {drive.joint: joints[drive.joint] for drive in scene.drives if drive.sets}
     arrays = _arrays_of(system, nodes, joints, load)
-    return Tree(system, load, arrays, start, coordinates, motions, external)
+    return Tree(system, load, arrays, coordinates, motions, external)
 
 
 def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
@@ -166,31 +167,36 @@ def _joint_load(system: System, joint: Joint) -> JointLoad | None:
     return JointLoad(coordinate(system, joint, np.zeros(2), whole=True), [], joint.law, drive)
 
 
-def _arrays_of(system: System, nodes: Sequence[_Node], joints: dict[str, int], load: GranularLoad | None) -> TreeArrays:
-    scene, loads = system.scene, system.loads
-    laws, state, follows = np.zeros(len(nodes), JOINT), np.zeros((len(nodes), 5)), np.full(len(nodes), -1)
+def _arrays_of(
+    system: System, nodes: Sequence[_Node], joints: dict[str, int], load: GranularLoad | None
+) -> dict[str, NDArray[Any]]:
+    scene, loads, arrays = system.scene, system.loads, room(len(nodes))
+    arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]
+    laws, state, records = np.zeros(len(nodes), JOINT), np.zeros((len(nodes), 5)), np.zeros(len(nodes), NODE)
     for name, one in loads.items():
         i = joints[name]
         laws[i], state[i] = one.record[0], one.state
         one.state = state[i]  # from now on a row of one table
-    records = np.zeros(len(nodes), NODE)
     for record, node in zip(records, nodes, strict=True):
         _fill(record, scene, node)
     records["acts"][[joints[name] for name in loads]] = True
-    signals = list(dict.fromkeys(drive.signal for drive in scene.drives if not drive.sets))
+    for drive in scene.drives:
+        records["prescribed"][joints[drive.joint]] = drive.kind == "motion"
+    sand, triplets = np.zeros((0, 0), np.int64), np.zeros((1, 3))
+    if load is not None:
+        sand, triplets = load.places(None, np.zeros(3 * len(nodes))), load.room_for_tangents
+    own = {"nodes": records, "laws": laws, "state": state, "gravity": np.array([scene.gravity])}
+    return arrays | own | {"sand": sand, "triplets": triplets} | _signals(scene, joints, len(nodes))
+
+
+def _signals(scene: Scene, joints: dict[str, int], nodes: int) -> dict[str, NDArray[Any]]:
+    """Signals of drives as tables, and which coordinate follows which."""
+    signals, follows = signals_of(scene), np.full(nodes, -1)
     for drive in scene.drives:
         if not drive.sets:
             follows[joints[drive.joint]] = signals.index(drive.signal)
-        records["prescribed"][joints[drive.joint]] = drive.kind == "motion"
     knots, pieces = tabulate(signals, scene.solver.end_time_s)
-    sand, floors = np.zeros((0, 0), np.int64), 0
-    if load is not None:
-        sand = load.places(None, np.zeros(3 * len(nodes)))
-        floors = sum(medium is None for medium in load.met)
-    gravity, wanted = np.array([scene.gravity]), np.zeros((len(signals), 3))
-    return TreeArrays(
-        records, gravity, motion(len(nodes)), sand, np.array([floors]), laws, state, follows, knots, pieces, wanted
-    )
+    return {"signals": follows, "knots": knots, "pieces": pieces, "wanted": np.zeros((len(signals), 3))}
 
 
 def _fill(record: np.void, scene: Scene, node: _Node) -> None:

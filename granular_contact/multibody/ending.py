@@ -6,37 +6,49 @@ from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.results import Status
 from granular_contact.results.ending import ended
+from granular_contact.scene.types import Scene
 
 STIFF, SLOW = 1e-7, 0.1  # m, s: bristles a hundred times stiffer or slower than the default ones are what fails
 
 
 def status(recorder: Recorder, success: bool, problem: str, step: float) -> Status:
     """Status of a solve; problem: what the engine said, if anything; step (s): the last one tried."""
-    solver, t = recorder.solver, float(recorder.states[recorder.rows - 1, 0])
+    scene, t = recorder.system.scene, float(recorder.states[recorder.rows - 1, 0])
     match recorder.reason:
         case "interrupted" | "rest" | "time_limit" as code:
-            return ended(code, t, solver)
+            return ended(code, t, recorder.solver)
         case "away":
-            return Status("failed", f"the motion diverged at {t:.6g} s; {_remedy(recorder)}")
+            return diverged(scene, t)
         case "crowd":
-            return Status(
-                "failed",
-                f"{recorder.rows - 1} steps were needed to {t:.6g} s, the last of {step:.2g} s; {_remedy(recorder)}",
-            )
+            return crowded(scene, t, recorder.rows - 1, step)
     if not success:
-        reason = problem or "Newton's method did not converge"
-        return Status("failed", f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; {_remedy(recorder)}")
-    return ended("end_time", t, solver)
+        return unsolved(scene, t, step, problem)
+    return ended("end_time", t, recorder.solver)
 
 
-def _remedy(recorder: Recorder) -> str:
-    solver, scene = recorder.solver, recorder.system.scene
-    static = scene.static
+def diverged(scene: Scene, t: float) -> Status:
+    """Status of a motion that ran away by a time (s)."""
+    return Status("failed", f"the motion diverged at {t:.6g} s; {_remedy(scene)}")
+
+
+def crowded(scene: Scene, t: float, steps: int, step: float) -> Status:
+    """Status of a solve that did not get on: it took so many steps to a time (s), the last one of `step` (s)."""
+    return Status("failed", f"{steps} steps were needed to {t:.6g} s, the last of {step:.2g} s; {_remedy(scene)}")
+
+
+def unsolved(scene: Scene, t: float, step: float, problem: str = "") -> Status:
+    """Status of a solve that no step (s) leads on from a time (s), however short."""
+    reason = problem or "Newton's method did not converge"
+    return Status("failed", f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; {_remedy(scene)}")
+
+
+def _remedy(scene: Scene) -> str:
+    solver, static = scene.solver, scene.static
     if scene.media and isinstance(static, Elastoplastic):
         if static.yield_displacement < STIFF:
             return f"take a larger load.friction.yield_displacement_m (now {static.yield_displacement:g})"
         if static.damping_time > SLOW:
             return f"take a smaller load.friction.damping_time_s (now {static.damping_time:g})"
-    links = " or, for a very soft or very stiff link, more elements" if recorder.system.links else ""
+    links = " or, for a very soft or very stiff link, more elements" if scene.links else ""
     what = "solver.step_s" if solver.accuracy is None else "solver.accuracy"
     return f"take a smaller {what} (now {solver.step_s if solver.accuracy is None else solver.accuracy:g}){links}"

@@ -118,8 +118,8 @@ def medium_works(motion: Kinematics, load: LoadHistory) -> tuple[Vector, Vector]
 
     A step in which the floor was touched has its difference with the floor, which is far stiffer.
     """
-    if not motion.scene.media or motion.scene.method is not None:
-        return load.work, load.floor_work  # integrated with the motion
+    if not motion.scene.media:
+        return load.work, load.floor_work
     more = motion.work_beyond
     steps = np.diff(more, prepend=0.0)
     touched = np.diff(load.floor_work, prepend=0.0) != 0.0
@@ -207,8 +207,6 @@ def key_numbers(
 
 
 def accuracy(motion: Kinematics, driven: mechanism.Driven) -> list[AccuracyWarning]:
-    """What the steps of the engine say of their accuracy; nothing of minimal coordinates, whose steps are chosen."""
-    if motion.scene.method is not None:
-        return []
+    """What the steps say of their accuracy."""
     with np.errstate(all="ignore"):  # of a run that failed by running away
         return [*accuracy_warnings(motion), *drive_warnings(motion.scene, driven)]

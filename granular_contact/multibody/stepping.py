@@ -27,38 +27,82 @@ Vibration that moves nothing visibly does not count: of a flexible link velociti
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.multibody.system import System
-from granular_contact.scene.signals import bends
-from granular_contact.scene.types import Vector
+from granular_contact.scene.signal_tables import tabulate
+from granular_contact.scene.signals import Signal, bends
+from granular_contact.scene.types import Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.multibody.views import Views
 
-SAFETY, MOST, LEAST = 0.85, 2.0, 0.2
-# Within these factors of the last step its Jacobian serves, and no longer one is taken, but the longest: held below
-# that for good, a smooth motion took up to a quarter more steps, with a looser accuracy too.
-KEEP = 0.8, 1.25
 # What of a control its future depends on, and arrays of it.
 KEPT = ("speed", "next", "last", "chosen", "begun", "now", "refused")
 OF_STEP = "start", "change", "slope"
 END = 1e-10  # s, within which the engine takes an end for reached
+NO_TABLE = np.array([0.0, 1.0]), np.zeros((0, 1, 6))
 NO_ERROR = [0.0, -1.0]  # as the engine takes a step for good
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
 FINE, LONGER = 1e-2, 2.0  # accuracy up to which that holds, and how much longer a step may be at a coarser one
-SLOWED = 4.0
-ROLLING = 6.0
 # Estimates hold for small steps: how much more an error may be, over the accuracy; of a free body that nothing drives,
 # which may tumble on after its impact, and in space; and of all else.
 COARSE_TUMBLING, COARSE = 100.0, 5.0
-BETWEEN = 8  # steps between two bends, at the least
 SLOWEST = 0.02  # of the speed that such a swing has; below it what starts from rest counts as moving so fast
+
+
+class Choice(NamedTuple):
+    """What chooses the steps of a scene, as `kernels.step_choice` takes it.
+
+    record (1,): of CHOICE; speed (m/s): the least that counts as the greatest so far; bends (s): of all signals;
+    followed, arms: see there, of `signals_of`.
+    """
+
+    record: NDArray[np.void]
+    speed: float
+    bends: Vector
+    followed: NDArray[np.int64]
+    arms: Vector
+
+
+def choice(scene: Scene, accuracy: float) -> Choice:
+    """What chooses the steps of a scene for an accuracy; `learn` completes it."""
+    from granular_contact.kernels.step_choice import CHOICE  # here, as fixed steps without sand need no numba
+
+    record, size = np.zeros(1, CHOICE), max(scene.length, 1e-3)
+    swing = math.sqrt(size / max(abs(scene.gravity), 0.1))
+    longer = min(LONGER, math.sqrt(max(1.0, accuracy / FINE)))
+    longest = LONGEST * longer * min(scene.solver.end_time_s, swing)
+    if scene.solver.rest_time_s is not None:
+        longest = min(longest, 0.5 * scene.solver.rest_time_s)
+    record["accuracy"], record["size"], record["longest"] = accuracy, size, longest
+    record["rolls"] = scene.in_space and not scene.drives
+    ways = {joint.name: 1.0 if joint.kind == "slider" else size for joint in scene.joints}
+    arms: dict[Signal, float] = {}  # a signal that several follow is looked at once, by the longest arm
+    for drive in scene.drives:
+        if drive.kind == "motion":
+            arms[drive.signal] = max(ways[drive.joint], arms.get(drive.signal, 0.0))
+    places = [signals_of(scene).index(signal) for signal in arms]
+    bent = np.array(bends(drive.signal for drive in scene.drives))
+    speed = max(scene.speed, SLOWEST * size / swing)
+    return Choice(record, speed, bent, np.array(places, np.int64), np.array([*arms.values()]))
+
+
+def learn(record: NDArray[np.void], scene: Scene, beta: float, least: float) -> None:
+    """Complete the choice of steps of a scene by the coefficient beta of its scheme, and the shortest step (s)."""
+    tumbles = scene.floating is not None and not scene.drives
+    coarse = COARSE_TUMBLING if tumbles or scene.in_space else COARSE
+    record["least"], record["excess"] = least, abs(beta - 1.0 / 6.0)
+    record["both"] = (1.0 + coarse * record["accuracy"]) * (record["excess"] + 1.0 / 12.0)
+
+
+def signals_of(scene: Scene) -> list[Signal]:
+    """Signals of drives, each once."""
+    return list(dict.fromkeys(drive.signal for drive in scene.drives if not drive.sets))
 
 
 class StepControl:
@@ -68,42 +112,35 @@ class StepControl:
     """
 
     def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float) -> None:
-        from granular_contact.kernels import step_error  # here, as a run with fixed steps and no sand needs no numba
+        from granular_contact.kernels import step_choice, step_error  # here, see `choice`
         from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
         scene = system.scene
-        self.system, self.solver, self.lever, self.accuracy = system, solver, lever, accuracy
+        self.system, self.solver, self.lever = system, solver, lever
         self._it = solver.it
-        self.size = max(scene.length, 1e-3)
-        swing = math.sqrt(self.size / max(abs(scene.gravity), 0.1))
-        self.speed = max(scene.speed, SLOWEST * self.size / swing)
-        longer = min(LONGER, math.sqrt(max(1.0, accuracy / FINE)))
-        self.longest = LONGEST * longer * min(scene.solver.end_time_s, swing)
-        if scene.solver.rest_time_s is not None:
-            self.longest = min(self.longest, 0.5 * scene.solver.rest_time_s)
+        self._record, self.speed, *follows = choice(scene, accuracy)
+        self.longest = float(self._record["longest"][0])
         self.next = min(scene.solver.step_s, self.longest)
         self.group, means = _groups(system, len(lever))
         # Accelerations at the start of the step, how they have changed, and by the time in the step before.
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
         self._arrays = self.lever, self.group, self.start, self.change, self.slope, np.zeros((means, 3))
         self._words, self._places = np.zeros(0, np.int64), places
-        self._measure = entry(step_error.measure, self._words, 1.0)
+        signals = signals_of(scene) if len(follows[1]) else []
+        tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
+        self._follows = *follows, *tables, np.zeros((len(signals), 3))
+        self._judge = entry(step_choice.judge, self._words, 1.0, self._record, 1.0, 1.0)
+        self._choose = entry(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, *self._follows)
         self._start = entry(step_error.begin, self._words, 1.0)
-        arms = {joint.name: 1.0 if joint.kind == "slider" else self.size for joint in scene.joints}
-        motions = [(drive.signal, arms[drive.joint]) for drive in scene.drives if drive.kind == "motion"]
-        self.motions = list(dict.fromkeys(motions))  # a signal that several follow is looked at once
-        self.bends = bends(drive.signal for drive in scene.drives)
-        self.rolls = scene.in_space and not scene.drives
-        tumbles = scene.floating is not None and not scene.drives
-        self.coarse = COARSE_TUMBLING if tumbles or scene.in_space else COARSE
+        self._kept = step_choice.SHORTER, step_choice.LONGER
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
         self.chosen = self.next  # step to come, but for where it has to end
         self.begun = False  # whether a step was accepted, or the start
         self.now = 0.0
         self.refused = 0
-        self.least = self._beta = self._both = 0.0  # s, -, -: see `_begin`
+        self.least = 0.0  # s, see `_begin`
         self.tried: tuple[float, float] | None = None  # step and need of the attempt before, from the same start
 
     def __call__(self, mbs: Any, t: float) -> list[float]:  # noqa: ARG002
@@ -111,8 +148,7 @@ class StepControl:
         if not self.begun:
             return NO_ERROR
         step = self._it.currentStepSize
-        need = self._need(step, *self._measure(self._words, step))
-        factor = min(MOST, max(LEAST, SAFETY / max(need, 1e-6)))
+        need, factor = self._judge(self._words, step, self._record, self.speed, self.now)
         if need > 1.0 and step > self.least and not self._in_vain(step, need):
             self.refused += 1
             self.tried = step, need
@@ -132,28 +168,10 @@ class StepControl:
             return False
         return need > self.tried[1] * math.sqrt(step / self.tried[0])
 
-    def _need(self, step: float, speed: float, jump: float, whole: float, most: float) -> float:
-        """How many times longer a step (s) was than it should be.
-
-        speed: that at which it ends (m/s), and how accelerations have changed, see `kernels.step_error`.
-        """
-        speed = max(speed, self.now)
-        fastest = max(speed, self.speed)
-        drift = step * (self._beta * most + whole / 12.0) / fastest
-        slow = step * self._both * whole / max(speed, fastest / SLOWED)
-        if self.rolls and speed < 0.5 * fastest:
-            slow *= ROLLING
-        kick = 0.5 * step * jump * min(1.0, 2.0 * speed / fastest) / fastest
-        need: float = max(math.sqrt(max(drift, slow) / self.accuracy), kick / self.accuracy)
-        return need if math.isfinite(need) else math.inf
-
     def _begin(self) -> None:
         """Learn from the engine, once it has begun, what stays the same for all steps."""
-        self.least, beta = self._it.minStepSize, float(self.solver.newmarkBeta)
-        # Coefficient of the scheme, apart from that of an acceleration that varies linearly over a step.
-        self._beta = abs(beta - 1.0 / 6.0)
-        # Speed with which a change of the acceleration puts positions off, over that change and the step.
-        self._both = (1.0 + self.coarse * self.accuracy) * (self._beta + 1.0 / 12.0)
+        self.least = self._it.minStepSize
+        learn(self._record, self.system.scene, float(self.solver.newmarkBeta), self.least)
 
     def accept(self, t: float) -> None:
         """Set the step to come; after the step accepted at t (s)."""
@@ -164,7 +182,9 @@ class StepControl:
         self.now = self._start(self._words, self.last)
         self.begun = True
         self.speed = max(self.speed, self.now)
-        self.chosen = max(self._foreseen(t, min(self.next, self._until_touch(), self._until_bend(t))), self.least)
+        bed, speeds = self.system.bed, (self.speed, self.now)
+        soonest = math.inf if bed is None else bed.load.soonest()
+        self.chosen = self._choose(t, self.next, soonest, self._record, *speeds, *self._follows)
         self._take(t)
 
     def look(self, views: Views) -> None:
@@ -200,46 +220,11 @@ class StepControl:
                 return
             step = left / math.ceil(left / step - 1e-9)
         factor = step / self.last
-        if fitted or factor < 1.0 or factor > KEEP[1] or step == self.longest:
+        shorter, longer = self._kept
+        if fitted or factor < 1.0 or factor > longer or step == self.longest:
             it.currentStepSize = step
-        if not KEEP[0] < factor < KEEP[1]:
+        if not shorter < factor < longer:
             self.solver.conv.jacobianUpdateRequested = True
-
-    def _foreseen(self, t: float, step: float) -> float:
-        """A step (s) from t (s), or a shorter one that what is prescribed does not change its acceleration too much in.
-
-        A step that came to a bend of a prescribed motion and were refused would leave its error to the next ones: what
-        positions ask for they make up for in one step, with a force that grows as steps shrink.
-        """
-        jump = 2.0 * SAFETY * self.accuracy * self.speed  # half of it acts
-        smooth = SAFETY**2 * self.accuracy * max(self.now, self.speed / SLOWED) / self._both
-        most = min(jump, smooth)
-        for signal, arm in self.motions:
-            now = signal.acceleration(t)
-            while step > self.least:
-                change = max(abs(signal.acceleration(t + share * step) - now) for share in (0.25, 0.5, 0.75, 1.0))
-                if arm * change * step <= most:
-                    break
-                step *= 0.5
-        return step
-
-    def _until_bend(self, t: float) -> float:
-        """Time (s) from t until the next bend of a drive's signal, or a share of the time between two of them."""
-        place = bisect_right(self.bends, t + END)
-        if place == len(self.bends):
-            return math.inf
-        left = self.bends[place] - t
-        return left if place == 0 else min(left, (self.bends[place] - self.bends[place - 1]) / BETWEEN)
-
-    def _until_touch(self) -> float:
-        """Time (s) until the next part above the surface may be in it, so that a step ends there.
-
-        At least as long as the deepest it can get in that time does not matter.
-        """
-        if self.system.bed is None:
-            return math.inf
-        least = self.accuracy * self.size / self.speed
-        return max(least, self.system.bed.load.soonest())
 
 
 def _groups(system: System, size: int) -> tuple[NDArray[np.int64], int]:

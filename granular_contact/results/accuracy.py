@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from granular_contact.scene.types import Minimal, Reduced, Scene
+from granular_contact.scene.types import Reduced, Scene
 
 IMBALANCE_LIMIT = 1e-3  # of the largest energy; a run beyond it carries a warning
 USELESS = 0.05  # beyond it nothing else is worth saying of its accuracy
@@ -48,8 +48,6 @@ def remedy(scene: Scene) -> str:
     """What to change for a finer run."""
     if isinstance(scene.method, Reduced):
         return f"take a smaller method.reduced.rtol (now {scene.method.rtol:g})"
-    if isinstance(scene.method, Minimal):
-        return f"take a smaller method.minimal.rtol (now {scene.method.rtol:g})"
     if scene.solver.accuracy is not None:
         return f"take a smaller solver.accuracy (now {scene.solver.accuracy:g})"
     return f"take a smaller solver.step_s (now {scene.solver.step_s:g}) or solver.accuracy: 1e-3"

@@ -18,7 +18,7 @@ from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import PlanarLoops, closed, redundant
-from granular_contact.scene.minimal_support import check_minimal
+from granular_contact.scene.minimal_support import check_minimal, serves
 from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
 from granular_contact.scene.steps import steps
@@ -128,7 +128,7 @@ def _built(scenario: schema.Scenario) -> Scene:
     )
     if stiff := verified(scene, scenario):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
-    return scene
+    return replace(scene, method=Minimal()) if scenario.method.name == "auto" and serves(scene) else scene
 
 
 def verified(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:

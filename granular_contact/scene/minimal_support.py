@@ -24,6 +24,11 @@ def check_minimal(scene: Scene) -> None:
         raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
 
 
+def serves(scene: Scene) -> bool:
+    """Whether minimal coordinates support a scene in the plane."""
+    return next(_obstacles(scene), None) is None
+
+
 def _obstacles(scene: Scene) -> Iterator[str]:
     if scene.links:
         yield f"{scene.links[0].name} is flexible"

@@ -157,7 +157,7 @@ class SpatialLoad(GranularLoad):
                     paths = (facet_scatter.COLUMNS - 3 if medium.scatters else 0) + int(medium.shear_grows)
                 sets = [one for one in self.lines if one.meets == kind]
                 self._form(index, medium, sets, (owner_of(type(medium)), record, ground), paths=paths, layer=between)
-        self._triplets = np.zeros((sum(batch.entries for batch in self.batches), 3))
+        self.room_for_tangents = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
     def _form(
         self,
@@ -197,8 +197,8 @@ class SpatialLoad(GranularLoad):
         """As of `GranularLoad`."""
         number = 0
         for batch in self.batches:
-            number = batch.tangent(q, v, factor_q, factor_v, self._triplets, number)
-        return self._triplets[:number]
+            number = batch.tangent(q, v, factor_q, factor_v, self.room_for_tangents, number)
+        return self.room_for_tangents[:number]
 
     def accept(self, t: float, q: Vector, v: Vector) -> None:
         """As of `GranularLoad`."""

@@ -8,8 +8,17 @@ from pydantic import Field, model_serializer, model_validator
 
 from granular_contact.values.strict import Faults, Strict, refusal
 
-ENGINE, MINIMAL, REDUCED = "engine", "minimal", "reduced"
-WORDS: dict[Any, dict[str, Any]] = {ENGINE: {}, MINIMAL: {MINIMAL: {}}, REDUCED: {REDUCED: {}}}
+AUTO, ENGINE, MINIMAL, REDUCED = "auto", "engine", "minimal", "reduced"
+OPTIONS = ENGINE, MINIMAL, REDUCED
+WORDS = AUTO, *OPTIONS
+
+
+class Engine(Strict):
+    """Exudyn, for every mechanism."""
+
+
+class Minimal(Strict):
+    """Trees of rigid bodies in the plane on hinges and sliders or free, in one coordinate per degree of freedom."""
 
 
 class Reduced(Strict):
@@ -26,19 +35,14 @@ class Reduced(Strict):
     """The project's own, tsitouras and dormand_prince, or one of scipy's."""
 
 
-class Minimal(Strict):
-    """Trees of rigid bodies on hinges and sliders or free, in one coordinate per degree of freedom."""
-
-    rtol: Annotated[float, Field(ge=1e-12, le=1e-1)] = 1e-5
-    """Error of a step, relative to the size and the speed of the mechanism."""
-
-
 class Method(Strict):
-    """How a run is computed: `engine`, `minimal`, `reduced`, or a mapping whose key names one and holds its options."""
+    """How a run is computed: `auto`, `engine`, `minimal`, `reduced`, or a mapping whose key names one of the last three
+    and holds its options. auto: minimal coordinates where they serve, else the engine.
+    """
 
-    reduced: Reduced | None = None
+    engine: Engine | None = None
     minimal: Minimal | None = None
-    """Both null: the engine."""
+    reduced: Reduced | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -47,17 +51,22 @@ class Method(Strict):
         if not isinstance(value, str):
             return value
         if value not in WORDS:
-            allowed = f"{', '.join(WORDS)}, and a mapping with the key {MINIMAL} or {REDUCED}"
+            allowed = f"{', '.join(WORDS)}, and a mapping whose key is one of the last three"
             raise refusal([((), f"got the text {value!r}; allowed are {allowed}")])
-        return WORDS[value]
+        return {} if value == AUTO else {value: {}}
+
+    @property
+    def name(self) -> str:
+        """Its word."""
+        return next((name for name in OPTIONS if getattr(self, name) is not None), AUTO)
 
     def _faults(self) -> Faults:
-        if self.reduced is not None and self.minimal is not None:
-            yield (), f"got {MINIMAL} and {REDUCED}; one of them is allowed"
+        given = [name for name in OPTIONS if getattr(self, name) is not None]
+        if len(given) > 1:
+            yield (), f"got {' and '.join(given)}; one of them is allowed"
 
     @model_serializer
     def _spelled(self) -> Any:
-        for word, options in ((MINIMAL, self.minimal), (REDUCED, self.reduced)):
-            if options is not None:
-                return {word: options.model_dump(mode="json")}
-        return ENGINE
+        options = getattr(self, self.name, None)
+        written = {} if options is None else options.model_dump(mode="json")
+        return {self.name: written} if written else self.name

@@ -53,9 +53,9 @@ class Solver(Strict):
     """Stop once everything has been slower than rest_speed_m_s for this long; null: never. Not used with drives."""
     rest_speed_m_s: Positive = 1e-3
     accuracy: Annotated[float, Field(ge=1e-7, le=0.1)] | None = None
-    """Choose the steps of the engine so that the estimated error of positions in a step is below this fraction of the
-    distance that the fastest point travels in it. null: fixed steps where step_s is given, and for one body in the
-    plane that nothing drives; else, in the engine, 1e-3. `run --explain` says which."""
+    """Choose the steps so that the estimated error of positions in a step is below this fraction of the distance that
+    the fastest point travels in it. null: fixed steps where step_s is given, and for one body in the plane that nothing
+    drives; else 1e-3. `run --explain` says which."""
     max_wall_s: Positive | None = None
     """Stop after this wall time, with the status time_limit; null: never."""
     spectral_radius: Annotated[float, Field(ge=0, le=1)] | None = None
@@ -140,8 +140,8 @@ class Scenario(Strict):
 
     def __repr__(self) -> str:
         medium = " and ".join(law.name or law.law for law in self.media) or "vacuum"
-        how = next((key for key in ("reduced", "minimal") if getattr(self.method, key) is not None), "engine")
-        return f"<scenario {self.name or self.model.name}: {medium}, {self.solver.end_time_s:g} s, by {how}>"
+        how = "" if self.method.name == "auto" else f", by {self.method.name}"
+        return f"<scenario {self.name or self.model.name}: {medium}, {self.solver.end_time_s:g} s{how}>"
 
     def _repr_html_(self) -> str:
         import html
@@ -169,9 +169,8 @@ class Scenario(Strict):
         yield from self._surface_faults()
         yield from self._mechanism_faults()
         reduced, has = self.method.reduced, self.load.friction.type
-        if self.solver.accuracy is not None and (reduced is not None or self.method.minimal is not None):
-            name = "minimal" if reduced is None else "reduced"
-            words = f"chooses the steps of the engine; with method.{name} its rtol does, and allowed is null"
+        if self.solver.accuracy is not None and reduced is not None:
+            words = "chooses steps by their error; those of method.reduced are chosen by its rtol: allowed is null"
             yield ("solver", "accuracy"), words
         if reduced is not None and reduced.static not in ("auto", "true_sign", has):
             allowed = f"allowed are auto, true_sign and {has}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from granular_contact.config.schema.fitting import drive_faults
-from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space.bed import SpatialBed
 from granular_contact.config.schema.space.model import SpatialModel
@@ -45,7 +44,7 @@ class SpatialScenario(Scenario):
             yield from [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
         if self.wheel is not None:
             yield ("wheel",), "is for wheels in the plane; in space allowed is null"
-        if self.method != Method():
-            yield ("method",), "got another method; in space allowed is engine"
+        if self.method.name not in ("auto", "engine"):
+            yield ("method",), f"got {self.method.name}; in space allowed are auto and engine"
         if self.load.form != "distributed":
             yield ("load", "form"), f"got {self.load.form}; in space allowed is distributed"
