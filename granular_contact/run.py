@@ -46,7 +46,8 @@ def run(
     most_frames : int
         From 2: the results get at most so many frames, for an animation.
     inspect : callable, optional
-        Called with the engine's own system and trajectory after the solve; never for other methods, which have none.
+        Called with the system and the trajectory after the solve; in minimal coordinates the system has no engine.
+        Never for reduced models, which have neither.
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled, which is the case the first time in an installation.
 
@@ -172,7 +173,7 @@ class Solving(Protocol):
 
 
 class Begun(NamedTuple):
-    """A solve at its start, what reads its trajectory, and for the engine the system that it solves."""
+    """A solve at its start, what reads its trajectory, and the system that it solves; None of reduced models."""
 
     solving: Solving
     observe: Callable[[Any], Observation]
@@ -215,7 +216,7 @@ def _by_minimal(scene: Scene, progress: Progress | None, compiling: Compiling | 
 
     made = tree(scene)
     with announced(compiling, kernels_of(scene)):
-        return Begun(Solve(made, progress), partial(observe, made.system), None)
+        return Begun(Solve(made, progress), partial(observe, made.system), made.system)
 
 
 def _by_modes(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
@@ -242,7 +243,7 @@ def _observed(
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
 ) -> tuple[Begun, Observation]:
-    """Solve to the end; by the engine again with shorter strips where it is to choose them by their error."""
+    """Solve to the end; again with shorter strips where they are to be chosen by their error."""
     begun, trajectory = _solved(scene, progress, compiling)
     if begun.system is None:
         return begun, begun.observe(trajectory)

@@ -38,8 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
-    words = "the engine, minimal coordinates for trees of rigid bodies, or the reduced model of a pendulum"
-    parser.add_argument("--method", choices=("engine", "minimal", "reduced"), help=words)
+    words = "the engine, minimal coordinates for trees of rigid bodies, the reduced model of a pendulum, or as suits it"
+    parser.add_argument("--method", choices=("auto", "engine", "minimal", "reduced"), help=words)
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
@@ -68,14 +68,14 @@ def _formats(text: str) -> tuple[str, ...]:
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
     """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method.
 
-    A solver.accuracy of the config, which is the engine's, goes with the method that it was for.
+    A solver.accuracy of the config is not for the reduced model, which has an rtol of its own.
     """
-    if chosen.method in ("engine", "minimal") and chosen.modes is not None:
-        what = "the engine has none" if chosen.method == "engine" else "rigid bodies have none"
+    if chosen.method not in (None, "reduced") and chosen.modes is not None:
+        what = "rigid bodies have none" if chosen.method == "minimal" else "the engine has none"
         raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
     if chosen.method is not None:
-        yield "method=engine" if chosen.method == "engine" else f"method={{{chosen.method}: {{}}}}"
-        if chosen.method != "engine":
+        yield "method={reduced: {}}" if chosen.method == "reduced" else f"method={chosen.method}"
+        if chosen.method == "reduced":
             yield "solver.accuracy=null"
     if chosen.modes is not None:
         yield f"method.reduced.modes={chosen.modes}"
@@ -87,6 +87,11 @@ def execute(chosen: argparse.Namespace) -> int:
     if chosen.film == "mp4" and shutil.which("ffmpeg") is None:
         raise Refusal("--animate-mp4: there is no ffmpeg on the path; --animate saves a GIF, which needs none")
     if chosen.view:
+        if scenario.method.name == "auto":
+            from granular_contact.scene import build
+
+            scenario = scenario.replace(method="engine")
+            scene = build(scenario)
         _refuse_view(scene)
     folder = output_folder(chosen.out, Path(chosen.config).stem)
 
@@ -139,10 +144,14 @@ def _simulate(
 
 
 def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """Lines on the steps of a run, and on what it did without; methods other than the engine have no system."""
+    """Lines on how a run was computed, and on what it did without; reduced models have no system."""
+    from granular_contact.scene.minimal_support import reason
+
+    if scene.scenario is not None and scene.scenario.method.name == "auto":
+        yield f"computed {reason(scene)}"
     yield f"steps {scene.solver.why}"
     yield "left out:"
-    if not solved:
+    if scene.method is not None:
         also = "" if "exudyn" in sys.modules else ", and it is not imported"
         yield f"  the engine: the method does without its solver{also}"
     for system, trajectory in solved:

@@ -30,8 +30,7 @@ from granular_contact.kernels.tree_calls import record as calls
 from granular_contact.kernels.tree_newton import attempt, look_here
 from granular_contact.minimal.tree import Tree
 from granular_contact.multibody.recorder import CROWD, MOST_CHOSEN
-from granular_contact.multibody.settings import SHORT, SHORTEST, SPECTRAL_RADIUS
-from granular_contact.multibody.stepping import choice, learn
+from granular_contact.multibody.stepping import SHORT, SHORTEST, SPECTRAL_RADIUS, choice, learn
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
@@ -48,7 +47,7 @@ class March:
     """A tree on its way. arrays: by the names of `kernels.tree_arrays`; those of its tree are used up."""
 
     def __init__(self, tree: Tree) -> None:
-        self.scene = tree.scene
+        self.tree = tree  # whose bed has the arrays of the medium
         nodes, table = len(tree.arrays["nodes"]), HistoryTable() if tree.load is None else tree.load.table
         self.arrays = arrays = {
             **tree.arrays,
@@ -70,7 +69,7 @@ class March:
 
     def plan(self, until: float) -> None:
         """March to a time (s) next; fixed steps divide the way there evenly, none longer than the scene's."""
-        solver = self.scene.solver
+        solver = self.tree.scene.solver
         self.arrays["control"]["end"] = until
         if solver.accuracy is None:
             left = until - self.time

@@ -1,4 +1,4 @@
-"""What a built system leaves out, and why; read from the system itself, not from its scene."""
+"""What a run leaves out, and why; read from the system as it was built and from what it did."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
     if system.scene.gravity == 0.0:
         yield "weight: gravity is 0, so no body has a load for it"
     yield from _joints(system)
-    yield from _bed(system)
+    yield from _bed(system, trajectory)
     yield from _rest(trajectory)
     yield from (f"{name}: not imported; {why}" for name, why in PACKAGES if name not in sys.modules)
 
@@ -45,16 +45,16 @@ def _joints(system: System) -> Iterator[str]:
         yield "settling: not asked for"
 
 
-def _bed(system: System) -> Iterator[str]:
-    bed, scene = system.bed, system.scene
-    if bed is None:
+def _bed(system: System, trajectory: Trajectory) -> Iterator[str]:
+    scene = system.scene
+    if trajectory.load is None:
         if not scene.media:
             yield "the bed: there is no medium"
         else:
             yield "the bed: no shape of any body reaches the surface, however the joints turn"
         return
     assert scene.bed is not None  # it was laid
-    laid = set(bed.nodes)
+    laid = set() if system.bed is None else set(system.bed.nodes)
     for handle in system.rigid.values():
         body: Any = handle.body
         shapes = body.parts if scene.in_space else body.shapes
@@ -67,13 +67,13 @@ def _bed(system: System) -> Iterator[str]:
         bare = sum(not {a, b} <= laid for a, b in zip(link.nodes, link.nodes[1:], strict=False))
         if bare:
             yield f"load on {link.link.name}: {bare} of its {len(link.elements)} elements cannot reach the surface"
-    for medium in bed.load.media:
+    for medium in scene.media:
         names = list(_nil(medium))
         if names:
             yield f"terms of {medium.name}: {', '.join(names)} = 0, so they add nothing"
-    if scene.load.end_cap and not any(hasattr(medium, "cap_force") for medium in bed.load.media):
-        yield f"end caps: {', '.join(medium.name for medium in bed.load.media)} have no force on end faces"
-    if bed.load.floor is None:
+    if scene.load.end_cap and not any(hasattr(medium, "cap_force") for medium in scene.media):
+        yield f"end caps: {', '.join(medium.name for medium in scene.media)} have no force on end faces"
+    if scene.bed.floor is None:
         yield "contact with a floor: there is no stiff one"
 
 

@@ -8,11 +8,11 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.multibody.stepping import StepControl
+from granular_contact.multibody.stepping import SHORT, SHORTEST, SPECTRAL_RADIUS, StepControl
 from granular_contact.scene.types import FlexibleLink, Scene
 
 EPSILON = float(np.finfo(float).eps)
-SPECTRAL_RADIUS, OF_UNRESOLVED = 0.9, 0.0
+OF_UNRESOLVED = 0.0  # spectral radius
 # Steps that change leave an oscillation in the accelerations of bodies that hang on each other by joints. It fades by
 # the spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in
 # joints. Jumps of a prescribed acceleration leave one at fixed steps too: at 0.9 the work that the drive of a wheel put
@@ -27,8 +27,6 @@ OF_STOPPING, OF_STOPPING_RIGID = 0.6, 0.8
 # What it may leave there of the tolerance asked for: at short steps, and at the most with longer ones. Above the
 # accuracy OF_COARSE the first grows as the accuracy, the second as its square; in space neither does.
 CLOSER, LOOSEST, OF_COARSE = 1e-3, 0.1, 1e-2
-# The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
-SHORTEST = 1e-4
 # In space joints have constraints of positions and directions, and what Newton's method leaves in them over a step is a
 # speed: of 1 nm over 20 ns 0.05 m/s. A long step leaves it to the short one after it, so the tolerance is one for all.
 SHORTEST_IN_SPACE = 1e-2
@@ -42,7 +40,7 @@ RECOVERY = 1
 # what Newton's method leaves with a tolerance EASED times the one asked for, which takes half of the iterations. With
 # shorter steps both shrink alike. On a body that flies free it acts as a force that is much the same from step to step,
 # and puts it a thousandth of its way off.
-EASED, SHORT = 100.0, 2e-4
+EASED = 100.0
 # Links that bend, on each other, in sand: what stops them takes out what an iteration leaves. The error of the steps is
 # the same to three digits with a tolerance so many times the one asked for.
 EASED_IN_SAND = 30.0

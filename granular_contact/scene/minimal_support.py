@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from granular_contact.config.schema.joints import PLURAL, SINGULAR
 from granular_contact.errors import scene_error
-from granular_contact.scene.types import Scene
+from granular_contact.scene.types import Minimal, Scene
 
 SUPPORTED = "minimal coordinates are for trees of rigid bodies that hinges and sliders join, on the ground or free"
 
@@ -27,6 +27,15 @@ def check_minimal(scene: Scene) -> None:
 def serves(scene: Scene) -> bool:
     """Whether minimal coordinates support a scene in the plane."""
     return next(_obstacles(scene), None) is None
+
+
+def reason(scene: Scene) -> str:
+    """Why `method: auto` has a scene solved as it is."""
+    if isinstance(scene.method, Minimal):
+        return "in minimal coordinates, the faster way for a tree of rigid bodies in the plane"
+    if scene.in_space:
+        return "by the engine: it is in space"
+    return f"by the engine: {' and '.join(_obstacles(scene))}; {SUPPORTED}"
 
 
 def _obstacles(scene: Scene) -> Iterator[str]:

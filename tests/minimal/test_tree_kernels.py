@@ -1,21 +1,20 @@
-"""Accelerations of trees against their equations in dense form, and the integrator against what it must do."""
+"""Equations of trees against their dense form, the matrix of Newton's method, and the order of the steps."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from support_runs import order, scene_of
+from support_runs import order, scene_of, simulate
 
-from granular_contact.kernels import chebyshev, tree, tree_load
-from granular_contact.kernels.lines import FIRST
-from granular_contact.kernels.tree_load import TreeArrays
+from granular_contact.kernels import tree, tree_load
+from granular_contact.kernels.tree_arrays import NODE, room, words
+from granular_contact.minimal.march import March
 from granular_contact.minimal.tree import tree as make_tree
-from granular_contact.scene.types import Scene
 
 
 def random_tree(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes on hinges and sliders with random parents before them, and their coordinates and rates."""
-    nodes = np.zeros(count, tree.NODE)
+    nodes = np.zeros(count, NODE)
     for i, node in enumerate(nodes):
         node["parent"], node["kind"] = rng.integers(-1, i), rng.integers(2)
         node["on_parent"], node["point"] = rng.uniform(-0.1, 0.1, (2, 2))
@@ -52,85 +51,121 @@ def jacobian(nodes: np.ndarray, s: np.ndarray) -> np.ndarray:
     return np.array(columns).T
 
 
+def dense_masses(nodes: np.ndarray) -> np.ndarray:
+    return np.diag(np.stack([nodes["mass"], nodes["mass"], nodes["inertia"]], axis=1).ravel())
+
+
 @pytest.mark.parametrize("count", [1, 2, 7, 20])
-def test_accelerations_solve_the_dense_equations(count: int) -> None:
-    """J^T M J s'' = J^T (f - M J' s') + tau, with J' along the motion; whichever of s'' and tau is given."""
+def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
+    """R = J^T M (J s'' + J' s') - J^T f - tau, with J' along the motion; tau makes it zero of what is prescribed."""
     rng = np.random.default_rng(count)
     for _ in range(5):
         nodes, s, rates = random_tree(rng, count)
         nodes["prescribed"] = rng.integers(2, size=count)
-        room, s2, h = tree.motion(count), rng.uniform(-50, 50, count), 1e-4
-        tree.place(s, rates, nodes, room)
-        room.force[:] = rng.uniform(-2, 2, (count, 3)) * [1.0, 1.0, 0.1]
-        room.effort[:] = rng.uniform(-0.1, 0.1, count)
-        given = np.where(nodes["prescribed"], s2, room.effort)
+        w, h = room(count) | {"nodes": nodes}, 1e-4
+        w["s"][:], w["rates"][:], w["s2"][:] = s, rates, rng.uniform(-50, 50, count)
+        w["force"][:] = rng.uniform(-2, 2, (count, 3)) * [1.0, 1.0, 0.1]
+        w["effort"][:] = rng.uniform(-0.1, 0.1, count)
+        given = w["effort"].copy()
+        for step in (tree.place, tree.carry, tree.lack):
+            step(words(w))
         J = jacobian(nodes, s)
-        np.testing.assert_allclose(room.pose.ravel(), centres(nodes, s), atol=1e-13)
-        np.testing.assert_allclose(room.twist.ravel(), J @ rates, atol=1e-9)
+        np.testing.assert_allclose(w["pose"].ravel(), centres(nodes, s), atol=1e-13)
+        np.testing.assert_allclose(w["twist"].ravel(), J @ rates, atol=1e-9)
         turned = (jacobian(nodes, s + h * rates) - jacobian(nodes, s - h * rates)) / (2 * h)
-        M = np.diag(np.stack([nodes["mass"], nodes["mass"], nodes["inertia"]], axis=1).ravel())
-        f = room.force.ravel().copy()
-        tree.accelerate(nodes, room, s2)
-        assert np.array_equal(np.where(nodes["prescribed"], s2, room.effort), given)
-        rest = J.T @ M @ J @ s2 - J.T @ (f - M @ turned @ rates) - room.effort
+        moved, M = J @ w["s2"] + turned @ rates, dense_masses(nodes)
+        asked = J.T @ (M @ moved - w["force"].ravel())
         # Differences of J': (8 h)^2 / 6 = 1e-7 of a moment of m l^2 omega^2, about 1 N m.
-        assert np.abs(rest).max() < 1e-6 * np.abs(J.T @ M @ turned @ rates).max() + 1e-8
-        moved = J @ s2 + turned @ rates
-        np.testing.assert_allclose(room.acceleration.ravel(), moved, atol=1e-6 * np.abs(moved).max())
+        allowed = 1e-6 * np.abs(J.T @ M @ turned @ rates).max() + 1e-8
+        prescribed = nodes["prescribed"] != 0
+        np.testing.assert_allclose(w["rest"], np.where(prescribed, 0.0, asked - given), atol=allowed)
+        np.testing.assert_allclose(w["effort"], np.where(prescribed, asked, given), atol=allowed)
+        np.testing.assert_allclose(w["acceleration"].ravel(), moved, atol=1e-6 * np.abs(moved).max())
 
 
-def pendulum(**options: object) -> Scene:
-    return scene_of("pendulum_rigid", "method=minimal", *(f"{k}={v}" for k, v in options.items()))
+@pytest.mark.parametrize("count", [1, 2, 7, 20])
+def test_folded_matrix_is_the_dense_one(count: int) -> None:
+    """(J^T B J + diag c) change = -R, for any B of the nodes, without symmetry; nothing of what is prescribed."""
+    rng = np.random.default_rng(10 + count)
+    for _ in range(5):
+        nodes, s, rates = random_tree(rng, count)
+        nodes["prescribed"] = rng.integers(2, size=count)
+        w = room(count) | {"nodes": nodes}
+        w["s"][:], w["rates"][:] = s, rates
+        for step in (tree.place, tree.inertias):
+            step(words(w))
+        masses = w["body"].reshape(-1, 3, 3).copy()
+        body = masses + rng.uniform(-0.2, 0.2, masses.shape) * np.sqrt(masses @ np.ones((3, 3)) @ masses)
+        w["body"][:], w["stiffness"][:] = body.reshape(-1, 9), rng.uniform(0.0, 1e-3, count)
+        w["rest"][:] = rng.uniform(-1, 1, count)
+        for step in (tree.fold, tree.solve):
+            step(words(w))
+        J, B, free = jacobian(nodes, s), np.zeros((3 * count, 3 * count)), nodes["prescribed"] == 0
+        for i, one in enumerate(body):
+            B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
+        whole = (J.T @ B @ J + np.diag(w["stiffness"]))[np.ix_(free, free)]
+        change = np.zeros(count)
+        change[free] = np.linalg.solve(whole, -w["rest"][free])
+        scale = np.abs(change).max(initial=0.0) * max(1.0, np.linalg.cond(whole) if free.any() else 0.0)
+        np.testing.assert_allclose(w["change"], change, atol=1e-11 * scale + 1e-15)
+        np.testing.assert_allclose(w["moved"].ravel(), J @ change, atol=1e-11 * scale + 1e-15)
 
 
-def arrays_of(**options: object) -> tuple[TreeArrays, np.ndarray]:
-    made = make_tree(pendulum(**options))
-    return made.arrays, made.start
+def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
+    """Of three links that bristles hold: by differences of R, with s, s' and s'' moved as a step of 0.1 ms does it."""
+    march = March(make_tree(scene_of(CHAIN_IN_SAND)))
+    march.plan(0.1)
+    while march.time < 0.1:
+        march.go_on()
+    w, h = march.arrays, 1e-4
+    fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
+    tree_load.act(march._words)
+    tree_load.tangent(fq, fv, march._words)
+    c, J = w["stiffness"].copy(), jacobian(w["nodes"], w["s"])
+    B = np.zeros((3 * n, 3 * n))
+    for i, one in enumerate(w["body"].reshape(-1, 3, 3)):
+        B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
+    slopes, d = [], 1e-3  # rad/s2: 5e-8 rad/s, so that points move by a tenth of what a bristle yields at, or less
+    start = {name: w[name].copy() for name in ("s", "rates", "s2")}
+    for j in range(n):
+        ends = []
+        for sign in (1.0, -1.0):
+            for name, old in start.items():
+                w[name][:] = old
+            w["s"][j] += sign * d * fq
+            w["rates"][j] += sign * d * fv
+            w["s2"][j] += sign * d
+            for part in (tree_load.act, tree.carry, tree.lack):
+                part(march._words)
+            ends.append(w["rest"].copy())
+        slopes.append((ends[0] - ends[1]) / (2.0 * d))
+    matrix, sand = J.T @ B @ J + np.diag(c), J.T @ (B - dense_masses(w["nodes"])) @ J
+    assert np.abs(sand).max() > 0.1 * np.abs(matrix).max()  # the sand counts
+    # What turns with the change is left out: next to nothing at rest. Slopes of the sand are chords, some of them beyond
+    # where a bristle yields, so that they are less steep or more.
+    np.testing.assert_allclose(np.array(slopes).T, matrix, atol=0.1 * np.abs(sand).max())
 
 
-@pytest.mark.parametrize("stages", [2, 5, 12])
-def test_steps_are_of_order_two(stages: int) -> None:
-    """A rigid pendulum in vacuum, to 0.1 s; however many stages."""
-    w, start = arrays_of(medium="null")
-    slope, room = np.empty_like(start), [np.empty_like(start) for _ in range(3)]
-
-    def end(steps: int) -> np.ndarray:
-        y = start.copy()
-        for _ in range(steps):
-            chebyshev.rates(0.0, y, w, slope)
-            chebyshev.step(0.0, y, 0.1 / steps, stages, w, slope, *room)
-            y[:] = room[2]
-        return y[:2]
-
-    counts = [20, 40, 80, 160]
-    errors = [float(np.abs(end(n) - end(2560)).max()) for n in counts]
-    assert order([1.0 / n for n in counts], errors) == pytest.approx(2.0, abs=0.1)
+CHAIN_IN_SAND = """
+model:
+  name: three
+  chain: {count: 3, link: {length_m: 0.09, diameter_m: 0.0064, density_kg_m3: 7700}}
+medium: play_sand
+initial: {impact_angle_deg: 31, impact_speed_rad_s: 6}
+method: minimal
+solver: {end_time_s: 0.1, accuracy: 1.0e-4, rest_time_s: null}
+"""
 
 
-def test_stages_follow_from_stiffness() -> None:
-    """s stages are stable to 0.65 s^2: what is asked for covers the spectral radius, with hardly one too many."""
-    for load in (1.0, 10.0, 300.0, 1e4):
-        s = chebyshev.stages_for(1.0, load)
-        assert 2.0 / 3.0 * (s * s - 1.0) * (1.0 - 2.0 / 15.0 * 2.0 / 13.0) >= load
-        assert s == 2 or 0.65 * (s - 2) ** 2 < 1.03 * load
+@pytest.mark.parametrize("radius", [1.0, 0.9, 0.5, 0.0])
+def test_steps_are_of_order_two(radius: float) -> None:
+    """A rigid pendulum in vacuum, to 0.1 s; whatever the spectral radius."""
+    own = "method=minimal", "medium=null", "solver.end_time_s=0.1", f"solver.spectral_radius={radius}"
 
+    def end(step: float) -> float:
+        more = f"solver.step_s={step}", "solver.accuracy=null", "solver.tolerance=1e-12"
+        return float(simulate("pendulum_rigid", *own, *more)["pivot_angle_deg"][-1])
 
-def test_spectral_radius_of_a_stuck_pendulum() -> None:
-    """Deep in the sand at rest: the dashpot of the bristles against the moment of inertia."""
-    made = make_tree(
-        pendulum(surface_height_m=-0.2, **{"initial.impact_angle_deg": 45, "initial.impact_speed_rad_s": 0})
-    )
-    w, start = made.arrays, made.start
-    assert made.load is not None
-    made.load.batches[0].profile[:, 1] = -0.1
-    tree_load.accept(start, w, np.zeros(FIRST), True)
-    chebyshev.rates(0.0, start, w, slope := np.empty_like(start))
-    found, _ = chebyshev.radius(0.0, start, slope, w, np.zeros_like(start), np.empty_like(start), np.empty_like(start))
-    moved, response = start.copy(), np.empty_like(start)
-    moved[1] += 1e-9
-    chebyshev.rates(0.0, moved, w, response)
-    damping = abs(response[1] - slope[1]) / 1e-9
-    # tau = 1 ms: beside the fast root of the dashpot, d, is a slow one of 1/tau, which adds to it 1/(tau d) of itself;
-    # the power method stops within 5 %, and 20 % are put on top.
-    assert damping > 1e4
-    assert 1.1 < found / damping < 1.4
+    steps = [1e-2, 5e-3, 2.5e-3, 1.25e-3]
+    exact = end(1e-5)
+    assert order(steps, [abs(end(step) - exact) for step in steps]) == pytest.approx(2.0, abs=0.1)
