@@ -30,7 +30,7 @@ articulated bodies are (Featherstone 2008), from the leaves inward and back, wit
     g = (-R - S . p) / D,    p_p gets X^T (p + U g),    change of s'' = g - W . (X dA_p) / D.
 
 B has no symmetry, as sand has no potential. What turns with the change (arms, axes, b) is left out of it, a share of
-the order of a step times a rate. A coordinate that is prescribed has 1 / D = 0, and its tau is what R = 0 asks for.
+the order of a step times a rate. A coordinate that is prescribed has 1 / D = 0, and its R is what its drive does.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def carry(w):
 
 @part
 def lack(w):
-    """Fill R for the accelerations of the nodes, and the efforts of what is prescribed."""
+    """Fill R for the accelerations of the nodes."""
     nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
     arm, along, effort, rest = rows(w, ARM), rows(w, ALONG), row(w, EFFORT), row(w, REST)
     for i in range(nodes.shape[0]):
@@ -134,8 +134,6 @@ def lack(w):
         P[i, 2] = nodes[i].inertia * A[i, 2] - force[i, 2]
     for i in range(nodes.shape[0] - 1, -1, -1):
         asked = along[i, 0] * P[i, 0] + along[i, 1] * P[i, 1] + along[i, 2] * P[i, 2]
-        if nodes[i].prescribed:
-            effort[i] = asked
         rest[i] = asked - effort[i]
         p = nodes[i].parent
         if p >= 0:

@@ -17,7 +17,7 @@ Of n nodes, in the order of ARRAYS:
     arm             (n, 2) (e + d)' of `tree` (m); along (n, 3): S; bias (n, 2): b
     along, bias
     force           (n, 3) on the nodes, x, y (N) and moment about the centre of mass (N m)
-    effort          (n,) tau (N m, N), found of coordinates that are prescribed and given of all others
+    effort          (n,) tau (N m, N), without what drives of prescribed motions do
     passed          (n, 3) P, or p
     body            (n, 9) B, row by row; stiffness (n,): c
     stiffness
@@ -92,8 +92,9 @@ POSE, TWIST, ACCELERATION, TURNED, ARM, ALONG, BIAS, FORCE, EFFORT, PASSED = ran
 BODY, STIFFNESS, JOINTS, REST, CHANGE, MOVED, MATRIX, ITERATED, ITERATIONS, CHANGES = range(28, 38)
 SCHEMES, CHOICES, CONTROLS, BENDS, FOLLOWED, ARMS, CLOCK, COUNTS, BLANK, STATES, TABLE, CALLS = range(38, 50)
 DONE, MATRICES = 0, 1  # of `iterated`
-# Of clock (6,): times (s), of the step to come and of the last one tried, and speeds (m/s) as of `step_choice`.
-NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST = 0, 1, 2, 3, 4, 5
+# Of clock (8,): times (s), of the step to come and of the last one tried, speeds (m/s) as of `step_choice`, and from
+# when on how many whole steps were taken.
+NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST, ORIGIN, WHOLE = range(8)
 
 row, rows, blocks = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
 numbers, tables = (lender(types.Array(types.int64, axes, "C")) for axes in (1, 2))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from granular_contact.kernels import step_error
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_loads import VALUE
@@ -18,7 +20,6 @@ from granular_contact.kernels.tree_arrays import (
     CLOCK,
     CONTROLS,
     COUNTS,
-    EFFORT,
     FASTEST,
     FOLLOWED,
     KNOTS,
@@ -27,6 +28,7 @@ from granular_contact.kernels.tree_arrays import (
     MATRIX,
     NODES,
     NOW,
+    ORIGIN,
     PIECES,
     POSE,
     RATES,
@@ -43,6 +45,7 @@ from granular_contact.kernels.tree_arrays import (
     TABLE,
     TWIST,
     WANTED,
+    WHOLE,
     S,
     blocks,
     choices,
@@ -52,6 +55,9 @@ from granular_contact.kernels.tree_arrays import (
     row,
     rows,
     schemes,
+)
+from granular_contact.kernels.tree_arrays import (
+    REST as LACK,
 )
 from granular_contact.kernels.tree_calls import attempt, soonest
 from granular_contact.kernels.tree_load import accept, fastest, follow_signals
@@ -79,7 +85,7 @@ def start(w):
 def write(t, w):
     """Accept a step that ends at t (s) and keep it in the next row.
 
-    Of states: pose, twist and acceleration of all nodes, efforts of all joints, and what their drives want.
+    Of states: pose, twist and acceleration of all nodes, what joints lack, and what their drives want.
     """
     table, states, at = rows(w, TABLE), rows(w, STATES), numbers(w, COUNTS)[STEPS]
     history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
@@ -87,13 +93,13 @@ def write(t, w):
     accept(w, history, False)
     history[TIME] = t
     pose, twist, acceleration = rows(w, POSE), rows(w, TWIST), rows(w, ACCELERATION)
-    effort, state, n = row(w, EFFORT), rows(w, STATE), pose.shape[0]
+    rest, state, n = row(w, LACK), rows(w, STATE), pose.shape[0]
     for i in range(n):
         for k in range(3):
             kept[3 * i + k] = pose[i, k]
             kept[3 * (n + i) + k] = twist[i, k]
             kept[3 * (2 * n + i) + k] = acceleration[i, k]
-        kept[MOVES * n + i] = effort[i]
+        kept[MOVES * n + i] = rest[i]
         kept[(MOVES + 1) * n + i] = state[i, VALUE]
 
 
@@ -161,16 +167,29 @@ def next_step(w):
 def is_over(w):
     """Why there is no next step; PAUSE where there is one."""
     clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
-    speed = fastest(rows(w, TWIST), nodes_of(w, NODES))
-    if not speed < control.away:
-        return AWAY
-    if speed > control.rest_speed:
-        clock[RESTING_SINCE] = clock[NOW]
+    if fastest(rows(w, TWIST), nodes_of(w, NODES)) > control.rest_speed:
+        clock[RESTING_SINCE] = math.inf
+    clock[RESTING_SINCE] = min(clock[RESTING_SINCE], clock[NOW])
     if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
         return REST
     if clock[NOW] >= control.end:
         return END
     return CROWD if counts[STEPS] > control.crowd else PAUSE
+
+
+@part
+def tick(h, left, w):
+    """Set the clock after a step of h (s), with so much left (s) before it.
+
+    Fixed steps are counted: the sum of a hundred thousand would be late by more than round-off.
+    """
+    clock, whole = row(w, CLOCK), schemes(w, SCHEMES)[0].fixed and h == row(w, CLOCK)[STEP]
+    if whole and h < left:
+        clock[WHOLE] += 1.0
+        clock[NOW] = clock[ORIGIN] + clock[WHOLE] * h
+    else:
+        clock[NOW] = controls(w, CONTROLS)[0].end if h == left else clock[NOW] + h
+        clock[ORIGIN], clock[WHOLE] = clock[NOW], 0.0
 
 
 @kernel
@@ -184,8 +203,10 @@ def march(share, w):
         h = fixed(asked, w) if is_fixed else chosen(asked, w)
         if h == 0.0:
             return FAILED
+        if not fastest(rows(w, TWIST), nodes_of(w, NODES)) < control.away:
+            return AWAY
         finish(w)
-        clock[NOW] = control.end if h == left else clock[NOW] + h
+        tick(h, left, w)
         counts[STEPS] += 1
         write(clock[NOW], w)
         clock[SPEED] = step_error.begin(numbers(w, CHANGES), h)

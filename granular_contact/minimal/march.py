@@ -20,9 +20,11 @@ from granular_contact.kernels.tree_arrays import (
     DONE,
     MATRICES,
     NOW,
+    ORIGIN,
     SCHEME,
     STEP,
     TRIED,
+    WHOLE,
     words,
 )
 from granular_contact.kernels.tree_arrays import FASTEST as SO_FAR
@@ -30,7 +32,8 @@ from granular_contact.kernels.tree_calls import record as calls
 from granular_contact.kernels.tree_newton import attempt, look_here
 from granular_contact.minimal.tree import Tree
 from granular_contact.multibody.recorder import CROWD, MOST_CHOSEN
-from granular_contact.multibody.stepping import SHORT, SHORTEST, SPECTRAL_RADIUS, choice, learn
+from granular_contact.multibody.scheme import moving_joints, spectral_radius
+from granular_contact.multibody.stepping import SHORT, SHORTEST, choice, learn
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
@@ -72,8 +75,8 @@ class March:
         solver = self.tree.scene.solver
         self.arrays["control"]["end"] = until
         if solver.accuracy is None:
-            left = until - self.time
-            self.arrays["clock"][STEP] = left / max(1, math.ceil(left / solver.step_s - 1e-9))
+            left, clock = until - self.time, self.arrays["clock"]
+            clock[[STEP, ORIGIN, WHOLE]] = left / max(1, math.ceil(left / solver.step_s - 1e-9)), self.time, 0.0
 
     def go_on(self) -> int:
         """March on; why it came back is one of the kernels' codes."""
@@ -151,7 +154,7 @@ def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
     learn(record, scene, float(scheme["beta"][0]), SHORTEST * solver.step_s)
     first = solver.step_s if solver.accuracy is None else min(solver.step_s, float(record["longest"][0]))
     arrays = dict(zip(("bends", "followed", "arms"), follows, strict=True))
-    clock = np.zeros(6)
+    clock = np.zeros(8)
     clock[[STEP, SO_FAR]] = first, speed
     counts = {"counts": np.zeros(3, np.int64), "iterated": np.zeros(2, np.int64), "matrix": np.zeros(1)}
     return arrays | counts | {"scheme": scheme, "choice": record, "control": _limits(scene), "clock": clock}
@@ -175,13 +178,13 @@ def _limits(scene: Scene) -> NDArray[np.void]:
 def _scheme(scene: Scene) -> NDArray[np.void]:
     """Record of SCHEME: the generalised-alpha method with a spectral radius at high frequency."""
     solver, scheme = scene.solver, np.zeros(1, SCHEME)
-    radius = SPECTRAL_RADIUS if solver.spectral_radius is None else solver.spectral_radius
+    radius = spectral_radius(scene) if solver.spectral_radius is None else solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
     scheme["alpha_m"], scheme["alpha_f"] = alpha_m, alpha_f
     scheme["beta"], scheme["gamma"] = 0.25 * (gamma + 0.5) ** 2, gamma
     scheme["gain"], scheme["most"] = GAIN, MOST_ITERATIONS
-    scheme["fixed"], scheme["alone"] = solver.accuracy is None, len(scene.joints) == 1
+    scheme["fixed"], scheme["alone"] = solver.accuracy is None, moving_joints(scene) == 1
     return scheme
 
 

@@ -8,22 +8,12 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from granular_contact.multibody.stepping import SHORT, SHORTEST, SPECTRAL_RADIUS, StepControl
+from granular_contact.multibody.scheme import moving_joints, prescribed, spectral_radius, stops
+from granular_contact.multibody.stepping import SHORT, SHORTEST, StepControl
 from granular_contact.scene.types import FlexibleLink, Scene
 
 EPSILON = float(np.finfo(float).eps)
 OF_UNRESOLVED = 0.0  # spectral radius
-# Steps that change leave an oscillation in the accelerations of bodies that hang on each other by joints. It fades by
-# the spectral radius a step; at 0.9 the control takes it for jumps of the force, and what Newton's method leaves in
-# joints. Jumps of a prescribed acceleration leave one at fixed steps too: at 0.9 the work that the drive of a wheel put
-# in was reported twice as large as it is.
-OF_CHANGING_STEPS = 0.5
-# Where sand stops links that hang on each other, each stop leaves such an oscillation too. In links that bend it is in
-# vibrations far too fast for the step: at 0.9 it lasts for fifty steps, in each of which bristles yield and hold anew.
-# That takes half of all iterations, and the error of the motion is 1.3 to 2.3 times as large as at 0.6 (that of a chain
-# which has only just struck is a tenth less). Rigid links take 6 % fewer iterations at 0.8, with the same errors to a
-# fifteenth; at 0.6 theirs are larger where all of a chain lies in the sand.
-OF_STOPPING, OF_STOPPING_RIGID = 0.6, 0.8
 # What it may leave there of the tolerance asked for: at short steps, and at the most with longer ones. Above the
 # accuracy OF_COARSE the first grows as the accuracy, the second as its square; in space neither does.
 CLOSER, LOOSEST, OF_COARSE = 1e-3, 0.1, 1e-2
@@ -103,12 +93,7 @@ def _spectral_radius(scene: Scene) -> float:
     """Of generalised-alpha, unless the config names one."""
     if unresolved(scene) and _elastic_forces_below_round_off(scene):
         return OF_UNRESOLVED
-    changing = scene.solver.accuracy is not None and moving_joints(scene) > 1
-    if changing or _prescribed(scene):
-        return OF_CHANGING_STEPS
-    if not _stops(scene):
-        return SPECTRAL_RADIUS
-    return OF_STOPPING if scene.links else OF_STOPPING_RIGID
+    return spectral_radius(scene)
 
 
 def _set_newton(newton: Any, scene: Scene) -> None:
@@ -136,25 +121,16 @@ def _force_tolerance(scene: Scene) -> float:
     solver, several = scene.solver, moving_joints(scene) > 1
     asked = solver.tolerance * scene.force_scale
     # In space the constraint of the Euler parameters, a number without unit, shares the tolerance too.
-    if scene.in_space or (solver.accuracy is not None and (several or _prescribed(scene))):
+    if scene.in_space or (solver.accuracy is not None and (several or prescribed(scene))):
         return max(CLOSER * _coarser(scene) * asked, _noise(scene))
     if several and any(drive.kind == "control" for drive in scene.drives):
         return max(CONTROLLED * asked, _noise(scene))
     if not scene.links and solver.accuracy is None:
         return asked * max(1.0, solver.step_s / SHORT)
-    eased = EASED if _swings(scene) else EASED_IN_SAND if _stops(scene) else 1.0
+    eased = EASED if _swings(scene) else EASED_IN_SAND if stops(scene) else 1.0
     if not unresolved(scene):
         return max(asked, min(asked * eased * min(1.0, solver.step_s / SHORT) ** 2, MOST_EASED * scene.force_scale))
     return asked
-
-
-def moving_joints(scene: Scene) -> int:
-    """How many joints let their bodies move against each other."""
-    return sum(joint.kind != "weld" for joint in scene.joints)
-
-
-def _prescribed(scene: Scene) -> bool:
-    return any(drive.kind == "motion" for drive in scene.drives)
 
 
 def _unknowns(scene: Scene) -> int:
@@ -171,12 +147,6 @@ def _coarser(scene: Scene) -> float:
 def _swings(scene: Scene) -> bool:
     """Whether all that moves is links that bend on one hinge on the ground, at fixed steps, with no drive."""
     return bool(scene.links) and scene.pendulum is not None and scene.solver.accuracy is None and not scene.drives
-
-
-def _stops(scene: Scene) -> bool:
-    """Whether links in the plane that hang on each other, and are not driven, meet sand, at fixed steps."""
-    passive = not scene.drives and scene.solver.accuracy is None and not scene.in_space
-    return passive and bool(scene.media) and moving_joints(scene) > 1
 
 
 def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | None:
@@ -200,7 +170,7 @@ def led_on(scene: Scene, simulation: Any) -> float:
     newton = simulation.timeIntegration.newton
     gain = newton.modifiedNewtonContractivity
     if scene.links and scene.solver.accuracy is None:
-        gain = OF_STOPPED if _stops(scene) else OF_LED
+        gain = OF_STOPPED if stops(scene) else OF_LED
     newton.modifiedNewtonContractivity, newton.maxModifiedNewtonIterations = math.inf, NEVER
     if scene.solver.accuracy is None:
         newton.maxIterations = MOST_LED

@@ -19,10 +19,10 @@ from granular_contact.multibody.ending import status
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
+from granular_contact.multibody.scheme import moving_joints
 from granular_contact.multibody.settings import (
     control_steps,
     led_on,
-    moving_joints,
     settings,
     tolerances,
     tolerances_in_space,

@@ -47,7 +47,6 @@ END = 1e-10  # s, within which the engine takes an end for reached
 NO_TABLE = np.array([0.0, 1.0]), np.zeros((0, 1, 6))
 NO_ERROR = [0.0, -1.0]  # as the engine takes a step for good
 REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
-SPECTRAL_RADIUS = 0.9  # of generalised-alpha at high frequency, where nothing asks for another
 # The shortest step that a failing Newton iteration or the control of the error may come down to, of step_s.
 SHORTEST = 1e-4
 SHORT = 2e-4  # s, of fixed steps; longer ones leave more of the motion, and Newton's method may do so too
