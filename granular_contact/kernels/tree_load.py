@@ -60,8 +60,12 @@ def follow_signals(t, w):
 
 
 @part
-def prescribe(w):
-    """Put coordinates that are prescribed where their signals want them."""
+def prescribe(of_v, w):
+    """Put coordinates that are prescribed where their signals want them.
+
+    Their accelerations are those by which the scheme comes to their rates: where one jumps within a step, all that they
+    move would else get half of the jump for the whole step. of_v: see `tree_newton`; 0 at a start.
+    """
     nodes, wanted, signals = nodes_of(w, NODES), rows(w, WANTED), numbers(w, SIGNALS)
     s, rates, s2 = row(w, S), row(w, RATES), row(w, S2)
     if wanted.shape[0] == 0:
@@ -69,7 +73,8 @@ def prescribe(w):
     for i in range(nodes.shape[0]):
         if nodes[i].prescribed:
             k = signals[i]
-            s[i], rates[i], s2[i] = wanted[k, 0], wanted[k, 1], wanted[k, 2]
+            s2[i] = s2[i] + (wanted[k, 1] - rates[i]) / of_v if of_v > 0.0 else wanted[k, 2]
+            s[i], rates[i] = wanted[k, 0], wanted[k, 1]
 
 
 @part

@@ -73,7 +73,7 @@ def begin(of_q, of_v, w):
         matrix[0] = 0.0
     if begin_iterations(of_q, of_v, w):
         matrix[0] = 0.0
-    prescribe(w)
+    prescribe(of_v, w)
 
 
 @part
@@ -104,7 +104,7 @@ def solved(of_q, of_v, allowed, w):
         if iteration > 0:
             if go_on(w):
                 matrix[0] = 0.0
-            prescribe(w)
+            prescribe(of_v, w)
         size = of_v * look(of_q, of_v, w)
         if size <= allowed:
             return True
@@ -143,7 +143,7 @@ def settle_in(w):
     s2, matrix, change = row(w, S2), row(w, MATRIX), row(w, CHANGE)
     for i in range(s2.shape[0]):
         s2[i] = 0.0
-    prescribe(w)
+    prescribe(0.0, w)
     matrix[0] = 0.0
     look(0.0, 0.0, w)
     for i in range(s2.shape[0]):

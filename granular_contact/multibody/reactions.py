@@ -99,14 +99,17 @@ class _Prescribed:
     inertias: Vector
 
     def driving(self, i: int) -> Driving:
-        """What the drive of one of them did; its work by the mean force of each step."""
+        """What the drive of one of them did.
+
+        Its work is that on inertia, by the change of the rates and their mean, also where an acceleration jumps within
+        a step, and that of the rest of its force, by its mean and the way, as weights and springs have theirs.
+        """
         force, rate, inertia = self.forces[:, i], self.rates[:, i], self.inertias[:, i]
-        # The mean acceleration of a step is the change of the rates, also where it jumps within.
-        asked = self.asked
-        more = np.diff(self.rates, axis=0) / np.diff(self.time)[:, None] - 0.5 * (asked[1:] + asked[:-1])
-        mean = 0.5 * (force[1:] + force[:-1] + np.sum((inertia[1:] + inertia[:-1]) * more, axis=1))
-        done = mean * 0.5 * (rate[1:] + rate[:-1]) * np.diff(self.time)
-        jumps = self._jumps(i, force - np.sum(inertia * asked, axis=1))
+        rest = force - np.sum(inertia * self.asked, axis=1)
+        way = np.diff([self.drives[i].signal.value(t) for t in self.time.tolist()])
+        gained = 0.5 * np.sum((inertia[1:] + inertia[:-1]) * np.diff(self.rates, axis=0), axis=1)
+        done = 0.5 * (rest[1:] + rest[:-1]) * way + gained * 0.5 * (rate[1:] + rate[:-1])
+        jumps = self._jumps(i, rest)
         return Driving(force, force * rate, np.concatenate([[0.0], np.cumsum(done)]), jumps)
 
     @cached_property
