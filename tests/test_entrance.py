@@ -118,7 +118,7 @@ def test_kernels_are_compiled_ahead(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["warm", "pendulum_rigid"]) == 0
     told = capsys.readouterr()
     assert told.out.startswith("1 kinds of runs are ready: ")
-    assert "pendulum_rigid (the law lee_marghitu for round bars, engine)" in told.err
+    assert "pendulum_rigid (the law lee_marghitu for round bars, minimal)" in told.err
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals of this kind here")

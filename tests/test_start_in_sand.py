@@ -70,7 +70,7 @@ def test_a_dragged_plate_meets_the_published_stress() -> None:
     stress = 1e6 * (0.086 + 0.039 - 0.018)  # N/m3
     force = stress * 0.04 * (0.08**2 - 0.03**2) / 2
     assert results["plate_granular_x_N"][middle] == pytest.approx(-force, rel=1e-9)
-    assert results["plate_granular_x_N"][0] == 0.0
+    assert abs(results["plate_granular_x_N"][0]) < 1e-12
     assert results.summary["energy"]["imbalance_relative"] < 1e-3
     # Inertia is nothing at mid-ramp; the drive works against the sand alone.
     assert results["rail_force_N"][middle] == pytest.approx(force, rel=1e-6)

@@ -30,6 +30,8 @@ from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
+# What touches at the start, to so many metres, is looked at so many seconds later, or round-off decides if it does.
+TOUCHES, AHEAD = 1e-9, 1e-9
 APART = 100.0  # m, between the places of two shapes on the lattice of a medium's scatter
 
 

@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 
 import yaml
 
-from granular_contact.config.compose import Composer, Stop
+from granular_contact.config.compose import MAX_DEPTH, Composer, Stop
 from granular_contact.config.tree import Broken, Node, Path, Position
 from granular_contact.errors import Fault
 
@@ -30,6 +30,7 @@ _PLAIN_WORDS = (
     ("expected <block end>", "the indentation fits no mapping above, or the line is not 'key: value'"),
     ("'-' indicator", "the indentation fits no list above, or the line is not '- item'"),
     ("while parsing a tag", "a '!' where none can stand; tags are not used here"),
+    ("maximum nesting depth", f"it is nested more than {MAX_DEPTH} levels deep"),  # PyYAML's own, from 6.0.4 on
 )
 
 

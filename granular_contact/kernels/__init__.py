@@ -13,11 +13,14 @@ a bed in space      space_law, space_joining     as `law` and `joining`
                     facets, slices, facet_layers, facet_scatter, space_balls    the elements; bars are in `bars`
                     ground, space_reach          the surface; the walls of a container
 joints              joint_coordinates, joint_laws, joint_loads, space_joints
-the solve           iterations, anderson, line_search, step_error    Newton's method, choice of steps
+the solve           iterations, anderson, line_search    Newton's method
+                    step_error, step_choice              choice of steps
 implicit forces     added_mass, planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass, held_step
 reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip, events    its equations
                     runge_kutta, march, modal_looks                                 its steps, and what is found in them
-trees               tree, tree_load, tree_march, chebyshev, signal_tables
+trees               tree_arrays, tree, tree_load         its equations
+                    tree_newton, tree_march, tree_calls  its steps
+                    signal_tables                        of drives
 how it is compiled  compiled, compiling, hurry, counting, loaded
                     records, entry, lending, memory    record types; calls and arrays without numba's general forms
 

@@ -60,7 +60,7 @@ from granular_contact.kernels.tree_arrays import (
     REST as LACK,
 )
 from granular_contact.kernels.tree_calls import attempt, soonest
-from granular_contact.kernels.tree_load import accept, fastest, follow_signals
+from granular_contact.kernels.tree_load import accept, fastest, follow_signals, prescribe
 from granular_contact.kernels.tree_newton import finish, settle_in
 
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
@@ -75,6 +75,7 @@ def start(w):
     """Reset the friction state, find the accelerations and write the first row."""
     table, clock = rows(w, TABLE), row(w, CLOCK)
     follow_signals(0.0, w)
+    prescribe(0.0, w)
     accept(w, piece(table, 0, table.shape[1]), True)
     settle_in(w)
     write(0.0, w)
@@ -167,9 +168,8 @@ def next_step(w):
 def is_over(w):
     """Why there is no next step; PAUSE where there is one."""
     clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
-    if fastest(rows(w, TWIST), nodes_of(w, NODES)) > control.rest_speed:
-        clock[RESTING_SINCE] = math.inf
-    clock[RESTING_SINCE] = min(clock[RESTING_SINCE], clock[NOW])
+    moves = fastest(rows(w, TWIST), nodes_of(w, NODES)) > control.rest_speed
+    clock[RESTING_SINCE] = math.inf if moves else min(clock[RESTING_SINCE], clock[NOW])
     if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
         return REST
     if clock[NOW] >= control.end:

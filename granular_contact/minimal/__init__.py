@@ -1,9 +1,9 @@
 """Trees of rigid bodies in as many coordinates as they have degrees of freedom, for speed.
 
 tree      Scene -> Tree: joints and bodies in order, and the bed that the engine would get, as records for the kernels
-signals   signals of drives -> tables that the kernels look them up in
-solve     Tree -> Trajectory of the engine, which is read by the engine's own observer
+march     Tree -> arrays of kernels that go through time
+solve     the march -> Trajectory of the engine, which is read by the engine's own observer
 
-Equations: `kernels.tree`; steps: `kernels.chebyshev`; the medium is that of the engine, bristles included, and what
-acts in joints, too.
+Equations: `kernels.tree`; steps: `kernels.tree_newton`. The scheme, the choice of steps, Newton's iterations, the
+medium with its bristles and what acts in joints are those of the engine.
 """

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.bed.history import HistoryTable
+from granular_contact.bed.load import AHEAD, TOUCHES
 from granular_contact.kernels import iterations as of
 from granular_contact.kernels import step_error
 from granular_contact.kernels import tree_march as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.lending import places
+from granular_contact.kernels.lines import DEPTH
 from granular_contact.kernels.tree import SLIDER
 from granular_contact.kernels.tree_arrays import (
     CONTROL,
@@ -68,8 +70,13 @@ class March:
         self.begin()
 
     def begin(self) -> None:
-        """Find the accelerations of the start, and write the first row."""
+        """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
         self._start(self._words)
+        if abs(self.rows[0, DEPTH]) <= TOUCHES:
+            s, poses = self.arrays["s"].copy(), self.states[0, : self.arrays["pose"].size].copy()
+            self.arrays["s"] += AHEAD * self.arrays["rates"]
+            self._start(self._words)
+            self.arrays["s"][:], self.states[0, : len(poses)] = s, poses
 
     def plan(self, until: float) -> None:
         """March to a time (s) next; fixed steps divide the way there evenly, none longer than the scene's."""

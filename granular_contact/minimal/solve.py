@@ -19,7 +19,7 @@ from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.senses import Senses
 from granular_contact.multibody.system import Trajectory, at_one
 from granular_contact.results import Cost, Outline, Progress, Status
-from granular_contact.results.ending import ended
+from granular_contact.results.ending import ended, paused
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Vector
 
@@ -162,7 +162,7 @@ class Solve:
         if code == kernels.CROWD:
             return crowded(scene, t, self.march.last, step)
         if code == kernels.PAUSE:
-            return ended("time_limit", t, scene.solver)
+            return ended("time_limit", t, scene.solver) if self._late(0.0) else paused(t, scene.solver)
         return ended("rest" if code == kernels.REST else "end_time", t, scene.solver)
 
 

@@ -6,7 +6,8 @@ building  build, joints, mass_and_gravity   Scene -> System: bodies, joints, wei
           system, omissions                 what is where in it; what it leaves out
 joints    coordinates, constraints          their coordinates, what they hold
           joint_actions, joint_loads, reactions   springs, stops, friction, drives; forces of prescribed motions
-solving   settings, stepping, predictor     integrator and tolerances; choice of steps; where Newton's method begins
+solving   settings, scheme, stepping        tolerances; the integrator; choice of steps
+          predictor                         where Newton's method begins
           solve, recorder, ending           the steps; what is kept of each, and when it ends; how it ended
           settle, balance                   static equilibrium before the start
           state, tangent, views             pauses and going back; the engine's Jacobian; its vectors

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed import state
 from granular_contact.bed.contact_lines import Body, ContactLine, beam
-from granular_contact.bed.load import GranularLoad
+from granular_contact.bed.load import AHEAD, TOUCHES, GranularLoad
 from granular_contact.errors import scene_error
 from granular_contact.kernels.lines import DEPTH
 from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 MOST_TILT = 0.01  # sine of an angle, 0.6 degrees: forces in the plane are then off by its square
-# What touches at the start, to so many metres, is looked at so many seconds later, or round-off decides if it does.
-TOUCHES, AHEAD = 1e-9, 1e-9
 
 
 class CouplingState(NamedTuple):

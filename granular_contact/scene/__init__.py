@@ -5,7 +5,8 @@ build, again                Scenario -> Scene; the same for one that differs in 
 shapes, bodies              shapes -> lines, outlines and masses; masses merged into bodies
 layout, start, loops        frames of bodies, initial states of joints, kinematic loops
 joints, joint_law           joints between bodies, and springs, stops and friction in them
-drives, signals, controls   what moves joints; what is set from outside
+drives, controls            what moves joints; what is set from outside
+signals, signal_tables      values over time, and as tables for kernels
 bed, media, wheels          where media lie; presets by name; the run of a wheel
 steps                       how long steps are
 workspace, applicability, checks      what can reach the medium, which law takes which shape, what no scene may be

@@ -121,7 +121,7 @@ def test_every_solver_names_what_to_change() -> None:
         ("pendulum", (), "solver.step_s (now 0.0002)"),
         ("pendulum", ("solver.accuracy=1e-2",), "solver.accuracy (now 0.01)"),
         ("pendulum", ("method={reduced: {modes: 1, rtol: 1e-3}}",), "method.reduced.rtol (now 0.001)"),
-        ("double_pendulum", ("method={minimal: {rtol: 1e-4}}",), "method.minimal.rtol (now 0.0001)"),
+        ("double_pendulum", ("method=minimal", "solver.accuracy=1e-4"), "solver.accuracy (now 0.0001)"),
     ):
         (said,) = warning_sentences(0.002, [], scene_of(config, *more))
         assert "an error of 0.20%" in said

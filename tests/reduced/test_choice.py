@@ -82,8 +82,8 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.rtol=0", "from 1e-13 to 0.01"),
         ("method.reduced.integrator=euler", "one of tsitouras, dormand_prince, RK23"),
         ("method.reduced.order=2", "unknown key"),
-        ("method=fem", "allowed are engine, minimal, reduced, and a mapping with the key minimal or reduced"),
-        ("method=[1]", "allowed is a mapping with the keys reduced"),
+        ("method=fem", "allowed are auto, engine, minimal, reduced, and a mapping whose key is one of the last three"),
+        ("method=[1]", "allowed is a mapping with the keys engine, minimal, reduced"),
         ("method.reduced.static=smooth", "load.friction has the type elastoplastic"),
     ],
 )
@@ -93,7 +93,7 @@ def test_faults_of_the_choice(setting, words):
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("written", ["engine", "reduced", "{reduced: {modes: 3, static: elastoplastic}}"])
+@pytest.mark.parametrize("written", ["auto", "engine", "minimal", "reduced", "{reduced: {modes: 3, static: elastoplastic}}"])
 def test_choice_survives_a_file(written):
     scenario = scenario_of("pendulum", f"method={written}")
     again = config.Scenario.model_validate(scenario_to_dict(scenario))
