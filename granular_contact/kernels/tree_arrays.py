@@ -69,9 +69,10 @@ NODE = np.dtype(
 SCHEME = np.dtype(
     [*fields("f8", "alpha_m", "alpha_f", "beta", "gamma", "gain"), *fields("i8", "most", "fixed", "alone")]
 )
-# Times and speeds in SI units. closeness: of chosen steps, what an iteration may change speeds by over the accuracy and
-# the speed; of fixed ones, over the step (m/s2). away (m/s): speed from which on a motion has run away; crowd: steps.
-CONTROL = np.dtype([*fields("f8", "end", "rest_speed", "rest_time", "closeness", "away"), ("crowd", "i8")])
+# Times and speeds in SI units. closeness, left (m/s2): what the last iteration may still change speeds by, over the
+# accuracy and the speed where steps are chosen, and over the step. away (m/s): speed from which on a motion has run
+# away; crowd: steps.
+CONTROL = np.dtype([*fields("f8", "end", "rest_speed", "rest_time", "closeness", "left", "away"), ("crowd", "i8")])
 
 # Addresses, see `tree_calls`.
 CALL = np.dtype(

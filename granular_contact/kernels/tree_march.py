@@ -120,7 +120,7 @@ def chosen(h, w):
     refused, matrix = False, row(w, MATRIX)
     allowed = control.closeness * choice.accuracy * max(clock[SPEED], clock[FASTEST] / SLOWED)
     while True:
-        if not attempt(h, allowed, w):
+        if not attempt(h, min(allowed, control.left * h), w):
             matrix[0] = 0.0
             h *= 0.5
             if h < choice.least:
@@ -140,8 +140,8 @@ def chosen(h, w):
 @part
 def fixed(h, w):
     """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
-    allowed, whole, least = controls(w, CONTROLS)[0].closeness * h, h, choices(w, CHOICES)[0].least
-    while not attempt(h, allowed, w):
+    left, whole, least = controls(w, CONTROLS)[0].left, h, choices(w, CHOICES)[0].least
+    while not attempt(h, left * h, w):
         row(w, MATRIX)[0] = 0.0
         h *= 0.5
         if h < least:

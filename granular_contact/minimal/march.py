@@ -44,6 +44,7 @@ GAIN, MOST_ITERATIONS = 0.6, 20  # of Newton's method: when its matrix is renewe
 # a five-hundredth of what a step's error may be: with ten times as much one body in sixty that is thrown into the sand
 # rolled on where it should have stopped, for a tenth fewer iterations.
 CLOSENESS = 2e2
+OF_SHORT = 30.0  # times the tolerance of fixed steps: what matters of the shortest, whose speeds hardly change
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
 LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated")
 ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
@@ -174,11 +175,12 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
     control["away"] = FASTEST
+    control["left"] = solver.tolerance * scene.force_scale / scene.mass
     if solver.accuracy is None:
-        eased = max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more
-        control["closeness"] = eased * solver.tolerance * scene.force_scale / scene.mass
+        control["left"] *= max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more
         control["crowd"] = CROWD * math.ceil(solver.end_time_s / solver.step_s) + 1000
     else:
+        control["left"] *= OF_SHORT
         control["closeness"], control["crowd"] = CLOSENESS * solver.tolerance, MOST_CHOSEN
     return control
 

@@ -93,7 +93,9 @@ def test_faults_of_the_choice(setting, words):
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("written", ["auto", "engine", "minimal", "reduced", "{reduced: {modes: 3, static: elastoplastic}}"])
+@pytest.mark.parametrize(
+    "written", ["auto", "engine", "minimal", "reduced", "{reduced: {modes: 3, static: elastoplastic}}"]
+)
 def test_choice_survives_a_file(written):
     scenario = scenario_of("pendulum", f"method={written}")
     again = config.Scenario.model_validate(scenario_to_dict(scenario))
