@@ -49,7 +49,7 @@ class Predictor:
     gain: see above; infinite where the engine's rule holds. fixed: whether steps are.
 
     held: speed (m/s) up to which bristles may hold in a step of a length (s); None where there are none, or steps are
-    chosen.
+    chosen. apply: called with t (s) once the place of an iteration is known, and sets the forces there.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
@@ -72,13 +72,14 @@ class Predictor:
         gain: float = math.inf,
         fixed: bool = False,
         held: Callable[[float], float] | None = None,
+        apply: Callable[[float], None] | None = None,
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever = solver, lever
         self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
         self.views: Views | None = None  # given before the first step
         self._late, self._alone, self._fixed = LATE if bends else 0, alone, fixed and not alone
-        self._held = held
+        self._held, self._apply = held, apply
         self._found: Views | None = None  # those of which the following is known
         self._of_square, self._of_step = 0.0, 0.0  # see `_look`
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
@@ -87,19 +88,21 @@ class Predictor:
         self._where: tuple[int, ...] = ()  # the engine's of them
         self._arrays: tuple[NDArray[Any], ...] = ()
 
-    def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
+    def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:
         """Before the residual of an iteration of the step to t (s)."""
         if self.tolerances_in_space is not None and iteration >= PATIENT:
             least, greatest = self.tolerances_in_space
             self.solver.newton.absoluteTolerance = min(greatest, least * EASING ** (iteration + 1 - PATIENT))
         if discontinuous:
-            return
-        if not iteration:
+            pass
+        elif not iteration:
             self._begin(self.views or Views(mbs))
         elif self._go_on is not None and iteration >= self._late:
             leads = iteration > self._late and not self._round_off()
             if self._go_on(self._words, self._it.newtonJacobiCount, self.gain, leads):
                 self._conv.jacobianUpdateRequested = True
+        if self._apply is not None:
+            self._apply(t)
 
     def _round_off(self) -> bool:
         """Whether the last residual is little more than round-off, as of a robot that stands: it leads nowhere."""
