@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -156,9 +157,7 @@ class Predictor:
         if self.lever is None or self._where == views.where:
             return
         self._where = views.where
-        from granular_contact.kernels import anderson
         from granular_contact.kernels import iterations as of
-        from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
         size, constraints = len(views.q), len(views.multipliers)
@@ -170,8 +169,17 @@ class Predictor:
         way = np.zeros((2, size)), np.zeros((2, constraints))
         self._arrays = *now, *before, self.lever, *kept, *pairs, *numbers, *way
         self._words = places(*self._arrays)
-        if self._go_on is None:
-            self._start, self._go_on = (
-                entry(anderson.begin, self._words, 0.0, 0.0, False, 0, False, 0.0),
-                entry(anderson.go_on, self._words, 0, 0.5, True),
-            )
+        self._start, self._go_on = _compiled()
+
+
+@cache
+def _compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """`begin` and `go_on` of `kernels.anderson`: finding them takes as long as some steps."""
+    from granular_contact.kernels import anderson
+    from granular_contact.kernels.entry import entry
+
+    words = np.zeros(1, np.int64)
+    return (
+        entry(anderson.begin, words, 0.0, 0.0, False, 0, False, 0.0),
+        entry(anderson.go_on, words, 0, 0.5, True),
+    )
