@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,10 +34,27 @@ from numpy.typing import NDArray
 from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
-PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
 GIVEN = 8  # arrays of `kernels.iterations` that are the engine's, or stay as they are
-NEAR = 4.0  # times the least tolerance in space, where that is little more than round-off
 LATE = 3  # iterations by which links that bend are led on later
+
+
+class Patience(NamedTuple):
+    """Absolute tolerance of Newton's method in a step: the least, which grows with each iteration after some.
+
+    least, greatest; iterations: how many have the least; factor: by which it grows. round_off: residual that is little
+    more than round-off and leads nowhere, as of a robot that stands; 0 where the least tolerance is far above that.
+    """
+
+    least: float
+    greatest: float
+    iterations: int
+    factor: float
+    round_off: float = 0.0
+
+    def after(self, iterations: int) -> float:
+        """The tolerance once so many have come before."""
+        more = iterations + 1 - self.iterations
+        return min(self.greatest, self.least * self.factor**more) if more > 0 else self.least
 
 
 class Predictor:
@@ -56,9 +73,9 @@ class Predictor:
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
     of the step, so that the tolerance grows with that square.
 
-    tolerances_in_space: least and greatest absolute tolerance there. Constraints are met to round-off by a few
-    iterations. What is left then are forces on facets that rest at the edge of yielding, hundreds under a robot that
-    stands, between which the iteration goes to and fro; so the tolerance grows from then on, to the greatest.
+    patience: how the tolerance grows within a step; None where it does not. In space constraints are met to round-off
+    by a few iterations. What is left then are forces on facets that rest at the edge of yielding, hundreds under a
+    robot that stands, between which the iteration goes to and fro. Of rigid links that sand stops see `settings`.
     """
 
     def __init__(
@@ -66,7 +83,7 @@ class Predictor:
         solver: Any,
         lever: Vector | None,
         tolerances: tuple[float, float, float] | None,
-        tolerances_in_space: tuple[float, float] | None = None,
+        patience: Patience | None = None,
         *,
         bends: bool = False,
         alone: bool = False,
@@ -77,7 +94,8 @@ class Predictor:
     ) -> None:
         self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
         self.solver, self.lever = solver, lever
-        self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
+        self.tolerances, self.patience = tolerances, patience
+        self._round_off = 0.0 if patience is None else patience.round_off
         self.views: Views | None = None  # given before the first step
         self._late, self._alone, self._fixed = LATE if bends else 0, alone, fixed and not alone
         self._held, self._apply = held, apply
@@ -91,32 +109,27 @@ class Predictor:
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:
         """Before the residual of an iteration of the step to t (s)."""
-        if self.tolerances_in_space is not None and iteration >= PATIENT:
-            least, greatest = self.tolerances_in_space
-            self.solver.newton.absoluteTolerance = min(greatest, least * EASING ** (iteration + 1 - PATIENT))
+        patience = self.patience
+        if patience is not None and iteration >= patience.iterations:
+            self.solver.newton.absoluteTolerance = patience.after(iteration)
         if discontinuous:
             pass
         elif not iteration:
             self._begin(self.views or Views(mbs))
         elif self._go_on is not None and iteration >= self._late:
-            leads = iteration > self._late and not self._round_off()
+            leads = iteration > self._late and not (self._round_off and self._conv.residual < self._round_off)
             if self._go_on(self._words, self._it.newtonJacobiCount, self.gain, leads):
                 self._conv.jacobianUpdateRequested = True
         if self._apply is not None:
             self._apply(t)
-
-    def _round_off(self) -> bool:
-        """Whether the last residual is little more than round-off, as of a robot that stands: it leads nowhere."""
-        limits = self.tolerances_in_space
-        return limits is not None and self._conv.residual < NEAR * limits[0]
 
     def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""
         if views is not self._found:
             self._look(views)
         step = self.solver.it.currentStepSize
-        if self.tolerances_in_space is not None:
-            self.solver.newton.absoluteTolerance = self.tolerances_in_space[0]
+        if self.patience is not None:
+            self.solver.newton.absoluteTolerance = self.patience.least
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
             self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))

@@ -24,9 +24,9 @@ from granular_contact.multibody.settings import (
     control_steps,
     led_on,
     moving_joints,
+    patience,
     settings,
     tolerances,
-    tolerances_in_space,
     unresolved,
 )
 from granular_contact.multibody.settle import settle
@@ -130,7 +130,7 @@ class Solve:
         if unresolved(scene):
             return None
         lever = self.recorder.lever if self._goes_round() else None
-        limits = tolerances(scene, simulation), tolerances_in_space(scene, simulation)
+        limits = tolerances(scene, simulation), patience(scene, simulation)
         alone = moving_joints(scene) <= 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
         bends, fixed = alone and bool(scene.links), scene.solver.accuracy is None
