@@ -92,10 +92,12 @@ class Predictor:
         held: Callable[[float], float] | None = None,
         apply: Callable[[float], None] | None = None,
     ) -> None:
-        self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
+        self._it, self._conv, self._newton = solver.it, solver.conv, solver.newton  # the solver's own, no copies
+        self.gain = gain
         self.solver, self.lever = solver, lever
         self.tolerances, self.patience = tolerances, patience
         self._round_off = 0.0 if patience is None else patience.round_off
+        self._grown = True  # whether the tolerance may be another than the least
         self.views: Views | None = None  # given before the first step
         self._late, self._alone, self._fixed = LATE if bends else 0, alone, fixed and not alone
         self._held, self._apply = held, apply
@@ -111,7 +113,7 @@ class Predictor:
         """Before the residual of an iteration of the step to t (s)."""
         patience = self.patience
         if patience is not None and iteration >= patience.iterations:
-            self.solver.newton.absoluteTolerance = patience.after(iteration)
+            self._newton.absoluteTolerance, self._grown = patience.after(iteration), True
         if discontinuous:
             pass
         elif not iteration:
@@ -127,12 +129,12 @@ class Predictor:
         """Begin a step, or another try of one, with what the last one ended with."""
         if views is not self._found:
             self._look(views)
-        step = self.solver.it.currentStepSize
-        if self.patience is not None:
-            self.solver.newton.absoluteTolerance = self.patience.least
+        step = self._it.currentStepSize
+        if self.patience is not None and self._grown:
+            self._newton.absoluteTolerance, self._grown = self.patience.least, False
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
-            self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
+            self._newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
             jacobians = self._it.newtonJacobiCount
