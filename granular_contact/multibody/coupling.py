@@ -146,7 +146,7 @@ class Coupling:
         views = self.views or Views(self.mbs)
         self._q, self._v = views.q, views.v
         ended, self._time = self._time, t
-        start_time = self.mbs.systemData.GetTime(START)
+        start_time = views.data.GetTime(START)
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             later = ended is None or not math.isclose(t, ended, rel_tol=1e-9)  # than a sum of steps comes to

@@ -41,8 +41,8 @@ LATE = 3  # iterations by which links that bend are led on later
 class Patience(NamedTuple):
     """Absolute tolerance of Newton's method in a step: the least, which grows with each iteration after some.
 
-    least, greatest; iterations: how many have the least; factor: by which it grows. round_off: residual that is little
-    more than round-off and leads nowhere, as of a robot that stands; 0 where the least tolerance is far above that.
+    least, greatest; iterations: how many residuals are held against the least; factor: by which it grows. round_off:
+    residual that is little more than that and leads nowhere, as of a robot that stands; 0 where the least is far above.
     """
 
     least: float
