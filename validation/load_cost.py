@@ -13,6 +13,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -40,9 +41,18 @@ SETTINGS = [
 class _PointBed:
     """Stands where the bed stands in a system, so that the same recorder serves the naive way."""
 
+    active = True  # whether anything may be touched
+
     def __init__(self, system: System, points: list[FloatPoint]) -> None:
         self.system, self.points, self.load_calls = system, points, 0
-        self.load = self.history = self
+        self.load = self.history = self.overlay = self
+
+    def apply(self, _: float) -> None:
+        """The engine asks the points itself."""
+
+    def unasked(self) -> AbstractContextManager[None]:
+        """It goes on asking."""
+        return nullcontext()
 
     def since(self, _: float) -> None:
         """No history is kept."""

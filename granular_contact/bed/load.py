@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,6 +43,19 @@ class _Compiled(NamedTuple):
     accept: Callable[..., None]
     update_active: Callable[..., bool]
     soonest: Callable[..., float]
+
+
+@cache
+def _compiled() -> _Compiled:
+    """What is the same for all loads: finding it takes as long as some steps."""
+    sand, q, triplets = np.zeros((1, 1), np.int64), np.zeros(1), np.zeros((1, 3))
+    return _Compiled(
+        entry(planar_sand.force, sand, q, q, q),
+        entry(planar_sand.tangent, sand, q, q, 1.0, 1.0, triplets),
+        entry(planar_sand.accept, sand, q, q, q, True),
+        entry(planar_sand.update_active, sand, 0.0),
+        entry(planar_sand.soonest, sand),
+    )
 
 
 def _nothing(q: Vector, v: Vector, out: Vector) -> None:
@@ -195,14 +208,7 @@ class GranularLoad:
         if not self.batches:
             return
         sand = self._sand = self.places(where, reference)
-        if self._compiled is None:
-            self._compiled = _Compiled(
-                entry(planar_sand.force, sand, q, q, q),
-                entry(planar_sand.tangent, sand, q, q, 1.0, 1.0, self.room_for_tangents),
-                entry(planar_sand.accept, sand, q, q, q, True),
-                entry(planar_sand.update_active, sand, 0.0),
-                entry(planar_sand.soonest, sand),
-            )
+        self._compiled = _compiled()
         self.add_forces = partial(self._compiled.force, sand)
         self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:

@@ -101,14 +101,17 @@ def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change)
     """
     n = 0
     for i in range(P.shape[0]):
+        n += geometry[i].kept
+    if n == P.shape[0] or line.resultant:
+        return
+    n = 0
+    for i in range(P.shape[0]):
         if geometry[i].kept:
             for xy in range(2):
                 room[3, n, xy], room[4, n, xy] = P[i, xy], V[i, xy]
             for k in range(anchors.shape[1]):
                 room[5, n, k] = anchors[i, k]
             n += 1
-    if n == P.shape[0] or line.resultant:
-        return
     p, v, anchored, f = piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), piece(room, 6, n)
     line.turn *= 2.0
     forces(p, v, anchored, line, profile, medium, f, room2(TERMS, 3))
@@ -135,8 +138,10 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
     negative above the surface) and the greatest speed at which a station approaches the surface (m/s).
     """
     if not known:
-        clear(totals)
-        line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)
+        stations(q, v, geometry, P, V)
+        if immersed(P, line, profile):
+            clear(totals)
+            line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)
     deepest, speed = -np.inf, 0.0
     for i in range(P.shape[0]):
         surface, slope = height(profile, P[i, 0])

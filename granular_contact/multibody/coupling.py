@@ -97,25 +97,33 @@ class Coupling:
     # ---- what the engine calls ----
 
     def _force(self, _mbs: Any, t: float, _item: Any, _q: list[float], _v: list[float]) -> list[float]:
-        """Set the forces at the system's present state; nothing else is called in most iterations."""
+        """`apply`, where the engine asks for forces."""
+        self.apply(t)
+        return self.overlay.nothing
+
+    def apply(self, t: float) -> None:
+        """Set the forces at the system's present state, at the time t (s); nothing else is called in most iterations.
+
+        A call from the engine into Python takes as long as the law on a few strips; so whoever is called before each
+        residual anyway calls this as well, and lets the overlay go `unasked`.
+        """
         self.load_calls += 1
         if t != self._time:
             self._begin(t)
-        joints, overlay = self._joints, self.overlay
-        if joints is not None and t != joints.time:
-            joints.begin(t)
-        pulls = joints is not None and joints.acts
-        acts = self.load.active or pulls
-        if acts or self._acts:
+        joints, overlay, active, pulls = self._joints, self.overlay, self.load.active, False
+        if joints is not None:
+            pulls = joints.acts
+            if t != joints.time:
+                joints.begin(t)
+        if active or pulls or self._acts:
             forces = overlay.forces
             forces[:] = overlay.constant
             if joints is not None and pulls:
                 joints.add_forces(self._q, self._v, forces)
-            if self.load.active:
+            if active:
                 self.load.add_forces(self._q if self._under_way else self._q + self._ahead, self._v, forces)
             self._set(self._sink, "forceVector", forces)  # as `Overlay.send`
-            self._acts = acts
-        return overlay.nothing
+            self._acts = active or pulls
 
     def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
         """Tangent at the system's present state, as the engine's sparse matrix."""
@@ -136,7 +144,7 @@ class Coupling:
         views = self.views or Views(self.mbs)
         self._q, self._v = views.q, views.v
         ended, self._time = self._time, t
-        start_time = self.mbs.systemData.GetTime(START)
+        start_time = views.data.GetTime(START)
         if t <= start_time:  # the very first evaluation of a solve, before its first step
             start_time = t
             later = ended is None or not math.isclose(t, ended, rel_tol=1e-9)  # than a sum of steps comes to

@@ -9,7 +9,8 @@ added, and the trigger comes first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import exudyn as exu
@@ -59,7 +60,8 @@ class Overlay:
         if due is not None:
             first, of_first = next(iter(self.nodes.items()))
             self.nothing = [0.0] * len(of_first)
-            self._add([first], forceUserFunction=due, jacobianUserFunction=_no_tangent(len(of_first)))
+            self._due = due
+            self._trigger = self._add([first], forceUserFunction=due, jacobianUserFunction=_no_tangent(len(of_first)))
         matrix = _no_tangent(self.size) if jacobian is None else _tangent(jacobian)
         # The object whose constant forces are set anew.
         self.sink = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
@@ -72,6 +74,15 @@ class Overlay:
                 **options,
             )
         )
+
+    @contextmanager
+    def unasked(self) -> Iterator[None]:
+        """Within it the engine does not call `due`: somebody else sees to the forces wherever they are needed."""
+        self.mbs.SetObjectParameter(self._trigger, "forceUserFunction", 0)
+        try:
+            yield
+        finally:
+            self.mbs.SetObjectParameter(self._trigger, "forceUserFunction", self._due)
 
     def send(self) -> None:
         """Let `forces` act from now on."""

@@ -25,7 +25,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +34,27 @@ from numpy.typing import NDArray
 from granular_contact.multibody.views import Views
 from granular_contact.scene.types import Vector
 
-PATIENT, EASING = 4, 4.0  # iterations with the least tolerance, and the factor by which it grows with each one after
 GIVEN = 8  # arrays of `kernels.iterations` that are the engine's, or stay as they are
-NEAR = 4.0  # times the least tolerance in space, where that is little more than round-off
 LATE = 3  # iterations by which links that bend are led on later
+
+
+class Patience(NamedTuple):
+    """Absolute tolerance of Newton's method in a step: the least, which grows with each iteration after some.
+
+    least, greatest; iterations: how many residuals are held against the least; factor: by which it grows. round_off:
+    residual that is little more than that and leads nowhere, as of a robot that stands; 0 where the least is far above.
+    """
+
+    least: float
+    greatest: float
+    iterations: int
+    factor: float
+    round_off: float = 0.0
+
+    def after(self, iterations: int) -> float:
+        """The tolerance once so many have come before."""
+        more = iterations + 1 - self.iterations
+        return min(self.greatest, self.least * self.factor**more) if more > 0 else self.least
 
 
 class Predictor:
@@ -49,15 +67,15 @@ class Predictor:
     gain: see above; infinite where the engine's rule holds. fixed: whether steps are.
 
     held: speed (m/s) up to which bristles may hold in a step of a length (s); None where there are none, or steps are
-    chosen.
+    chosen. apply: called with t (s) once the place of an iteration is known, and sets the forces there.
 
     tolerances: absolute tolerance of Newton's method where steps are chosen, least and greatest, and the step (s) at
     which it is the least. What it leaves in the constraints of joints puts accelerations off by as much over the square
     of the step, so that the tolerance grows with that square.
 
-    tolerances_in_space: least and greatest absolute tolerance there. Constraints are met to round-off by a few
-    iterations. What is left then are forces on facets that rest at the edge of yielding, hundreds under a robot that
-    stands, between which the iteration goes to and fro; so the tolerance grows from then on, to the greatest.
+    patience: how the tolerance grows within a step; None where it does not. In space constraints are met to round-off
+    by a few iterations. What is left then are forces on facets that rest at the edge of yielding, hundreds under a
+    robot that stands, between which the iteration goes to and fro. Of rigid links that sand stops see `settings`.
     """
 
     def __init__(
@@ -65,20 +83,24 @@ class Predictor:
         solver: Any,
         lever: Vector | None,
         tolerances: tuple[float, float, float] | None,
-        tolerances_in_space: tuple[float, float] | None = None,
+        patience: Patience | None = None,
         *,
         bends: bool = False,
         alone: bool = False,
         gain: float = math.inf,
         fixed: bool = False,
         held: Callable[[float], float] | None = None,
+        apply: Callable[[float], None] | None = None,
     ) -> None:
-        self._it, self._conv, self.gain = solver.it, solver.conv, gain  # the solver's own, no copies
+        self._it, self._conv, self._newton = solver.it, solver.conv, solver.newton  # the solver's own, no copies
+        self.gain = gain
         self.solver, self.lever = solver, lever
-        self.tolerances, self.tolerances_in_space = tolerances, tolerances_in_space
+        self.tolerances, self.patience = tolerances, patience
+        self._round_off = 0.0 if patience is None else patience.round_off
+        self._grown = True  # whether the tolerance may be another than the least
         self.views: Views | None = None  # given before the first step
         self._late, self._alone, self._fixed = LATE if bends else 0, alone, fixed and not alone
-        self._held = held
+        self._held, self._apply = held, apply
         self._found: Views | None = None  # those of which the following is known
         self._of_square, self._of_step = 0.0, 0.0  # see `_look`
         self._start: Callable[..., Any] | None = None  # compiled, as is the next
@@ -87,35 +109,32 @@ class Predictor:
         self._where: tuple[int, ...] = ()  # the engine's of them
         self._arrays: tuple[NDArray[Any], ...] = ()
 
-    def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG002
+    def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:
         """Before the residual of an iteration of the step to t (s)."""
-        if self.tolerances_in_space is not None and iteration >= PATIENT:
-            least, greatest = self.tolerances_in_space
-            self.solver.newton.absoluteTolerance = min(greatest, least * EASING ** (iteration + 1 - PATIENT))
+        patience = self.patience
+        if patience is not None and iteration >= patience.iterations:
+            self._newton.absoluteTolerance, self._grown = patience.after(iteration), True
         if discontinuous:
-            return
-        if not iteration:
+            pass
+        elif not iteration:
             self._begin(self.views or Views(mbs))
         elif self._go_on is not None and iteration >= self._late:
-            leads = iteration > self._late and not self._round_off()
+            leads = iteration > self._late and not (self._round_off and self._conv.residual < self._round_off)
             if self._go_on(self._words, self._it.newtonJacobiCount, self.gain, leads):
                 self._conv.jacobianUpdateRequested = True
-
-    def _round_off(self) -> bool:
-        """Whether the last residual is little more than round-off, as of a robot that stands: it leads nowhere."""
-        limits = self.tolerances_in_space
-        return limits is not None and self._conv.residual < NEAR * limits[0]
+        if self._apply is not None:
+            self._apply(t)
 
     def _begin(self, views: Views) -> None:
         """Begin a step, or another try of one, with what the last one ended with."""
         if views is not self._found:
             self._look(views)
-        step = self.solver.it.currentStepSize
-        if self.tolerances_in_space is not None:
-            self.solver.newton.absoluteTolerance = self.tolerances_in_space[0]
+        step = self._it.currentStepSize
+        if self.patience is not None and self._grown:
+            self._newton.absoluteTolerance, self._grown = self.patience.least, False
         if self.tolerances is not None:
             least, greatest, at = self.tolerances
-            self.solver.newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
+            self._newton.absoluteTolerance = max(least, min(greatest, least * (step / at) ** 2))
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._start is not None:
             jacobians = self._it.newtonJacobiCount
@@ -153,9 +172,7 @@ class Predictor:
         if self.lever is None or self._where == views.where:
             return
         self._where = views.where
-        from granular_contact.kernels import anderson
         from granular_contact.kernels import iterations as of
-        from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
         size, constraints = len(views.q), len(views.multipliers)
@@ -167,8 +184,17 @@ class Predictor:
         way = np.zeros((2, size)), np.zeros((2, constraints))
         self._arrays = *now, *before, self.lever, *kept, *pairs, *numbers, *way
         self._words = places(*self._arrays)
-        if self._go_on is None:
-            self._start, self._go_on = (
-                entry(anderson.begin, self._words, 0.0, 0.0, False, 0, False, 0.0),
-                entry(anderson.go_on, self._words, 0, 0.5, True),
-            )
+        self._start, self._go_on = _compiled()
+
+
+@cache
+def _compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """`begin` and `go_on` of `kernels.anderson`: finding them takes as long as some steps."""
+    from granular_contact.kernels import anderson
+    from granular_contact.kernels.entry import entry
+
+    words = np.zeros(1, np.int64)
+    return (
+        entry(anderson.begin, words, 0.0, 0.0, False, 0, False, 0.0),
+        entry(anderson.go_on, words, 0, 0.5, True),
+    )

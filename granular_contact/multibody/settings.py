@@ -8,6 +8,7 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
+from granular_contact.multibody.predictor import Patience
 from granular_contact.multibody.scheme import moving_joints, prescribed, spectral_radius, stops
 from granular_contact.multibody.stepping import SHORT, SHORTEST, StepControl
 from granular_contact.scene.types import FlexibleLink, Scene
@@ -34,6 +35,15 @@ EASED = 100.0
 # Links that bend, on each other, in sand: what stops them takes out what an iteration leaves. The error of the steps is
 # the same to three digits with a tolerance so many times the one asked for.
 EASED_IN_SAND = 30.0
+# Rigid links on each other, in sand: the tolerance is so many times the one asked for once so many residuals of a step
+# were above it. A step needs more where bristles begin to yield or to hold, and soon after the sand has taken out what
+# it left. Errors of chains of 2 to 16 links at steps of 0.1 to 0.4 ms, rms of eight speeds, change by -4 to 2 %, in one
+# of 24 cases by 6 %, where factors of 16 and of 256 change it by -1 and 2 %. With a tolerance of ten times from the
+# first iteration on that of 4 links that strike would be twice as large.
+LATER_IN_SAND, UNEASED = 100.0, 3
+# In space: iterations with the least tolerance, the factor by which it grows with each one after these, and how many
+# times the least a residual is that leads nowhere.
+IN_SPACE, NEAR = (4, 4.0), 4.0
 # Of the scale of forces: nothing is eased beyond it, or who asks for less than by default gets far less.
 MOST_EASED = 1e-3
 # Systems up to so many unknowns are solved by full matrices: a Jacobian then takes half of the time, and an iteration
@@ -159,10 +169,15 @@ def tolerances(scene: Scene, simulation: Any) -> tuple[float, float, float] | No
     return least, greatest, min(scene.solver.step_s, SHORT)  # a first step longer than usual makes it no closer
 
 
-def tolerances_in_space(scene: Scene, simulation: Any) -> tuple[float, float] | None:
-    """Least and greatest absolute tolerance of Newton's method in space, see `predictor.Predictor`; None elsewhere."""
+def patience(scene: Scene, simulation: Any) -> Patience | None:
+    """How the absolute tolerance of Newton's method grows within a step, see `predictor.Predictor`."""
     least, whole = simulation.timeIntegration.newton.absoluteTolerance, scene.solver.tolerance * scene.force_scale
-    return (least, LOOSEST * whole) if scene.in_space else None
+    if scene.in_space:
+        return Patience(least, LOOSEST * whole, *IN_SPACE, round_off=NEAR * least)
+    if stops(scene) and not scene.links:
+        greatest = max(least, min(LATER_IN_SAND * least, MOST_EASED * scene.force_scale))
+        return Patience(least, greatest, UNEASED, LATER_IN_SAND)
+    return None
 
 
 def led_on(scene: Scene, simulation: Any) -> float:

@@ -8,6 +8,7 @@ import threading
 import time
 from _signal import signal as set_handler  # type: ignore[import-not-found]
 from collections.abc import Callable
+from contextlib import nullcontext
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -23,9 +24,9 @@ from granular_contact.multibody.scheme import moving_joints
 from granular_contact.multibody.settings import (
     control_steps,
     led_on,
+    patience,
     settings,
     tolerances,
-    tolerances_in_space,
     unresolved,
 )
 from granular_contact.multibody.settle import settle
@@ -129,13 +130,17 @@ class Solve:
         if unresolved(scene):
             return None
         lever = self.recorder.lever if self._goes_round() else None
-        limits = tolerances(scene, simulation), tolerances_in_space(scene, simulation)
+        limits = tolerances(scene, simulation), patience(scene, simulation)
         alone = moving_joints(scene) <= 1
         gain = math.inf if lever is None or alone else led_on(scene, simulation)
         bends, fixed = alone and bool(scene.links), scene.solver.accuracy is None
         # A drive moves on what has stopped: walkers would take a tenth more iterations.
-        held = self._held if fixed and self.system.bed is not None and not scene.drives else None
-        return Predictor(self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=held)
+        bed = self.system.bed
+        held = self._held if fixed and bed is not None and not scene.drives else None
+        return Predictor(
+            self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=held,
+            apply=None if bed is None else bed.apply,
+        )  # fmt: skip
 
     def _held(self, step: float) -> float:
         """Speed (m/s) up to which bristles of the bed hold within a step (s); 0 where none is touched."""
@@ -207,7 +212,9 @@ class Solve:
             self._senses.follow(rows + self._reference)
 
     def _steps(self) -> bool:
-        return bool(self.solver.SolveSteps(self.system.mbs, self.simulation))
+        bed = self.system.bed
+        with nullcontext() if bed is None or self._predictor is None else bed.overlay.unasked():
+            return bool(self.solver.SolveSteps(self.system.mbs, self.simulation))
 
     def _plan(self, until: float) -> None:
         """Tell the engine where to stop next, and how to go on to there from where it is."""

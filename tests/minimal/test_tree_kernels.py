@@ -137,8 +137,8 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
         slopes.append((ends[0] - ends[1]) / (2.0 * d))
     matrix, sand = J.T @ B @ J + np.diag(c), J.T @ (B - dense_masses(w["nodes"])) @ J
     assert np.abs(sand).max() > 0.1 * np.abs(matrix).max()  # the sand counts
-    # What turns with the change is left out: next to nothing at rest. Slopes of the sand are chords, some of them beyond
-    # where a bristle yields, so that they are less steep or more.
+    # What turns with the change is left out: next to nothing at rest. Slopes of the sand are chords, some of them
+    # beyond where a bristle yields, so that they are less steep or more.
     np.testing.assert_allclose(np.array(slopes).T, matrix, atol=0.1 * np.abs(sand).max())
 
 
