@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import load_scenario
+from granular_contact.multibody.recorder import levers
 from granular_contact.run import begin
 from granular_contact.scene import build
 from granular_contact.scene.steps import steps
@@ -92,12 +93,13 @@ class Run:
 
 
 def run(config: str, sets: tuple[str, ...]) -> Run:
-    """Solve a scene in the engine."""
-    scene = build(load_scenario(CONFIGS / f"{config}.yaml", ["method=engine", "solver.rest_time_s=null", *sets]))
+    """Solve a scene, by the engine or in minimal coordinates, as suits it."""
+    scene = build(load_scenario(CONFIGS / f"{config}.yaml", ["solver.rest_time_s=null", *sets]))
     begun = begin(scene, None, None)
     begun.solving.advance()
     trajectory = begun.solving.trajectory()
-    lever = begun.solving.recorder.lever  # type: ignore[attr-defined]  # of the engine's
+    assert begun.system is not None
+    lever = levers(begun.system)
     begun.solving.close()
     return Run(trajectory.time, trajectory.q * lever, trajectory.status.code)
 

@@ -2,8 +2,8 @@
 
     python validation/default_steps.py [--quick]
 
-Each config in the engine: as shipped, by the rule (`scene/steps.py`), with fixed steps from 8 ms down, and with several
-accuracies. An error is the greatest distance of any coordinate (of angles times how far their body reaches) from a fine
+Each config, by the method that suits it: as shipped, by the rule (`scene/steps.py`), with fixed steps from 8 ms down,
+and with several accuracies. An error is the greatest distance of any coordinate (of angles times how far their body reaches) from a fine
 run, at any step, over the longest way of any coordinate; the fine run has a tenth of the fixed step, or an accuracy of
 1e-4. Of what moves as it is told, at any step, the places say nothing; there the work of the medium stands for them,
 which is what such a run is for. Times are processor time of the solve, the least of two rounds in turn; where a setting
@@ -25,6 +25,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import is_run, load_scenario
+from granular_contact.multibody.recorder import levers
 from granular_contact.results import Cost
 from granular_contact.run import begin
 from granular_contact.scene import Scene, build
@@ -53,8 +54,8 @@ class Setting:
 
 
 def scene_of(config: str, sets: tuple[str, ...]) -> Scene:
-    """A config in the engine."""
-    return build(load_scenario(CONFIGS / f"{config}.yaml", ["method=engine", *sets]))
+    """A config, with the method that suits it."""
+    return build(load_scenario(CONFIGS / f"{config}.yaml", sets))
 
 
 def solved(scene: Scene) -> tuple[Run, Cost, float]:
@@ -64,7 +65,8 @@ def solved(scene: Scene) -> tuple[Run, Cost, float]:
     begun.solving.advance()
     seconds = time.process_time() - began
     trajectory = begun.solving.trajectory()
-    lever = begun.solving.recorder.lever  # type: ignore[attr-defined]  # of the engine's
+    assert begun.system is not None
+    lever = levers(begun.system)
     begun.solving.close()
     place = trajectory.q * lever
     if _is_prescribed(scene):

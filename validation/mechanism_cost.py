@@ -22,10 +22,9 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.build import build as build_system
 from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import Solve
 from granular_contact.results import Cost
+from granular_contact.run import begin
 from granular_contact.scene import build
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
@@ -64,14 +63,14 @@ class Run:
 
 
 def run(name: str, *overrides: str) -> Run:
-    """Solve a config in the engine."""
-    scene = build(load_scenario(CONFIGS / f"{name}.yaml", ["method=engine", *overrides]))
-    system = build_system(scene)
-    solve, began = Solve(system), time.process_time()
-    solve.advance()
-    seconds, trajectory = time.process_time() - began, solve.trajectory()
-    tip, _ = Kinematics(system, trajectory).position(*scene.tip)
-    solve.close()
+    """Solve a config, by the engine or in minimal coordinates, as suits it."""
+    scene = build(load_scenario(CONFIGS / f"{name}.yaml", overrides))
+    begun = begin(scene, None, None)
+    began = time.process_time()
+    begun.solving.advance()
+    seconds, trajectory = time.process_time() - began, begun.solving.trajectory()
+    tip, _ = Kinematics(begun.system, trajectory).position(*scene.tip)
+    begun.solving.close()
     return Run(trajectory.cost, seconds, trajectory.time, tip)
 
 

@@ -30,24 +30,20 @@ STARTS = ((22.0, 3.38), (31.0, 3.31), (31.0, 6.24), (45.0, 6.47), (61.5, 6.54)) 
 LEVELS = (30.0, 5.0)  # micrometres
 END = 0.04  # s
 
-# From coarse to fine. Minimal coordinates: rtol, longest step (s); the engine: steps, tolerance.
-MINIMAL = (
-    *((1e-1, 1.2e-3), (1e-2, 8e-4), (1e-3, 6e-4), (1e-3, 4e-4), (3e-4, 4e-4), (1e-4, 4e-4)),
-    *((1e-4, 3e-4), (1e-4, 2e-4), (3e-5, 2e-4), (1e-5, 2e-4), (1e-5, 1e-4)),
-)
+# From coarse to fine. Minimal coordinates: accuracy; the engine: steps, tolerance.
+MINIMAL = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 ENGINE = ((100, 1e-3), (200, 1e-3), (400, 1e-4), (800, 1e-4), (1600, 1e-5))
 PLAIN = (400, 800, 1600, 3200, 4800, 6400, 9600)
 LEAPFROG = (40, 80, 120, 160, 240, 400, 640, 800, 1200, 1600)
 OURS, THEIRS = "granular-contact, minimal coordinates", "MuJoCo, Python call per step"
 LEAPFROG_TOOL = f"{THEIRS}, leapfrog"
-FINEST = (1e-9, 1e-5)
+FINEST = 1e-6
 AGREE = 0.5  # micrometres between the two finest
 
 
-def minimal(links: int, setting: tuple[float, float], start: tuple[float, float]) -> Path:
-    """In minimal coordinates; setting: rtol, longest step (s)."""
-    rtol, longest = setting
-    scene = chain(links, *start, method={"minimal": {"rtol": rtol}}, end_time_s=END, step_s=longest)
+def minimal(links: int, accuracy: float, start: tuple[float, float]) -> Path:
+    """In minimal coordinates."""
+    scene = chain(links, *start, method="minimal", end_time_s=END, accuracy=accuracy)
     made = tree(scene)
     trajectory = solve_tree(made)
     tip, _ = Kinematics(made.system, trajectory).position(*scene.tip)

@@ -392,7 +392,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _progress(one: Found) -> None:
-    line = [f"{one.seed:5d} {one.kind:18s} {one.solver:12s} {one.law[:24]:24s} {one.end:9s} {len(one.warnings)} w"]
+    line = [f"{one.seed:5d} {one.kind:18s} {one.solver:22s} {one.law[:24]:24s} {one.end:9s} {len(one.warnings)} w"]
     line += [f"E {one.imbalance:.1e} steps {one.steps:.1e} half {one.half:.1e} space {one.space:.1e}"]
     line += [" ".join(f"{value:.0e}" for value in one.images.values()), f"{one.numbers[0]:.1e} {one.seconds:.1f} s"]
     print("  ".join(line), one.message if one.end not in GOOD else "", file=sys.stderr, flush=True)

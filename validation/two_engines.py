@@ -69,7 +69,7 @@ def _point(data: Any, number: int, point: Array) -> Array:
 
 def chain_errors(steps: list[float]) -> list[float]:
     """Greatest distance (mm) of the tip of the chain from its path in minimal coordinates."""
-    scene = chain(4, end_time_s=STRIKE, method={"minimal": {"rtol": 1e-7}})
+    scene = chain(4, end_time_s=STRIKE, method="minimal", accuracy=1e-5)
     there = run(scene)
     time, tip = there["time_s"], np.column_stack([there["tip_x_m"], there["tip_y_m"]])
     errors = []

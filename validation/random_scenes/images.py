@@ -174,16 +174,19 @@ def reordered(tree: Tree) -> Tree:
 # ---- more finely ----
 
 
+def is_reduced(tree: Tree) -> bool:
+    """Whether a scene is solved by a reduced model."""
+    return isinstance(tree.get("method"), dict)
+
+
 def finer(tree: Tree, factor: float) -> Tree:
-    """Steps (or the errors that are allowed for them) divided by a factor, at fixed steps where the engine chose them.
+    """Steps (or the errors that are allowed for them) divided by a factor, at fixed steps where they were chosen.
 
     At chosen steps the error goes down with the accuracy.
     """
     tree = copy.deepcopy(tree)
-    method, solver = tree.get("method"), tree["solver"]
-    if method == "minimal":
-        tree["method"] = {"minimal": {"rtol": 1e-5 / factor**2}}
-    elif method is not None:
+    solver = tree["solver"]
+    if is_reduced(tree):
         tree["method"]["reduced"]["rtol"] = 1e-6 / factor**2
     else:
         solver["step_s"] = solver.get("step_s", STEP) / factor
@@ -194,8 +197,8 @@ def finer(tree: Tree, factor: float) -> Tree:
 def chosen(tree: Tree) -> Tree:
     """With steps chosen where they were fixed, and the other way round; raises NoImage."""
     tree = copy.deepcopy(tree)
-    if "method" in tree:
-        raise NoImage("not by the engine")
+    if is_reduced(tree):
+        raise NoImage("a reduced model chooses its steps by itself")
     if tree["solver"].pop("accuracy", None) is None:
         tree["solver"]["accuracy"] = 1e-3
     else:

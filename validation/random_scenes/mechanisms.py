@@ -107,7 +107,7 @@ def pendulum(rng: Random, family: str, _: Tree) -> Made:
 
 
 def plain_pendulum(rng: Random, family: str, scene: Tree) -> Made:
-    """A hub with a welded link, by a reduced model or in minimal coordinates."""
+    """A hub with a welded link, by a reduced model at times."""
     body = link(rng, family, bends=0.5)
     hub = {"type": "disc", "diameter_m": 0.03, "thickness_m": 0.03, "in_sand": False}
     bodies = {"hub": {"type": "rigid", "density_kg_m3": 7700.0, "shapes": [hub]}, "body": body}
@@ -130,7 +130,7 @@ def hinged_solid(rng: Random, family: str, _: Tree) -> Made:
 
 
 def chain(rng: Random, family: str, scene: Tree) -> Made:
-    """Links on hinges one behind the other, hung up; in minimal coordinates if nothing is in the hinges, at times."""
+    """Links on hinges one behind the other, hung up; by the engine if nothing is in the hinges, at times."""
     count = rng.randint(2, 5)
     plain = rng.random() < 0.5
     bodies, joints, starts = {}, {}, {}
@@ -143,7 +143,7 @@ def chain(rng: Random, family: str, scene: Tree) -> Made:
         joints[f"hinge_{i}"] = joint | ({} if plain else _in_hinge(rng, _moment(bodies[name]), home))
         starts[f"hinge_{i}"] = {"angle_deg": home, "rate_rad_s": rng.uniform(-1.0, 6.0) if i == 0 else 0.0}
     if plain and rng.random() < 0.7:
-        scene["method"] = "minimal"
+        scene["method"] = "engine"
     return {"bodies": bodies, "joints": joints}, starts
 
 

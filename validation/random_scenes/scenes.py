@@ -17,9 +17,10 @@ from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.run import run
 from granular_contact.scene import build
+from granular_contact.scene.types import Minimal, Reduced
 from validation.fuzzing.media import law
 from validation.random_scenes.bodies import media
-from validation.random_scenes.images import STEP
+from validation.random_scenes.images import STEP, is_reduced
 from validation.random_scenes.mechanisms import KINDS
 
 Tree = dict[str, Any]
@@ -29,7 +30,7 @@ TIMES, SEEDS = 8, 1_000_003
 
 @dataclass(frozen=True)
 class Drawn:
-    """A scene. kind: of mechanism; solver: fixed steps, chosen steps, minimal or reduced; tree: with `files`."""
+    """A scene. kind: of mechanism; solver: its steps, and by what they are taken; tree: with `files`."""
 
     seed: int
     kind: str
@@ -67,15 +68,15 @@ def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:
     solver = _solver(rng, tree)
     _refine_media(tree)
     _lay(rng, tree, family, buried, folder)
-    build(load_scenario(write(tree, folder)))
-    return Drawn(seed, kind, solver, tree)
+    method = build(load_scenario(write(tree, folder))).method
+    by = "" if isinstance(method, Reduced) else ", minimal" if isinstance(method, Minimal) else ", engine"
+    return Drawn(seed, kind, f"{solver}{by}", tree)
 
 
 def _solver(rng: Random, tree: Tree) -> str:
-    """How it is solved; fixed steps are mostly those that are usual."""
-    method = tree.get("method")
-    if method is not None:
-        return "minimal" if method == "minimal" else "reduced"
+    """Its steps; fixed ones are mostly those that are usual."""
+    if is_reduced(tree):
+        return "reduced"
     if rng.random() < 0.3:
         tree["solver"]["accuracy"] = rng.choice((1e-2, 1e-3, 1e-3))
         return "chosen steps"
@@ -87,7 +88,7 @@ def _solver(rng: Random, tree: Tree) -> str:
 def _load(rng: Random, family: str, scene: Tree) -> Tree:
     """Mostly the default."""
     load: Tree = {}
-    if rng.random() < 0.15 and scene.get("method", {}) in ({}, "minimal"):
+    if rng.random() < 0.15 and not is_reduced(scene):
         load["friction"] = {"type": "smooth", "reference_speed_m_s": 10.0 ** rng.uniform(-3, -1.5)}
     elif rng.random() < 0.3:
         load["friction"] = {"type": "elastoplastic", "yield_displacement_m": 10.0 ** rng.uniform(-5.5, -3.5)}
@@ -104,7 +105,7 @@ def _refine_media(tree: Tree) -> None:
 
 def _lay(rng: Random, tree: Tree, family: str, buried: float, folder: Path) -> None:
     """Give the scene its bed: where it touches, or lower, with a slope, a profile, layers or a floor."""
-    plain = "method" in tree and tree["method"] != "minimal"
+    plain = is_reduced(tree)
     bed: Tree = {}
     form = rng.random()
     if form < 0.2 and not plain:
@@ -118,10 +119,10 @@ def _lay(rng: Random, tree: Tree, family: str, buried: float, folder: Path) -> N
         bed["height_m"] = touch - lower
     if rng.random() < 0.15 and not plain:
         bed["depth_m"] = rng.uniform(0.05, 0.12) + buried
-        if rng.random() < 0.7 and "method" not in tree:
+        if rng.random() < 0.7 and not plain:
             stiffness = 10.0 ** rng.uniform(4, 6)
             bed["floor"] = {"stiffness_N_m2": stiffness, "damping_s_m": rng.choice((0.0, 0.3))}
-    if rng.random() < 0.15 and "method" not in tree and family != "ball":
+    if rng.random() < 0.15 and not plain and family != "ball":
         bed["layers"] = [{"top_m": rng.uniform(0.005, 0.04), "medium": law(rng, family)}]
     tree["bed"] = bed
 
