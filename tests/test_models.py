@@ -44,8 +44,9 @@ def test_a_rod_dropped_at_any_angle_stops(angle: int, speed: float) -> None:
     start = (f"initial.joints.fall.angle_deg={angle}", f"initial.joints.fall.vy_m_s={-speed}")
     results = simulate("free_link", *start, "solver.end_time_s=0.2")
     rises = np.flatnonzero(np.diff(results["tip_y_m"]) >= 0.0)[0]
-    # The lower end stops in the step before the one that it first rises in, or in that one: a step is 0.2 ms.
-    assert results.summary["penetration_time_s"] == pytest.approx(results["time_s"][rises], abs=2.1e-4)
+    # The lower end stops in the step before the one that it first rises in, or in that one.
+    longest = np.diff(results["time_s"])[rises - 1 : rises + 1].max()
+    assert results.summary["penetration_time_s"] == pytest.approx(results["time_s"][rises], abs=1.01 * longest)
     assert 0.0 < results.summary["max_depth_m"] < 0.15
 
 

@@ -66,7 +66,7 @@ def test_accuracy_bounds_the_error_of_a_free_link(medium: str, angle: float) -> 
     for accuracy in (1e-2, 1e-3):
         results = simulate("free_link", *more, f"solver.accuracy={accuracy}")
         assert tip_error(results, reference, results["time_s"]) < accuracy * way
-        assert results.summary["cost"]["steps"] < 140  # of 250 of the default step
+        assert results.summary["cost"]["steps"] < 160  # of 250 of the default step
 
 
 def test_steps_of_joined_bodies_shrink_no_more_than_the_accuracy_asks() -> None:

@@ -14,7 +14,7 @@ def test_a_solid_is_as_exact_as_the_study_says() -> None:
     assert found.errors[1] < 5e-4
     for (error, steps, _), accuracy in zip(found.chosen, strips.ACCURACIES, strict=True):
         assert error < accuracy
-        assert steps < 110  # of 12 500 fixed ones
+        assert steps < 130  # of 12 500 fixed ones
 
 
 def test_strips_that_are_too_long_are_told_and_shortened() -> None:

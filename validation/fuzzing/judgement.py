@@ -19,6 +19,7 @@ from granular_contact.results import Results
 from granular_contact.results.accuracy import IMBALANCE_LIMIT
 from granular_contact.run import run
 from granular_contact.scene import Scene, build
+from granular_contact.scene.types import Reduced
 
 LIMIT = 60.0  # s of processor time, some of which may go into compiling the kernels that a scene needs
 WALL = 10.0  # s, `solver.max_wall_s` of every run: an honest answer may take for ever, but not longer than it is let
@@ -121,7 +122,7 @@ def _honesty(scene: Scene, results: Results) -> Outcome:
     status = results.status
     if not _is_a_line(status.message):
         return Outcome("bad sentence", status.message)
-    method = "reduced" if scene.method else "engine"
+    method = "reduced" if isinstance(scene.method, Reduced) else "engine" if scene.method is None else "minimal"
     kind = f"{method}: {status.code}"
     drawn = [outline.points for shot in results.snapshots for outline in shot.outlines]
     infinite = [c.name for i, c in enumerate(results.columns) if not np.isfinite(results.table[:, i]).all()]
