@@ -5,10 +5,11 @@
 Each config, by the method that suits it: as shipped, by the rule (`scene/steps.py`), with fixed steps from 8 ms down,
 and with several accuracies. An error is the greatest distance of any coordinate (of angles times how far their body
 reaches) from a fine run, at any step, over the longest way of any coordinate; the fine run has a tenth of the fixed
-step, or an accuracy of 1e-4. Of what moves as it is told, at any step, the places say nothing; there the work of the medium stands for them,
-which is what such a run is for. Times are processor time of the solve, the least of two rounds in turn; where a setting
-then seems to be off its front, it and what is faster are run again in turn, as the clock of a machine may change. A
-setting lies on the front if nothing takes less than 1 / 1.3 of its time and is as exact, to a tenth of the error.
+step, or an accuracy of 1e-4. Of what moves as it is told, at any step, the places say nothing; there the work of the
+medium stands for them, which is what such a run is for. Times are processor time of the solve, the least of two rounds
+in turn; where a setting then seems to be off its front, it and what is faster are run again in turn, as the clock of a
+machine may change. A setting lies on the front if nothing takes less than 1 / 1.3 of its time and is as exact, to a
+tenth of the error.
 
 A looser accuracy ought to cost no more than a tighter one where steps are shipped chosen: that is looked at in
 iterations, which no clock changes.
