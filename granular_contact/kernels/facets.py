@@ -28,7 +28,6 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels import facet_scatter
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
@@ -49,7 +48,7 @@ Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
 AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
 GROWING, CONSTANT = 24, 27
 ROWS = 30
-NOTED = GROWING  # rows that `facet_scatter` works in before the law fills them
+NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
 def stress(nx, ny, nz, ux, uy, uz, m):
@@ -173,21 +172,6 @@ def inertial_facets(B, n, m):
 
 
 @part
-def along_square(x, y, z, nx, ny, nz):
-    """Square of the part of a vector along the surface with the normal n."""
-    across = nx * x + ny * y + nz * z
-    return max(0.0, x * x + y * y + z * z - across * across)
-
-
-@part
-def count_shear(anchors, i, x, y, z, nx, ny, nz, immersed):
-    """Add to the shear displacement before an anchor goes to (x, y, z) m, as in `path_length`."""
-    dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
-    column = anchors.shape[1] - 1
-    anchors[i, column] = anchors[i, column] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
-
-
-@part
 def corner_part(zk, zi, zj, k, i, j):
     """Part of a triangle on the one side of the surface where its corner k alone lies.
 
@@ -288,7 +272,7 @@ def below_surface(elements, i, z, d, medium):
     bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
     za, zb = d[0] * ax + d[1] * ay + d[2] * az, d[0] * bx + d[1] * by + d[2] * bz
     if medium.layered:
-        return law.in_layer(z, za, zb, ax, ay, az, bx, by, bz, medium)
+        return law.in_layer(medium, (z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
     return immersion(z, za, zb, ax, ay, az, bx, by, bz)
 
 
@@ -304,7 +288,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     # Seen from the body: how the depth grows, velocity and angular velocity.
     d, p, q = seen(R, ground[1], ground[2], -1.0), seen(R, v[0], v[1], v[2]), seen(R, w[0], w[1], w[2])
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
-    n, last, grainy, sheared = 0, elements.shape[0], facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
+    n, last = 0, elements.shape[0]
     for i in range(first, elements.shape[0]):
         if n == LANES:
             last = i
@@ -327,14 +311,9 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
         note_motion(B, n, r, normal, v, w, e)
         note_immersion(B, n, R, r, below)
-        if sheared:
-            slid = along_square(e[0], e[1], e[2], normal[0], normal[1], normal[2])
-            B[SHEAR, n] = anchors[i, anchors.shape[1] - 1] + math.sqrt(slid)
-        if grainy:
-            facet_scatter.note(B, n, NOTED, anchors, i, x0 + r[0], y0 + r[1], z0 + r[2])
         n += 1
-    if grainy:
-        facet_scatter.factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
+    if medium.note != 0:
+        law.note(medium, (B, n, elements, anchors, cluster))
     return last, n
 
 
@@ -363,9 +342,9 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of facets."""
     B, first = room2(ROWS, LANES), 0
     while first < elements.shape[0]:
-        first, n = law.gather(elements, anchors, cluster, pose, ground, first, medium, B)
+        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
         if n > 0:
-            law.facets(B, n, medium)
+            law.facets(medium, (B, n))
             add_up(B, n, W)
 
 
@@ -394,23 +373,21 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets."""
     R, x, v, w = axes(pose), pose[3], pose[4], pose[5]
     dx, dy, dz = seen(R, ground[1], ground[2], -1.0)
-    grainy, sheared = facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
     for i in range(elements.shape[0]):
         E = elements[i]
         rx, ry, rz = turned(R, E[0], E[1], E[2])
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
+        ax, ay, az = px, py, pz
         za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
         deepest = z + max(za, zb, -za - zb)
-        if grainy:
-            facet_scatter.count_path(anchors, i, px, py, pz)
         row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
             row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
-            px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
-        if sheared:
+            ax, ay, az = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
+        if medium.count != 0:
             nx, ny, nz = turned(R, E[4], E[5], E[6])
-            count_shear(anchors, i, px, py, pz, nx, ny, nz, deepest > 0.0)
-        anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz
+            law.count(medium, (anchors, i, px, py, pz, ax, ay, az, nx, ny, nz, deepest > 0.0))
+        anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az

@@ -24,11 +24,10 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels import facet_scatter
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.ground import tangent_plane
+from granular_contact.kernels.ground import PLANE
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import difference
 from granular_contact.kernels.memory import clear, room1, room2, rows
@@ -81,11 +80,19 @@ def place(q, v, size, turn, pose, G):
 
 
 @part
-def below(sphere, pose, ground, plane):
-    """Fill plane (4,) with the surface as what lies in a sphere (a record) of a body sees it."""
-    x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
-    y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
-    tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
+def below(x, y, z, pose, ground, medium, plane):
+    """Fill plane (4,) with the surface as what lies around a point (3,) m of a body sees it.
+
+    Returns the point from the body's reference point, frame of the bed.
+    """
+    rx = pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z
+    ry = pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z
+    if medium.heights != 0:
+        law.tangent_plane(medium, (ground, pose[3, 0] + rx, pose[3, 1] + ry, plane))
+    else:
+        for i in range(PLANE):
+            plane[i] = ground[i]
+    return rx, ry, pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z
 
 
 @part
@@ -94,12 +101,13 @@ def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, m
     G = room2(3, 4)
     place(q, v, body.size, turn, pose, G)
     clear(W)
-    plane = room1(4)
+    plane = room1(PLANE)
     for c in range(body.first, body.last):
         if active[c]:
-            s, e = clusters[c].first, clusters[c].last
-            below(clusters[c], pose, ground, plane)
-            law.forces(rows(elements, s, e - s), rows(anchors, s, e - s), clusters[c], pose, plane, medium, W)
+            one = clusters[c]
+            s, n = one.first, one.last - one.first
+            below(one.x, one.y, one.z, pose, ground, medium, plane)
+            law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, W))
     clear(out)
     for i in range(3):
         force, moment = 0.0, 0.0
@@ -124,7 +132,7 @@ def force(
             continue
         at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
+        law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, f))
         for i in range(body.size):
             out[at[i, 1]] += f[i]
 
@@ -155,7 +163,7 @@ def tangent(
             continue
         at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, there)
+        law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, there))
         if law.nothing(W):
             continue
         d = difference(rows(q, 0, body.size), fq, fv)
@@ -163,7 +171,7 @@ def tangent(
             at_q, at_v = q[j], v[j]
             q[j] += d * fq
             v[j] += d * fv
-            law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, moved)
+            law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, moved))
             q[j], v[j] = at_q, at_v
             for i in range(body.size):
                 if moved[i] != there[i]:
@@ -189,8 +197,8 @@ def accept(
         body, pose = bodies[b], poses[b]
         at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        law.body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium[0], pose, W, f)
-        bound(body, pose, ground, proximity[b])
+        law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, f))
+        bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], proximity[b])
         follow(body, clusters, elements, anchors, active, ground, medium[0], pose, proximity[b], row)
         power, terms, of_body = columns[b]
         for term in range(TERMS):
@@ -206,13 +214,14 @@ def follow(body, clusters, elements, anchors, active, ground, medium, pose, near
 
     near (3,): its proximity, of which `DEEPEST` is the depth where nothing is active.
     """
-    seen, plane, some = room1(3), room1(4), False
+    seen, plane, some = room1(3), room1(PLANE), False
     seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
     for c in range(body.first, body.last):
         if active[c]:
-            s, e = clusters[c].first, clusters[c].last
-            below(clusters[c], pose, ground, plane)
-            law.follow(rows(elements, s, e - s), rows(anchors, s, e - s), clusters[c], pose, plane, medium, seen)
+            one = clusters[c]
+            s, n = one.first, one.last - one.first
+            below(one.x, one.y, one.z, pose, ground, medium, plane)
+            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, seen))
             some = True
     depth = seen[law.DEPTH] if some else near[DEEPEST]
     near[EVER] = max(near[EVER], depth)
@@ -237,20 +246,17 @@ def write(W, turn, q, row):
 
 
 @part
-def bound(sphere, pose, ground, near):
-    """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (a record) of a body."""
-    x = pose[0, 0] * sphere.x + pose[0, 1] * sphere.y + pose[0, 2] * sphere.z
-    y = pose[1, 0] * sphere.x + pose[1, 1] * sphere.y + pose[1, 2] * sphere.z
-    z = pose[2, 0] * sphere.x + pose[2, 1] * sphere.y + pose[2, 2] * sphere.z
-    plane = room1(4)
-    tangent_plane(ground, pose[3, 0] + x, pose[3, 1] + y, plane)
+def bound(x, y, z, radius, pose, ground, medium, near):
+    """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (m) of a body."""
+    plane = room1(PLANE)
+    x, y, z = below(x, y, z, pose, ground, medium, plane)
     depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
     vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
     vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
     vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
     spin = math.sqrt(pose[5, 0] ** 2 + pose[5, 1] ** 2 + pose[5, 2] ** 2)
-    near[DEEPEST] = depth + sphere.radius * ground[3]
-    near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * sphere.radius) * ground[3]
+    near[DEEPEST] = depth + radius * ground[3]
+    near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * radius) * ground[3]
 
 
 @part
@@ -260,7 +266,7 @@ def may_touch(near, step):
 
 
 @kernel
-def update_active(bodies, clusters, elements, anchors, active, ground, poses, proximity, step):
+def update_active(bodies, clusters, elements, anchors, active, ground, medium, poses, proximity, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
 
     What comes into reach has its anchors put where it is.
@@ -271,17 +277,18 @@ def update_active(bodies, clusters, elements, anchors, active, ground, poses, pr
         for c in range(body.first, body.last):
             now = within
             if now:
-                bound(clusters[c], poses[b], ground, near)
+                one = clusters[c]
+                bound(one.x, one.y, one.z, one.radius, poses[b], ground, medium[0], near)
                 now = may_touch(near, step)
             if now and not active[c]:
-                release(elements, anchors, clusters[c], poses[b], False)
+                release(elements, anchors, clusters[c], poses[b], medium[0], False)
             active[c] = now
             some = some or now
     return some
 
 
 @part
-def release(elements, anchors, cluster, pose, anew):
+def release(elements, anchors, cluster, pose, medium, anew):
     """Put the anchors of a cluster where its elements are; anew: their paths begin here, too.
 
     The path through the air counts in a straight line, so that it does not matter when what flies became active.
@@ -290,14 +297,12 @@ def release(elements, anchors, cluster, pose, anew):
         E = elements[i]
         for k in range(3):
             anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
-        if facet_scatter.shears(anchors):
-            anchors[i, anchors.shape[1] - 1] = 0.0
-        if anew and facet_scatter.scatters(anchors):
-            facet_scatter.start(anchors, i)
+    if medium.begin != 0:
+        law.begin(medium, (anchors, cluster.first, cluster.last, anew))
 
 
 @kernel
-def start(system_q, reference, places, bodies, turn, clusters, elements, anchors, poses):
+def start(system_q, reference, places, bodies, turn, clusters, elements, anchors, medium, poses):
     """Begin at these coordinates: no bristle is stretched; poses (bodies, 6, 3) are filled."""
     q, v, G = room1(7), room1(7), room2(3, 4)
     for b in range(bodies.shape[0]):
@@ -306,4 +311,4 @@ def start(system_q, reference, places, bodies, turn, clusters, elements, anchors
         clear(v)
         place(q, v, body.size, turn, poses[b], G)
         for c in range(body.first, body.last):
-            release(elements, anchors, clusters[c], poses[b], True)
+            release(elements, anchors, clusters[c], poses[b], medium[0], True)

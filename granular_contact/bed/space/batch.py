@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from granular_contact.bed.space.elements import Elements
 from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
 from granular_contact.kernels.entry import entry
+from granular_contact.kernels.ground import PLANE
 from granular_contact.kernels.space_joining import space_record
 from granular_contact.kernels.space_law import BODY
 from granular_contact.laws.kinds import Kind
@@ -42,8 +43,9 @@ class SpatialBatch:
         paths: int = 0,
         layer: tuple[float, float] | None = None,
     ) -> None:
-        self.ground, self.turn, self._layer = ground, turn, layer
-        self._law, self._own, self._meets = law, own, sets[0].meets
+        self.ground, self.turn = ground, turn
+        mapped = len(ground) > PLANE
+        self._record = partial(space_record, law, own, sets[0].meets, layer, paths=paths > 0, heights=mapped)
         grouped: dict[str, list[Elements]] = {}
         of_bodies = []
         for one, places in zip(sets, columns, strict=True):
@@ -68,12 +70,12 @@ class SpatialBatch:
     @cached_property
     def medium(self) -> NDArray[np.void]:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
-        return space_record(self._law, self._own, self._meets, self._layer)
+        return self._record()
 
     @cached_property
     def _for_bodies(self) -> NDArray[np.void]:
         """The medium for the kernels of `space_bodies`."""
-        return space_record(self._law, self._own, self._meets, self._layer, bodies=True)
+        return self._record(bodies=True)
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
@@ -84,7 +86,7 @@ class SpatialBatch:
         self.proximity[:] = 0.0
         self.proximity[:, kernels.EVER] = -np.inf
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)
-        kernels.start(q, reference, *on, self.poses)
+        kernels.start(q, reference, *on, self._for_bodies, self.poses)
         self._sand = (reference, *on, self.active, self.ground, self._for_bodies)
         if self._compiled:
             return
@@ -98,7 +100,7 @@ class SpatialBatch:
     @property
     def _near(self) -> tuple[NDArray[np.generic], ...]:
         on = (self.bodies, self.clusters, self.elements, self.anchors, self.active)
-        return (*on, self.ground, self.poses, self.proximity)
+        return (*on, self.ground, self._for_bodies, self.poses, self.proximity)
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:
         """Add the generalised forces of the active elements to out, the coordinates of the bed."""
@@ -116,7 +118,7 @@ class SpatialBatch:
         """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
         from granular_contact.kernels.space_reach import reach  # compiled for a bed with a container alone
 
-        on = (self.bodies, self.clusters, self.elements, self.active, self.ground)
+        on = (self.bodies, self.clusters, self.elements, self.active, self.ground, self._for_bodies)
         reach(*on, self.poses, row)
 
     def update_active(self, step: float) -> bool:
