@@ -47,7 +47,9 @@ Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
 # depth of the centroid (m), the row in elements; and what the law fills, its tractions.
 AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
 GROWING, CONSTANT = 24, 27
-ROWS = 30
+# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force.
+U, SHARE = 30, 33
+ROWS = 34
 NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
@@ -74,11 +76,12 @@ def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     raise NotImplementedError
 
 
-@part(inline=True)
-def lead(B, n, m, U):
-    """Fill U (4, LANES): the directions u in which a law sees facets move, and the shares g s of their static force."""
+@part
+def lead(B, n, m):
+    """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
     rest = m.v_eps if m.friction == SMOOTH else m.u_y
     Q = room2(5, LANES)  # q and its factor of v, see `space_friction.drive`; 1 / |q|
+    D = room2(4, LANES)  # what is filled
     if m.friction == SMOOTH:
         for k in range(n):
             Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
@@ -92,19 +95,22 @@ def lead(B, n, m, U):
         h = math.sqrt(x * x + y * y + z * z)
         still = h == 0.0  # then any direction will do
         one = 0.0 if still else 1.0 / h
-        U[0, k] = B[N, k] if still else one * x
-        U[1, k] = B[N + 1, k] if still else one * y
-        U[2, k] = B[N + 2, k] if still else one * z
-        U[3, k] = min(1.0, h / rest)
+        D[0, k] = B[N, k] if still else one * x
+        D[1, k] = B[N + 1, k] if still else one * y
+        D[2, k] = B[N + 2, k] if still else one * z
+        D[3, k] = min(1.0, h / rest)
         Q[4, k] = one
     if m.friction == SMOOTH:
         for k in range(n):
-            U[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
+            D[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
     for k in range(n):
         s, one = Q[3, k] * Q[4, k] * B[SPREAD, k], Q[4, k]
-        along = B[N, k] * U[0, k] + B[N + 1, k] * U[1, k] + B[N + 2, k] * U[2, k]
+        along = B[N, k] * D[0, k] + B[N + 1, k] * D[1, k] + B[N + 2, k] * D[2, k]
         g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
-        U[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
+        D[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
+    for row in range(4):
+        for k in range(n):
+            B[U + row, k] = D[row, k]
 
 
 @part
@@ -113,10 +119,8 @@ def traction_facets(B, n, m):
 
     Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
     """
-    U = room2(4, LANES)
-    lead(B, n, m, U)
     for k in range(n):
-        share, z, ux, uy, uz = U[3, k], B[Z, k], U[0, k], U[1, k], U[2, k]
+        share, z, ux, uy, uz = B[SHARE, k], B[Z, k], B[U, k], B[U + 1, k], B[U + 2, k]
         px, py, pz, sx, sy, sz = traction(
             z, B[N, k], B[N + 1, k], B[N + 2, k], ux, uy, uz, B[ONE_SIDE, k], B[SHEAR, k], m
         )
@@ -128,11 +132,10 @@ def traction_facets(B, n, m):
 @part(inline=True)
 def load_static(B, n, m):
     """Fill the static tractions of a law with a `stress`."""
-    U, S = room2(4, LANES), room2(3, LANES)
-    lead(B, n, m, U)
+    S = room2(3, LANES)
     for k in range(n):
-        share = U[3, k]
-        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], U[0, k], U[1, k], U[2, k], m)
+        share = B[SHARE, k]
+        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], B[U, k], B[U + 1, k], B[U + 2, k], m)
         S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
     for row in range(3):
         for k in range(n):
@@ -314,6 +317,8 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         n += 1
     if medium.note != 0:
         law.note(medium, (B, n, elements, anchors, cluster))
+    if medium.lead != 0 and n > 0:
+        law.lead(medium, (B, n))
     return last, n
 
 

@@ -48,6 +48,9 @@ LINE = np.dtype(
     ]
 )
 
+# Constants of `friction`, and what n . q reaches before an element of a surface is loaded as a whole, see `plates`.
+FRICTION = [("friction", "i8"), *fields("f8", "u_y", "tau", "v_eps", "pressed")]
+
 SIZE = 64  # numbers of a law's record, at most
 
 # Addresses of compiled functions, 0 where there is none, and a copy of the law's own record.

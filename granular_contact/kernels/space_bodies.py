@@ -37,18 +37,21 @@ from granular_contact.kernels.memory import clear, room1, room2, rows
 DEEPEST, APPROACH, EVER = 0, 1, 2
 
 
-@kernel
-def turning(q, size, R, G):
-    """Fill R (3, 3) and G (3, 4) from the coordinates (7 or 6,) of a body."""
-    if size == 7:
-        a, b, c, d = q[3], q[4], q[5], q[6]
-        R[0, 0], R[0, 1], R[0, 2] = a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)
-        R[1, 0], R[1, 1], R[1, 2] = 2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)
-        R[2, 0], R[2, 1], R[2, 2] = 2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d
-        G[0, 0], G[0, 1], G[0, 2], G[0, 3] = -2.0 * b, 2.0 * a, -2.0 * d, 2.0 * c
-        G[1, 0], G[1, 1], G[1, 2], G[1, 3] = -2.0 * c, 2.0 * d, 2.0 * a, -2.0 * b
-        G[2, 0], G[2, 1], G[2, 2], G[2, 3] = -2.0 * d, -2.0 * c, 2.0 * b, 2.0 * a
-        return
+@part
+def by_parameters(q, R, G):
+    """Fill R (3, 3) and G (3, 4) from coordinates (7,) with Euler parameters."""
+    a, b, c, d = q[3], q[4], q[5], q[6]
+    R[0, 0], R[0, 1], R[0, 2] = a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)
+    R[1, 0], R[1, 1], R[1, 2] = 2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)
+    R[2, 0], R[2, 1], R[2, 2] = 2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d
+    G[0, 0], G[0, 1], G[0, 2], G[0, 3] = -2.0 * b, 2.0 * a, -2.0 * d, 2.0 * c
+    G[1, 0], G[1, 1], G[1, 2], G[1, 3] = -2.0 * c, 2.0 * d, 2.0 * a, -2.0 * b
+    G[2, 0], G[2, 1], G[2, 2], G[2, 3] = -2.0 * d, -2.0 * c, 2.0 * b, 2.0 * a
+
+
+@part
+def by_angles(q, R, G):
+    """As `by_parameters`, from coordinates (6,) with Tait-Bryan angles; compiled for bodies that have such alone."""
     sa, ca, sb, cb = math.sin(q[3]), math.cos(q[3]), math.sin(q[4]), math.cos(q[4])
     sc, cc = math.sin(q[5]), math.cos(q[5])
     R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
@@ -61,10 +64,13 @@ def turning(q, size, R, G):
 
 
 @part
-def place(q, v, size, turn, pose, G):
+def place(q, v, size, turn, medium, pose, G):
     """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
     R = room2(3, 3)
-    turning(q, size, R, G)
+    if size == 7:
+        by_parameters(q, R, G)
+    else:
+        law.by_angles(medium, (q, R, G))
     for i in range(3):
         for j in range(3):
             pose[i, j] = turn[i, 0] * R[0, j] + turn[i, 1] * R[1, j] + turn[i, 2] * R[2, j]
@@ -99,7 +105,7 @@ def below(x, y, z, pose, ground, medium, plane):
 def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
     """Set out (7,) to the generalised forces on a body, and fill W (TERMS, 6) with its wrench in the bed's frame."""
     G = room2(3, 4)
-    place(q, v, body.size, turn, pose, G)
+    place(q, v, body.size, turn, medium, pose, G)
     clear(W)
     plane = room1(PLANE)
     for c in range(body.first, body.last):
@@ -309,6 +315,6 @@ def start(system_q, reference, places, bodies, turn, clusters, elements, anchors
         body = bodies[b]
         gather(system_q, system_q, reference, rows(places, body.start, body.size), q, v)
         clear(v)
-        place(q, v, body.size, turn, poses[b], G)
+        place(q, v, body.size, turn, medium[0], poses[b], G)
         for c in range(body.first, body.last):
             release(elements, anchors, clusters[c], poses[b], medium[0], True)

@@ -18,7 +18,7 @@ import numpy as np
 from numba import from_dtype, types
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.law import OWN, SIZE, caller, filled
+from granular_contact.kernels.law import FRICTION, OWN, SIZE, caller, filled
 from granular_contact.kernels.records import fields
 
 # A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
@@ -42,11 +42,12 @@ DEPTH, SPEED, LOWEST = 0, 1, 2
 
 FUNCTIONS = (
     *("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body"),
-    *("note", "count", "begin", "heights"),
+    *("note", "count", "begin", "heights", "angles", "lead"),
 )
-# layered: the medium lies between the depths top and bottom (m) only.
+# layered: the medium lies between the depths top and bottom (m) only. Of friction there is a copy of what the law's own
+# record has, so that what needs nothing else of a law is compiled once for all of them.
 LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
-SPACE_LAW = np.dtype([*fields("i8", *FUNCTIONS), *LAYER, ("own", "f8", (SIZE,))])
+SPACE_LAW = np.dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8", (SIZE,))])
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
@@ -60,14 +61,16 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
         types.UniTuple(types.intp, 2),
     ),
     "facets": ((_ROWS, types.intp, OWN), types.none),
+    "lead": ((_ROWS, types.intp, from_dtype(SPACE_LAW)), types.none),
     "layer": ((_NUMBER,) * 11, types.UniTuple(_NUMBER, 8)),
     "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
     "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
     "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
-    "anchor": ((*[_NUMBER] * 6, OWN), types.UniTuple(_NUMBER, 3)),
+    "anchor": ((*[_NUMBER] * 6, from_dtype(SPACE_LAW)), types.UniTuple(_NUMBER, 3)),
     "note": ((_ROWS, types.intp, _ROWS, _ROWS, _CLUSTER), types.none),
     "count": ((_ROWS, types.intp, *[_NUMBER] * 9, types.boolean), types.none),
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
+    "angles": ((_ROW, _ROWS, _ROWS), types.none),
     "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
     "body": ((_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.none),
 }
@@ -82,6 +85,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 #           immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its centroid; spread
 #           (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0 is loaded, n
 #           pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`
+# lead      `facets.lead`, where the law asks for it
 # layer     `facet_layers.between`, of a medium in a layer
 # bar       forces on a strip, as `law.strip_force` with vectors in space: add to f[term, end, xyz] (N)
 # cap       (cx, cy, cz) of a strip, velocity at its end 1, cluster, f: add the force on a free end face there to
@@ -91,15 +95,19 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # body      `space_bodies.body_forces`, which several kernels call
 # note, count, begin    those of `facet_paths`, of media whose facets have paths
 # heights   `ground.tangent_plane`, of a bed with a map of heights
+# angles    `space_bodies.by_angles`, where bodies have six coordinates
 forces, follow, gather, facets, in_layer, bar_force, cap_force, ball_force, drag_anchor, body_forces, *_others = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )
-note, count, begin, tangent_plane = _others
+note, count, begin, tangent_plane, by_angles, lead = _others
 
 
 def record_of(own: np.ndarray, functions: dict[str, Any]) -> np.ndarray:
     """Record (1,) of SPACE_LAW for a law's own record (1,) and its compiled functions by name."""
-    return filled(own, functions, SPACE_LAW, SIGNATURES)
+    medium = filled(own, functions, SPACE_LAW, SIGNATURES)
+    for name, _ in FRICTION:
+        medium[name] = own[name]
+    return medium
 
 
 @part

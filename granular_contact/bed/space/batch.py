@@ -75,7 +75,7 @@ class SpatialBatch:
     @cached_property
     def _for_bodies(self) -> NDArray[np.void]:
         """The medium for the kernels of `space_bodies`."""
-        return self._record(bodies=True)
+        return self._record(bodies=True, angles=bool((self.bodies["size"] < 7).any()))
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
