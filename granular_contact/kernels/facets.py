@@ -129,9 +129,9 @@ def traction_facets(B, n, m):
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
 
 
-@part(inline=True)
-def load_static(B, n, m):
-    """Fill the static tractions of a law with a `stress`."""
+@part
+def static_facets(B, n, m):
+    """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
     S = room2(3, LANES)
     for k in range(n):
         share = B[SHARE, k]
@@ -139,16 +139,7 @@ def load_static(B, n, m):
         S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
     for row in range(3):
         for k in range(n):
-            B[GROWING + row, k] = S[row, k]
-
-
-@part
-def static_facets(B, n, m):
-    """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
-    load_static(B, n, m)
-    for row in range(3):
-        for k in range(n):
-            B[CONSTANT + row, k] = 0.0
+            B[GROWING + row, k], B[CONSTANT + row, k] = S[row, k], 0.0
 
 
 @part
@@ -167,7 +158,7 @@ def own_facets(B, n, m):
 @part
 def inertial_facets(B, n, m):
     """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
-    load_static(B, n, m)
+    static_facets(B, n, m)
     for k in range(n):
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
             B[N, k], B[N + 1, k], B[N + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], B[ONE_SIDE, k], m
@@ -224,11 +215,11 @@ def immersion(z, za, zb, ax, ay, az, bx, by, bz):
     deeper. A share of 0: nothing is below.
     """
     cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
-    if z + min(za, zb, zc) >= 0.0 and z > 0.0:
+    if z + min(za, min(zb, zc)) >= 0.0 and z > 0.0:
         k = 1.0 / (12.0 * z)
         hx, hy = k * (za * ax + zb * bx + zc * cx), k * (za * ay + zb * by + zc * cy)
         return 1.0, z, 0.0, 0.0, 0.0, hx, hy, k * (za * az + zb * bz + zc * cz)
-    if z + max(za, zb, zc) <= 0.0:
+    if z + max(za, max(zb, zc)) <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
         z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
@@ -265,7 +256,7 @@ def spread_along(elements, i, q):
     tx, ty, tz = cy * q[2] - cz * q[1], cz * q[0] - cx * q[2], cx * q[1] - cy * q[0]
     za = tx * elements[i, 8] + ty * elements[i, 9] + tz * elements[i, 10]
     zb = tx * elements[i, 11] + ty * elements[i, 12] + tz * elements[i, 13]
-    return tx, ty, tz, max(abs(za), abs(zb), abs(za + zb))
+    return tx, ty, tz, max(abs(za), max(abs(zb), abs(za + zb)))
 
 
 @part(inline=True)
@@ -385,12 +376,13 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         ax, ay, az = px, py, pz
         za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
-        deepest = z + max(za, zb, -za - zb)
+        highest = max(za, max(zb, -za - zb))
+        deepest = z + highest
         row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
-            row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
+            row[law.LOWEST] = min(row[law.LOWEST], pz - highest)
             ax, ay, az = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
         if medium.count != 0:
             nx, ny, nz = turned(R, E[4], E[5], E[6])

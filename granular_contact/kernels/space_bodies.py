@@ -27,6 +27,7 @@ import numpy as np
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
 from granular_contact.kernels.compiled import kernel, part
+from granular_contact.kernels.facets import axes, seen, turned
 from granular_contact.kernels.ground import PLANE
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.lines import difference
@@ -41,12 +42,21 @@ DEEPEST, APPROACH, EVER = 0, 1, 2
 def by_parameters(q, R, G):
     """Fill R (3, 3) and G (3, 4) from coordinates (7,) with Euler parameters."""
     a, b, c, d = q[3], q[4], q[5], q[6]
-    R[0, 0], R[0, 1], R[0, 2] = a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)
-    R[1, 0], R[1, 1], R[1, 2] = 2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)
-    R[2, 0], R[2, 1], R[2, 2] = 2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d
-    G[0, 0], G[0, 1], G[0, 2], G[0, 3] = -2.0 * b, 2.0 * a, -2.0 * d, 2.0 * c
-    G[1, 0], G[1, 1], G[1, 2], G[1, 3] = -2.0 * c, 2.0 * d, 2.0 * a, -2.0 * b
-    G[2, 0], G[2, 1], G[2, 2], G[2, 3] = -2.0 * d, -2.0 * c, 2.0 * b, 2.0 * a
+    R[0, 0], R[1, 1], R[2, 2] = (
+        a * a + b * b - c * c - d * d,
+        a * a - b * b + c * c - d * d,
+        a * a - b * b - c * c + d * d,
+    )
+    _by_axis(0, 1, 2, a, b, c, d, R, G)
+    _by_axis(1, 2, 0, a, c, d, b, R, G)
+    _by_axis(2, 0, 1, a, d, b, c, R, G)
+
+
+@part
+def _by_axis(i, j, k, a, x, y, z, R, G):
+    """Rows i of R, but for its diagonal, and of G; x, y, z: Euler parameters of the axes i, j, k."""
+    R[i, j], R[i, k] = 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)
+    G[i, 0], G[i, 1 + i], G[i, 1 + j], G[i, 1 + k] = -2.0 * x, 2.0 * a, -2.0 * z, 2.0 * y
 
 
 @part
@@ -91,20 +101,22 @@ def below(x, y, z, pose, ground, medium, plane):
 
     Returns the point from the body's reference point, frame of the bed.
     """
-    rx = pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z
-    ry = pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z
+    r = turned(axes(pose), x, y, z)
     if medium.heights != 0:
-        law.tangent_plane(medium, (ground, pose[3, 0] + rx, pose[3, 1] + ry, plane))
+        law.tangent_plane(medium, (ground, pose[3, 0] + r[0], pose[3, 1] + r[1], plane))
     else:
         for i in range(PLANE):
             plane[i] = ground[i]
-    return rx, ry, pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z
+    return r
 
 
 @part
 def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
-    """Set out (7,) to the generalised forces on a body, and fill W (TERMS, 6) with its wrench in the bed's frame."""
-    G = room2(3, 4)
+    """Set out (7,) to the generalised forces on a body; whether there are any.
+
+    W (TERMS, 6) is filled with its wrench in the bed's frame.
+    """
+    G, some = room2(3, 4), 0.0
     place(q, v, body.size, turn, medium, pose, G)
     clear(W)
     plane = room1(PLANE)
@@ -121,9 +133,11 @@ def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, m
             for term in range(TERMS):
                 force += turn[j, i] * W[term, j]
                 moment += turn[j, i] * W[term, 3 + j]
+                some += abs(W[term, j]) + abs(W[term, 3 + j])
         out[i] = force
         for k in range(body.size - 3):
             out[3 + k] += G[i, k] * moment
+    return some > 0.0
 
 
 @kernel
@@ -169,8 +183,9 @@ def tangent(
             continue
         at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
-        law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, there))
-        if law.nothing(W):
+        if not law.body_forces(
+            medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, there)
+        ):
             continue
         d = difference(rows(q, 0, body.size), fq, fv)
         for j in range(body.size):
@@ -190,13 +205,14 @@ def tangent(
 @kernel
 def accept(
     system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, poses,
-    proximity, row, columns,
+    proximity, row, columns, begins,
 ):  # fmt: skip
     """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
 
     poses (bodies, 6, 3) and proximity (bodies, 3) are filled. columns (bodies, 3): where the power of the medium, its
     terms and the wrench of a body stand in the row, six numbers each: force (N) and moment about the world origin
-    (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time.
+    (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a solve begins
+    here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
     """
     q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
     for b in range(bodies.shape[0]):
@@ -204,14 +220,18 @@ def accept(
         at = rows(places, body.start, body.size)
         gather(system_q, system_v, reference, at, q, v)
         law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, f))
+        if begins:
+            for c in range(body.first, body.last):
+                release(elements, anchors, clusters[c], pose, medium[0], True)
+            continue
         bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], proximity[b])
         follow(body, clusters, elements, anchors, active, ground, medium[0], pose, proximity[b], row)
-        power, terms, of_body = columns[b]
+        power = columns[b, 0]
         for term in range(TERMS):
             for i in range(3):
                 row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
-            write(W[term], turn, q, row[terms + 6 * term : terms + 6 * term + 6])
-            write(W[term], turn, q, row[of_body : of_body + 6])
+            write(W, term, turn, q, row, columns[b, 1] + 6 * term)
+            write(W, term, turn, q, row, columns[b, 2])
 
 
 @part
@@ -237,18 +257,20 @@ def follow(body, clusters, elements, anchors, active, ground, medium, pose, near
 
 
 @part
-def write(W, turn, q, row):
-    """Add a wrench (6,) about a body's reference point in the bed's frame to one about the world origin, (6,)."""
-    F, M = room1(3), room1(3)
-    for i in range(3):
-        F[i] = turn[0, i] * W[0] + turn[1, i] * W[1] + turn[2, i] * W[2]
-        M[i] = turn[0, i] * W[3] + turn[1, i] * W[4] + turn[2, i] * W[5]
-    row[0] += F[0]
-    row[1] += F[1]
-    row[2] += F[2]
-    row[3] += M[0] + q[1] * F[2] - q[2] * F[1]
-    row[4] += M[1] + q[2] * F[0] - q[0] * F[2]
-    row[5] += M[2] + q[0] * F[1] - q[1] * F[0]
+def write(W, term, turn, q, row, first):
+    """Add the wrench of a term, about a body's reference point in the bed's frame, to that about the world's origin.
+
+    The latter stands in the row from `first` on.
+    """
+    R, x, y, z = axes(turn), q[0], q[1], q[2]
+    fx, fy, fz = seen(R, W[term, 0], W[term, 1], W[term, 2])
+    mx, my, mz = seen(R, W[term, 3], W[term, 4], W[term, 5])
+    row[first] += fx
+    row[first + 1] += fy
+    row[first + 2] += fz
+    row[first + 3] += mx + y * fz - z * fy
+    row[first + 4] += my + z * fx - x * fz
+    row[first + 5] += mz + x * fy - y * fx
 
 
 @part
@@ -305,16 +327,3 @@ def release(elements, anchors, cluster, pose, medium, anew):
             anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
     if medium.begin != 0:
         law.begin(medium, (anchors, cluster.first, cluster.last, anew))
-
-
-@kernel
-def start(system_q, reference, places, bodies, turn, clusters, elements, anchors, medium, poses):
-    """Begin at these coordinates: no bristle is stretched; poses (bodies, 6, 3) are filled."""
-    q, v, G = room1(7), room1(7), room2(3, 4)
-    for b in range(bodies.shape[0]):
-        body = bodies[b]
-        gather(system_q, system_q, reference, rows(places, body.start, body.size), q, v)
-        clear(v)
-        place(q, v, body.size, turn, medium[0], poses[b], G)
-        for c in range(body.first, body.last):
-            release(elements, anchors, clusters[c], poses[b], medium[0], True)

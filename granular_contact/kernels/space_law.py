@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numba import from_dtype, types
 
-from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import FRICTION, OWN, SIZE, caller, filled
 from granular_contact.kernels.records import fields
 
@@ -72,7 +71,10 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
     "angles": ((_ROW, _ROWS, _ROWS), types.none),
     "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
-    "body": ((_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.none),
+    "body": (
+        (_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW),
+        types.boolean,
+    ),
 }
 # What calls a function of the medium: (medium, its other arguments).
 #
@@ -108,13 +110,3 @@ def record_of(own: np.ndarray, functions: dict[str, Any]) -> np.ndarray:
     for name, _ in FRICTION:
         medium[name] = own[name]
     return medium
-
-
-@part
-def nothing(W):
-    """Whether a wrench (TERMS, 6) is none at all."""
-    for term in range(W.shape[0]):
-        for k in range(W.shape[1]):
-            if W[term, k] != 0.0:
-                return False
-    return True

@@ -86,16 +86,15 @@ class SpatialBatch:
         self.proximity[:] = 0.0
         self.proximity[:, kernels.EVER] = -np.inf
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)
-        kernels.start(q, reference, *on, self._for_bodies, self.poses)
         self._sand = (reference, *on, self.active, self.ground, self._for_bodies)
-        if self._compiled:
-            return
-        # Compiling, the first time on a machine, belongs to the start and not to the first step.
-        self._force = entry(kernels.force, q, q, *self._sand, q)
-        self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
-        self._accept = entry(kernels.accept, q, q, *self._sand, self.poses, self.proximity, q, self.columns)
-        self._update = entry(kernels.update_active, *self._near, 0.0)
-        self._compiled = True
+        if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
+            self._force = entry(kernels.force, q, q, *self._sand, q)
+            self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._accept = entry(kernels.accept, q, q, *self._sand, self.poses, self.proximity, q, self.columns, True)
+            self._update = entry(kernels.update_active, *self._near, 0.0)
+            self._compiled = True
+        still = np.zeros_like(q)
+        self._accept(q, still, *self._sand, self.poses, self.proximity, still, self.columns, True)
 
     @property
     def _near(self) -> tuple[NDArray[np.generic], ...]:
@@ -112,7 +111,7 @@ class SpatialBatch:
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns)
+        self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns, False)
 
     def reach(self, row: Vector) -> None:
         """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
