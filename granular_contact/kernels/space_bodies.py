@@ -2,8 +2,13 @@
 
 Arguments that they share:
 
+    sand                where the arrays of the elements of one kind in one medium are, in the order of `SAND`, see
+                        `lending`
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory
+
+These arrays are:
+
     reference           reference values of the system's coordinates
     places              (coordinates, 2) place of each coordinate of a body in the system and among those of the bed
     bodies              (bodies,) records BODY
@@ -13,6 +18,9 @@ Arguments that they share:
     active              (clusters,) whether one may touch the surface in this step; the others are passed over
     ground              see `ground`; a cluster sees the plane that touches it at its middle
     medium              see `space_law`; (1,)
+    poses, proximity    (bodies, 6, 3) and (bodies, 3), of the last accepted step
+    columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
+                        the history, six numbers each: force (N) and moment about the world origin (N m), world frame
 
 A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
 R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M.
@@ -23,6 +31,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import from_dtype, types
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.batches import gather
@@ -30,12 +39,25 @@ from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.facets import axes, seen, turned
 from granular_contact.kernels.ground import PLANE
 from granular_contact.kernels.law import TERMS
+from granular_contact.kernels.lending import lender
 from granular_contact.kernels.lines import difference
 from granular_contact.kernels.memory import clear, room1, room2, rows
 
 # Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
 # surface (m/s), greatest depth so far (m).
 DEEPEST, APPROACH, EVER = 0, 1, 2
+
+SAND = (
+    *("reference", "places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "medium"),
+    *("poses", "proximity", "columns"),
+)
+REFERENCE, PLACES, BODIES, TURN, CLUSTERS, ELEMENTS, ANCHORS, ACTIVE, GROUND, MEDIUM, *_OF_STEPS = range(len(SAND))
+POSES, PROXIMITY, COLUMNS = _OF_STEPS
+_row, _rows, _poses = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
+_numbers, _marks = lender(types.Array(types.int64, 2, "C")), lender(types.Array(types.boolean, 1, "C"))
+_bodies, _clusters, _media = (
+    lender(types.Array(from_dtype(kind), 1, "C")) for kind in (law.BODY, law.CLUSTER, law.SPACE_LAW)
+)
 
 
 @part
@@ -111,15 +133,20 @@ def below(x, y, z, pose, ground, medium, plane):
 
 
 @part
-def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, medium, pose, W, out):
+def body_forces(q, v, body, sand, medium, pose, W, out):
     """Set out (7,) to the generalised forces on a body; whether there are any.
 
     W (TERMS, 6) is filled with its wrench in the bed's frame.
     """
-    G, some = room2(3, 4), 0.0
+    turn, clusters, elements, anchors = (
+        _rows(sand, TURN),
+        _clusters(sand, CLUSTERS),
+        _rows(sand, ELEMENTS),
+        _rows(sand, ANCHORS),
+    )
+    active, ground, G, plane, some = _marks(sand, ACTIVE), _row(sand, GROUND), room2(3, 4), room1(PLANE), 0.0
     place(q, v, body.size, turn, medium, pose, G)
     clear(W)
-    plane = room1(PLANE)
     for c in range(body.first, body.last):
         if active[c]:
             one = clusters[c]
@@ -141,18 +168,17 @@ def body_forces(q, v, body, turn, clusters, elements, anchors, active, ground, m
 
 
 @kernel
-def force(
-    system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, out
-):
+def force(sand, system_q, system_v, out):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
     q, v, f, pose, W = room1(7), room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
+    bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(places, body.start, body.size)
-        gather(system_q, system_v, reference, at, q, v)
-        law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, f))
+        at = rows(_numbers(sand, PLACES), body.start, body.size)
+        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        law.body_forces(medium, (q, v, body, sand, pose, W, f))
         for i in range(body.size):
             out[at[i, 1]] += f[i]
 
@@ -167,32 +193,28 @@ def acts(body, active):
 
 
 @kernel
-def tangent(
-    system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, fq, fv,
-    triplets, count,
-):  # fmt: skip
+def tangent(sand, system_q, system_v, fq, fv, triplets, count):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
 
     By differences, see `lines.differences`.
     """
     q, v, there, moved = room1(7), room1(7), room1(7), room1(7)
     pose, W = room2(6, 3), room2(TERMS, 6)
+    bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(places, body.start, body.size)
-        gather(system_q, system_v, reference, at, q, v)
-        if not law.body_forces(
-            medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, there)
-        ):
+        at = rows(_numbers(sand, PLACES), body.start, body.size)
+        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        if not law.body_forces(medium, (q, v, body, sand, pose, W, there)):
             continue
         d = difference(rows(q, 0, body.size), fq, fv)
         for j in range(body.size):
             at_q, at_v = q[j], v[j]
             q[j] += d * fq
             v[j] += d * fv
-            law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, moved))
+            law.body_forces(medium, (q, v, body, sand, pose, W, moved))
             q[j], v[j] = at_q, at_v
             for i in range(body.size):
                 if moved[i] != there[i]:
@@ -203,50 +225,52 @@ def tangent(
 
 
 @kernel
-def accept(
-    system_q, system_v, reference, places, bodies, turn, clusters, elements, anchors, active, ground, medium, poses,
-    proximity, row, columns, begins,
-):  # fmt: skip
+def accept(sand, system_q, system_v, row, begins):
     """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
 
-    poses (bodies, 6, 3) and proximity (bodies, 3) are filled. columns (bodies, 3): where the power of the medium, its
-    terms and the wrench of a body stand in the row, six numbers each: force (N) and moment about the world origin
-    (N m), world frame. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a solve begins
-    here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
+    poses and proximity are filled. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a
+    solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
     """
     q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
+    bodies, medium, columns = _bodies(sand, BODIES), _media(sand, MEDIUM)[0], _numbers(sand, COLUMNS)
     for b in range(bodies.shape[0]):
-        body, pose = bodies[b], poses[b]
-        at = rows(places, body.start, body.size)
-        gather(system_q, system_v, reference, at, q, v)
-        law.body_forces(medium[0], (q, v, body, turn, clusters, elements, anchors, active, ground, pose, W, f))
+        body, pose, near = bodies[b], _poses(sand, POSES)[b], _rows(sand, PROXIMITY)[b]
+        at = rows(_numbers(sand, PLACES), body.start, body.size)
+        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        law.body_forces(medium, (q, v, body, sand, pose, W, f))
         if begins:
             for c in range(body.first, body.last):
-                release(elements, anchors, clusters[c], pose, medium[0], True)
+                release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), _clusters(sand, CLUSTERS)[c], pose, medium, True)
             continue
-        bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], proximity[b])
-        follow(body, clusters, elements, anchors, active, ground, medium[0], pose, proximity[b], row)
+        bound(body.x, body.y, body.z, body.radius, pose, _row(sand, GROUND), medium, near)
+        follow(body, sand, medium, pose, near, row)
         power = columns[b, 0]
         for term in range(TERMS):
             for i in range(3):
                 row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
-            write(W, term, turn, q, row, columns[b, 1] + 6 * term)
-            write(W, term, turn, q, row, columns[b, 2])
+            write(W, term, _rows(sand, TURN), q, row, columns[b, 1] + 6 * term)
+            write(W, term, _rows(sand, TURN), q, row, columns[b, 2])
 
 
 @part
-def follow(body, clusters, elements, anchors, active, ground, medium, pose, near, row):
+def follow(body, sand, medium, pose, near, row):
     """Let the anchors of a body's active clusters follow; what was seen of it goes into a history row.
 
     near (3,): its proximity, of which `DEEPEST` is the depth where nothing is active.
     """
+    clusters, elements, anchors, active = (
+        _clusters(sand, CLUSTERS),
+        _rows(sand, ELEMENTS),
+        _rows(sand, ANCHORS),
+        _marks(sand, ACTIVE),
+    )
     seen, plane, some = room1(3), room1(PLANE), False
     seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
     for c in range(body.first, body.last):
         if active[c]:
             one = clusters[c]
             s, n = one.first, one.last - one.first
-            below(one.x, one.y, one.z, pose, ground, medium, plane)
+            below(one.x, one.y, one.z, pose, _row(sand, GROUND), medium, plane)
             law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, seen))
             some = True
     depth = seen[law.DEPTH] if some else near[DEEPEST]
@@ -294,22 +318,27 @@ def may_touch(near, step):
 
 
 @kernel
-def update_active(bodies, clusters, elements, anchors, active, ground, medium, poses, proximity, step):
+def update_active(sand, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
 
     What comes into reach has its anchors put where it is.
     """
+    bodies, clusters, active, medium = (
+        _bodies(sand, BODIES),
+        _clusters(sand, CLUSTERS),
+        _marks(sand, ACTIVE),
+        _media(sand, MEDIUM)[0],
+    )
     some, near = False, room1(2)
     for b in range(bodies.shape[0]):
-        body, within = bodies[b], may_touch(proximity[b], step)
+        body, pose, within = bodies[b], _poses(sand, POSES)[b], may_touch(_rows(sand, PROXIMITY)[b], step)
         for c in range(body.first, body.last):
-            now = within
+            one, now = clusters[c], within
             if now:
-                one = clusters[c]
-                bound(one.x, one.y, one.z, one.radius, poses[b], ground, medium[0], near)
+                bound(one.x, one.y, one.z, one.radius, pose, _row(sand, GROUND), medium, near)
                 now = may_touch(near, step)
             if now and not active[c]:
-                release(elements, anchors, clusters[c], poses[b], medium[0], False)
+                release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), one, pose, medium, False)
             active[c] = now
             some = some or now
     return some

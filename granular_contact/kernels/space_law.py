@@ -50,7 +50,7 @@ SPACE_LAW = np.dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8"
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
-_MARKS, _BODIES = types.Array(types.boolean, 1, "C"), (from_dtype(BODY), _ROWS, types.Array(_CLUSTER, 1, "C"))
+_WORDS = types.Array(types.int64, 1, "C")
 _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
@@ -71,10 +71,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
     "angles": ((_ROW, _ROWS, _ROWS), types.none),
     "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
-    "body": (
-        (_ROW, _ROW, *_BODIES, _ROWS, _ROWS, _MARKS, _ROW, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW),
-        types.boolean,
-    ),
+    "body": ((_ROW, _ROW, from_dtype(BODY), _WORDS, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.boolean),
 }
 # What calls a function of the medium: (medium, its other arguments).
 #

@@ -15,6 +15,7 @@ from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
 from granular_contact.kernels.entry import entry
 from granular_contact.kernels.ground import PLANE
+from granular_contact.kernels.lending import places
 from granular_contact.kernels.space_joining import space_record
 from granular_contact.kernels.space_law import BODY
 from granular_contact.laws.kinds import Kind
@@ -48,9 +49,9 @@ class SpatialBatch:
         self._record = partial(space_record, law, own, sets[0].meets, layer, paths=paths > 0, heights=mapped)
         grouped: dict[str, list[Elements]] = {}
         of_bodies = []
-        for one, places in zip(sets, columns, strict=True):
+        for one, at in zip(sets, columns, strict=True):
             if one.body.name not in grouped:
-                of_bodies.append(places)
+                of_bodies.append(at)
             grouped.setdefault(one.body.name, []).append(one)
         self.columns = np.array(of_bodies)
         self._groups = list(grouped.values())
@@ -85,33 +86,29 @@ class SpatialBatch:
         self.anchors[:] = 0.0
         self.proximity[:] = 0.0
         self.proximity[:, kernels.EVER] = -np.inf
-        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)
-        self._sand = (reference, *on, self.active, self.ground, self._for_bodies)
+        self._reference = reference
+        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
+        sand = self._sand = places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
         if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
-            self._force = entry(kernels.force, q, q, *self._sand, q)
-            self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
-            self._accept = entry(kernels.accept, q, q, *self._sand, self.poses, self.proximity, q, self.columns, True)
-            self._update = entry(kernels.update_active, *self._near, 0.0)
+            self._force = entry(kernels.force, sand, q, q, q)
+            self._tangent = entry(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._accept = entry(kernels.accept, sand, q, q, q, True)
+            self._update = entry(kernels.update_active, sand, 0.0)
             self._compiled = True
         still = np.zeros_like(q)
-        self._accept(q, still, *self._sand, self.poses, self.proximity, still, self.columns, True)
-
-    @property
-    def _near(self) -> tuple[NDArray[np.generic], ...]:
-        on = (self.bodies, self.clusters, self.elements, self.anchors, self.active)
-        return (*on, self.ground, self._for_bodies, self.poses, self.proximity)
+        self._accept(sand, q, still, still, True)
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:
         """Add the generalised forces of the active elements to out, the coordinates of the bed."""
-        self._force(q, v, *self._sand, out)
+        self._force(self._sand, q, v, out)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
         """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
-        return int(self._tangent(q, v, *self._sand, factor_q, factor_v, triplets, number))
+        return int(self._tangent(self._sand, q, v, factor_q, factor_v, triplets, number))
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns, False)
+        self._accept(self._sand, q, v, row, False)
 
     def reach(self, row: Vector) -> None:
         """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
@@ -122,7 +119,7 @@ class SpatialBatch:
 
     def update_active(self, step: float) -> bool:
         """Choose what may touch the surface in the next step (s); whether there is anything."""
-        return bool(self._update(*self._near, step))
+        return bool(self._update(self._sand, step))
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and size (m) of the bodies that were ever immersed."""
