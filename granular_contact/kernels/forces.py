@@ -7,7 +7,7 @@ import numpy as np
 from granular_contact.kernels.balls import ball_forces
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAWS, record_of
-from granular_contact.kernels.lines import force
+from granular_contact.kernels.lines import accept, force
 from granular_contact.kernels.path_length import count_path, count_shear
 from granular_contact.kernels.scatter import scattered
 from granular_contact.kernels.strips import distributed_forces, resultant_forces
@@ -48,5 +48,5 @@ def medium_record(
     if paths:
         found["count_path"] = count_path
     if bodies:
-        found["line_force"] = force
+        found |= {"line_force": force, "line_accept": accept}
     return record_of(own, found)

@@ -10,9 +10,10 @@ Arguments that they share:
     P, V, F     (n, 2) room for positions, velocities and forces of the stations; more columns are not used
     totals      (TERMS, 3), see `law`
 
-`force` is called by its address in the record of the medium, as `law.line_force`: several kernels need it.
+`force` and `accept` are called by their addresses in the record of the medium, as `law.line_force` and its like: they
+are compiled once, not within what calls them, too.
 
-`batches` calls them for many lines at once.
+`planar_sand` calls them for many lines at once.
 """
 
 from __future__ import annotations
@@ -160,7 +161,7 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
         return deepest, speed
     join_strips(P, V, F, geometry, line, profile, medium, anchors, room, rows(row, COARSER, 4))
     drag_anchors(P, anchors, line, profile, medium)
-    power, terms, body = columns
+    power, terms, body = columns[0], columns[1], columns[2]
     for i in range(P.shape[0]):
         row[power] += F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
     for term in range(TERMS):
