@@ -57,6 +57,7 @@ SIZE = 64  # numbers of a law's record, at most
 FUNCTIONS = (
     *("forces", "strip_force", "cap_force", "ball_force", "drag_anchor"),
     *("line_force", "line_accept", "count_shear", "count_path", "scattered", "lowering"),
+    *("spatial_stations", "spatial_scatter"),
 )
 LAW = np.dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
 
@@ -82,6 +83,8 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "count_path": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
     "scattered": ((_ENDS, _VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, _LINE), types.none),
     "lowering": ((_VECTORS, _VECTORS, types.intp, _LINE), _NUMBER),
+    "spatial_stations": ((_ROW, _ROW, _STATIONS, _VECTORS, _VECTORS), types.none),
+    "spatial_scatter": ((_ROW, _STATIONS, _VECTORS, _ROW), types.none),
 }
 
 
@@ -126,9 +129,10 @@ def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
     return builder.gep(at, [cgutils.intp_t(layout.fields[field][1])])  # type: ignore[index]
 
 
-_forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering = (
+_forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering, *_of_spatial = (
     caller(name, *_SIGNATURES[name], LAW) for name in FUNCTIONS
 )
+spatial_stations, spatial_scatter = _of_spatial  # (medium, arguments), those of `spatial` where bodies are such
 
 
 @part

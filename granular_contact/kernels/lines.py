@@ -22,9 +22,10 @@ import math
 
 import numpy as np
 
+from granular_contact.kernels import law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SWITCH
-from granular_contact.kernels.kinematics import scatter, spacing, stations
+from granular_contact.kernels.kinematics import SPATIAL, scatter, spacing, stations
 from granular_contact.kernels.law import LINE, TERMS, count_path, drag_anchor, forces, line_force
 from granular_contact.kernels.memory import clear, piece, room2, rows
 from granular_contact.kernels.path_length import start
@@ -86,11 +87,18 @@ def upright(P, i):
 @part
 def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
-    stations(q, v, geometry, P, V)
+    spatial = geometry[0].kind == SPATIAL
+    if spatial:
+        law.spatial_stations(medium, (q, v, geometry, P, V))
+    else:
+        stations(q, v, geometry, P, V)
     if not immersed(P, line, profile):
         return
     forces(P, V, anchors, line, profile, medium, F, totals)
-    scatter(q, geometry, P, F, out)
+    if spatial:
+        law.spatial_scatter(medium, (q, geometry, F, out))
+    else:
+        scatter(q, geometry, P, F, out)
 
 
 @part
