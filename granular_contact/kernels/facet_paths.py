@@ -2,8 +2,8 @@
 
 Compiled for media that ask for either alone, see `space_joining`.
 
-A facet takes the value of a cube of the size of a grain, fixed to its body: facets whose middles lie in one cube share
-it, and as they stay there nothing jumps. One larger than a grain takes s L / sqrt(area).
+Of scatter a facet takes the value of a cube of the size of a grain, fixed to its body: facets whose middles lie in one
+cube share it, and as they stay there nothing jumps. One larger than a grain takes s L / sqrt(area).
 
 Where a medium scatters the anchors of facets have more columns: PATH, the path length (m) of the middle since the
 start; LAST and the two after it, where it was at the end of the last step (m); KEPT and the two after it: the number of

@@ -101,11 +101,9 @@ def resist(
     Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
     end of the step; turn (3, 3) as of `space_bodies`.
     """
-    W, ahead, near, plane = room2(TERMS, 6), room2(6, 3), room1(2), room1(4)
-    inertia = room2(6, 6)
+    W, ahead, near, plane, inertia = room2(TERMS, 6), room2(6, 3), room1(2), room1(4), room2(6, 6)
     for b in range(bodies.shape[0]):
-        body, at = bodies[b], of_bed[b]
-        some = False
+        body, at, some = bodies[b], of_bed[b], False
         for c in range(body.first, body.last):
             if not active[c]:
                 continue
