@@ -70,6 +70,11 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/multibody/test_batches.py",
             "tests/multibody/test_bed.py",
         ),
+        "kernels/planar_sand.py": (
+            "tests/bed/test_load.py",
+            "tests/multibody/test_batches.py",
+            "tests/multibody/test_bed.py",
+        ),
     },
 }
 # Of the operators those that change what is computed.

@@ -61,7 +61,7 @@ class Batch:
     @cached_property
     def medium(self) -> NDArray[np.void]:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
-        return medium_record(self._own, self.records, self.anchors.shape[1] > 2)
+        return medium_record(self._own, self.records, self.anchors.shape[1] > 2, spatial=self.leans)
 
     def renew(self, own: NDArray[np.void]) -> None:
         """Take other coefficients of the same law, as its own record (1,); what is compiled and placed stays."""

@@ -63,6 +63,11 @@ def quaternion_of(R: Vector) -> Vector:
     return np.asarray(found / np.linalg.norm(found))
 
 
+def quaternion_rates(e: Vector, w: Vector) -> Vector:
+    """Rates (4,) of a unit quaternion (4,) at an angular velocity (3,) rad/s along the axes around the body."""
+    return 0.5 * np.array([-w @ e[1:], *(e[0] * w + np.cross(w, e[1:]))])
+
+
 def cross(w: ArrayLike) -> Vector:
     """Matrix (3, 3) of the vector product with w (3,)."""
     x, y, z = np.asarray(w, float)

@@ -10,7 +10,7 @@ a bed in the plane  planar_sand, batches, lines  all media; one; one contact lin
                     kinematics, spatial          how bodies move stations
 a bed in space      space_law, space_joining     as `law` and `joining`
                     space_bodies                 rigid bodies with all elements on them
-                    facets, slices, facet_layers, facet_scatter, space_balls    the elements; bars are in `bars`
+                    facets, slices, facet_layers, facet_paths, space_balls    the elements; bars are in `bars`
                     ground, space_reach          the surface; the walls of a container
 joints              joint_coordinates, joint_laws, joint_loads, space_joints
 the solve           iterations, anderson, line_search    Newton's method

@@ -48,7 +48,7 @@ from granular_contact.kernels.iterations import (
     row,
     rows,
 )
-from granular_contact.kernels.line_search import BEYOND, along, draw, found, turn_back
+from granular_contact.kernels.line_search import BEYOND, along, draw, found, go_to, turn_back
 from granular_contact.kernels.memory import clear, room1, room2
 
 SAME = 1e-6  # of a step, within which it is as long as another
@@ -254,16 +254,18 @@ def go_on(words, jacobians, gain, leads):
         number[PAIRS] = min(number[PAIRS] + 1, DEPTH)
     change = measure(words)
     if number[STAGE] == SEEKS:
-        if not found(words):
-            return False
-        number[STAGE] = NOWHERE
-        return True
+        ends = found(words)
+        go_to(words)
+        if ends:
+            number[STAGE] = NOWHERE
+        return ends
     slow = number[STAGE] != NOWHERE and change > gain * math.sqrt(row(words, ON_LINE)[SQUARE])
     # Where the Jacobian is of an earlier step, a new one comes first.
     if slow and number[FIXED] and jacobians > number[SINCE]:
         share = along(words)
         if share < BEYOND:
             turn_back(words, share)
+            go_to(words)
             return False
     lead(words, change)
     return slow

@@ -75,19 +75,20 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
             continue
         clear(f)
         p, q, A, B = P[i], P[i + 1], anchors[i], anchors[i + 1]
-        law.bar_force(
+        law.bar_force(medium, (
             a, b, Z[i], Z[i + 1], q[0] - p[0], q[1] - p[1], q[2] - p[2], V[i, 0], V[i, 1], V[i, 2],
             V[i + 1, 0], V[i + 1, 1], V[i + 1, 2], p[0] - A[0], p[1] - A[1], p[2] - A[2],
-            q[0] - B[0], q[1] - B[1], q[2] - B[2], cluster, medium, f,
-        )  # fmt: skip
+            q[0] - B[0], q[1] - B[1], q[2] - B[2], cluster, f,
+        ))  # fmt: skip
         for term in range(TERMS):
             add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
-    if cluster.cap and Z[n - 1] > 0.0 and (not medium.layered or medium.top < Z[n - 1] <= medium.bottom):
+    within = Z[n - 1] > 0.0 and (not medium.layered or medium.top < Z[n - 1] <= medium.bottom)
+    if within and cluster.cap and medium.cap != 0:
         clear(f)
         p, q = P[n - 2], P[n - 1]
         last = V[n - 1]
-        law.cap_force(q[0] - p[0], q[1] - p[1], q[2] - p[2], last[0], last[1], last[2], cluster, medium, f)
+        law.cap_force(medium, (q[0] - p[0], q[1] - p[1], q[2] - p[2], last[0], last[1], last[2], cluster, f))
         for term in range(TERMS):
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
 
@@ -105,7 +106,7 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
     for i in range(n):
         px, py, pz = P[i, 0], P[i, 1], P[i, 2]
         if Z[max(0, i - 1)] > 0.0 or Z[i] > 0.0 or Z[min(n - 1, i + 1)] > 0.0:
-            px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
+            px, py, pz = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz
 
 

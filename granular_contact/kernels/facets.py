@@ -28,7 +28,6 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels import facet_scatter
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SMOOTH
@@ -48,8 +47,10 @@ Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
 # depth of the centroid (m), the row in elements; and what the law fills, its tractions.
 AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
 GROWING, CONSTANT = 24, 27
-ROWS = 30
-NOTED = GROWING  # rows that `facet_scatter` works in before the law fills them
+# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force.
+U, SHARE = 30, 33
+ROWS = 34
+NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
 def stress(nx, ny, nz, ux, uy, uz, m):
@@ -75,11 +76,12 @@ def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     raise NotImplementedError
 
 
-@part(inline=True)
-def lead(B, n, m, U):
-    """Fill U (4, LANES): the directions u in which a law sees facets move, and the shares g s of their static force."""
+@part
+def lead(B, n, m):
+    """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
     rest = m.v_eps if m.friction == SMOOTH else m.u_y
     Q = room2(5, LANES)  # q and its factor of v, see `space_friction.drive`; 1 / |q|
+    D = room2(4, LANES)  # what is filled
     if m.friction == SMOOTH:
         for k in range(n):
             Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
@@ -93,19 +95,22 @@ def lead(B, n, m, U):
         h = math.sqrt(x * x + y * y + z * z)
         still = h == 0.0  # then any direction will do
         one = 0.0 if still else 1.0 / h
-        U[0, k] = B[N, k] if still else one * x
-        U[1, k] = B[N + 1, k] if still else one * y
-        U[2, k] = B[N + 2, k] if still else one * z
-        U[3, k] = min(1.0, h / rest)
+        D[0, k] = B[N, k] if still else one * x
+        D[1, k] = B[N + 1, k] if still else one * y
+        D[2, k] = B[N + 2, k] if still else one * z
+        D[3, k] = min(1.0, h / rest)
         Q[4, k] = one
     if m.friction == SMOOTH:
         for k in range(n):
-            U[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
+            D[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
     for k in range(n):
         s, one = Q[3, k] * Q[4, k] * B[SPREAD, k], Q[4, k]
-        along = B[N, k] * U[0, k] + B[N + 1, k] * U[1, k] + B[N + 2, k] * U[2, k]
+        along = B[N, k] * D[0, k] + B[N + 1, k] * D[1, k] + B[N + 2, k] * D[2, k]
         g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
-        U[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
+        D[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
+    for row in range(4):
+        for k in range(n):
+            B[U + row, k] = D[row, k]
 
 
 @part
@@ -114,10 +119,8 @@ def traction_facets(B, n, m):
 
     Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
     """
-    U = room2(4, LANES)
-    lead(B, n, m, U)
     for k in range(n):
-        share, z, ux, uy, uz = U[3, k], B[Z, k], U[0, k], U[1, k], U[2, k]
+        share, z, ux, uy, uz = B[SHARE, k], B[Z, k], B[U, k], B[U + 1, k], B[U + 2, k]
         px, py, pz, sx, sy, sz = traction(
             z, B[N, k], B[N + 1, k], B[N + 2, k], ux, uy, uz, B[ONE_SIDE, k], B[SHEAR, k], m
         )
@@ -126,27 +129,17 @@ def traction_facets(B, n, m):
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
 
 
-@part(inline=True)
-def load_static(B, n, m):
-    """Fill the static tractions of a law with a `stress`."""
-    U, S = room2(4, LANES), room2(3, LANES)
-    lead(B, n, m, U)
-    for k in range(n):
-        share = U[3, k]
-        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], U[0, k], U[1, k], U[2, k], m)
-        S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
-    for row in range(3):
-        for k in range(n):
-            B[GROWING + row, k] = S[row, k]
-
-
 @part
 def static_facets(B, n, m):
     """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
-    load_static(B, n, m)
+    S = room2(3, LANES)
+    for k in range(n):
+        share = B[SHARE, k]
+        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], B[U, k], B[U + 1, k], B[U + 2, k], m)
+        S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
     for row in range(3):
         for k in range(n):
-            B[CONSTANT + row, k] = 0.0
+            B[GROWING + row, k], B[CONSTANT + row, k] = S[row, k], 0.0
 
 
 @part
@@ -165,26 +158,11 @@ def own_facets(B, n, m):
 @part
 def inertial_facets(B, n, m):
     """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
-    load_static(B, n, m)
+    static_facets(B, n, m)
     for k in range(n):
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
             B[N, k], B[N + 1, k], B[N + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], B[ONE_SIDE, k], m
         )
-
-
-@part
-def along_square(x, y, z, nx, ny, nz):
-    """Square of the part of a vector along the surface with the normal n."""
-    across = nx * x + ny * y + nz * z
-    return max(0.0, x * x + y * y + z * z - across * across)
-
-
-@part
-def count_shear(anchors, i, x, y, z, nx, ny, nz, immersed):
-    """Add to the shear displacement before an anchor goes to (x, y, z) m, as in `path_length`."""
-    dx, dy, dz = x - anchors[i, 0], y - anchors[i, 1], z - anchors[i, 2]
-    column = anchors.shape[1] - 1
-    anchors[i, column] = anchors[i, column] + math.sqrt(along_square(dx, dy, dz, nx, ny, nz)) if immersed else 0.0
 
 
 @part
@@ -237,11 +215,11 @@ def immersion(z, za, zb, ax, ay, az, bx, by, bz):
     deeper. A share of 0: nothing is below.
     """
     cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
-    if z + min(za, zb, zc) >= 0.0 and z > 0.0:
+    if z + min(za, min(zb, zc)) >= 0.0 and z > 0.0:
         k = 1.0 / (12.0 * z)
         hx, hy = k * (za * ax + zb * bx + zc * cx), k * (za * ay + zb * by + zc * cy)
         return 1.0, z, 0.0, 0.0, 0.0, hx, hy, k * (za * az + zb * bz + zc * cz)
-    if z + max(za, zb, zc) <= 0.0:
+    if z + max(za, max(zb, zc)) <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
         z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
@@ -278,7 +256,7 @@ def spread_along(elements, i, q):
     tx, ty, tz = cy * q[2] - cz * q[1], cz * q[0] - cx * q[2], cx * q[1] - cy * q[0]
     za = tx * elements[i, 8] + ty * elements[i, 9] + tz * elements[i, 10]
     zb = tx * elements[i, 11] + ty * elements[i, 12] + tz * elements[i, 13]
-    return tx, ty, tz, max(abs(za), abs(zb), abs(za + zb))
+    return tx, ty, tz, max(abs(za), max(abs(zb), abs(za + zb)))
 
 
 @part(inline=True)
@@ -288,7 +266,7 @@ def below_surface(elements, i, z, d, medium):
     bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
     za, zb = d[0] * ax + d[1] * ay + d[2] * az, d[0] * bx + d[1] * by + d[2] * bz
     if medium.layered:
-        return law.in_layer(z, za, zb, ax, ay, az, bx, by, bz, medium)
+        return law.in_layer(medium, (z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
     return immersion(z, za, zb, ax, ay, az, bx, by, bz)
 
 
@@ -304,7 +282,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     # Seen from the body: how the depth grows, velocity and angular velocity.
     d, p, q = seen(R, ground[1], ground[2], -1.0), seen(R, v[0], v[1], v[2]), seen(R, w[0], w[1], w[2])
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
-    n, last, grainy, sheared = 0, elements.shape[0], facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
+    n, last = 0, elements.shape[0]
     for i in range(first, elements.shape[0]):
         if n == LANES:
             last = i
@@ -327,14 +305,11 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
         note_motion(B, n, r, normal, v, w, e)
         note_immersion(B, n, R, r, below)
-        if sheared:
-            slid = along_square(e[0], e[1], e[2], normal[0], normal[1], normal[2])
-            B[SHEAR, n] = anchors[i, anchors.shape[1] - 1] + math.sqrt(slid)
-        if grainy:
-            facet_scatter.note(B, n, NOTED, anchors, i, x0 + r[0], y0 + r[1], z0 + r[2])
         n += 1
-    if grainy:
-        facet_scatter.factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
+    if medium.note != 0:
+        law.note(medium, (B, n, elements, anchors, cluster))
+    if medium.lead != 0 and n > 0:
+        law.lead(medium, (B, n))
     return last, n
 
 
@@ -363,9 +338,9 @@ def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of facets."""
     B, first = room2(ROWS, LANES), 0
     while first < elements.shape[0]:
-        first, n = law.gather(elements, anchors, cluster, pose, ground, first, medium, B)
+        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
         if n > 0:
-            law.facets(B, n, medium)
+            law.facets(medium, (B, n))
             add_up(B, n, W)
 
 
@@ -394,23 +369,22 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets."""
     R, x, v, w = axes(pose), pose[3], pose[4], pose[5]
     dx, dy, dz = seen(R, ground[1], ground[2], -1.0)
-    grainy, sheared = facet_scatter.scatters(anchors), facet_scatter.shears(anchors)
     for i in range(elements.shape[0]):
         E = elements[i]
         rx, ry, rz = turned(R, E[0], E[1], E[2])
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
+        ax, ay, az = px, py, pz
         za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
-        deepest = z + max(za, zb, -za - zb)
-        if grainy:
-            facet_scatter.count_path(anchors, i, px, py, pz)
+        highest = max(za, max(zb, -za - zb))
+        deepest = z + highest
         row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
-            row[law.LOWEST] = min(row[law.LOWEST], pz - max(za, zb, -za - zb))
-            px, py, pz = law.drag_anchor(px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2], medium)
-        if sheared:
+            row[law.LOWEST] = min(row[law.LOWEST], pz - highest)
+            ax, ay, az = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
+        if medium.count != 0:
             nx, ny, nz = turned(R, E[4], E[5], E[6])
-            count_shear(anchors, i, px, py, pz, nx, ny, nz, deepest > 0.0)
-        anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz
+            law.count(medium, (anchors, i, px, py, pz, ax, ay, az, nx, ny, nz, deepest > 0.0))
+        anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az

@@ -44,10 +44,10 @@ def held_facets(elements, anchors, cluster, pose, ground, medium, step, bristle,
     """
     B, M, first = room2(ROWS, LANES), room2(3, LANES), 0
     while first < elements.shape[0]:
-        first, n = law.gather(elements, anchors, cluster, pose, ground, first, medium, B)
+        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
         if n == 0:
             continue
-        law.facets(B, n, medium)
+        law.facets(medium, (B, n))
         push(B, n, W, M)
         weigh(B, n, step, bristle, M)
         for k in range(n):

@@ -52,19 +52,20 @@ def resist(
                 lower[4, 2] -= TRIAL
                 clear(inertia)
                 near_floor = True
-            bound(clusters[c], ahead, ground, near)
+            one = clusters[c]
+            bound(one.x, one.y, one.z, one.radius, ahead, ground, medium[0], near)
             if near[DEEPEST] <= 0.0:
                 continue
-            s, e = clusters[c].first, clusters[c].last
+            s, e = one.first, one.last
             for i in range(s, e - rows + 1):
                 E, A = some_of(elements, i, rows), some_of(anchors, i, rows)
                 clear(W)
-                law.forces(E, A, inner[c], lower, ground, medium[0], W)
+                law.forces(medium[0], (E, A, inner[c], lower, ground, W))
                 slope = W[0, 2]
                 if slope == 0.0:
                     continue
                 clear(W)
-                law.forces(E, A, inner[c], ahead, ground, medium[0], W)
+                law.forces(medium[0], (E, A, inner[c], ahead, ground, W))
                 for k in range(6):
                     wrench[at, k] += W[0, k]
                 weigh(step * (slope - W[0, 2]) / TRIAL, E, poses[at], inertia)

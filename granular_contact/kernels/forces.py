@@ -7,9 +7,10 @@ import numpy as np
 from granular_contact.kernels.balls import ball_forces
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.law import LAWS, record_of
-from granular_contact.kernels.lines import force
+from granular_contact.kernels.lines import accept, force
 from granular_contact.kernels.path_length import count_path, count_shear
 from granular_contact.kernels.scatter import scattered
+from granular_contact.kernels.spatial import spatial_scatter, spatial_stations
 from granular_contact.kernels.strips import distributed_forces, resultant_forces
 from granular_contact.kernels.wheels import lowering
 
@@ -24,12 +25,16 @@ def line_forces(P, V, anchors, line, profile, medium, F, totals):
 
 
 def medium_record(
-    own: np.ndarray, lines: np.ndarray | None = None, paths: bool = True, bodies: bool = True
+    own: np.ndarray,
+    lines: np.ndarray | None = None,
+    paths: bool = True,
+    bodies: bool = True,
+    spatial: bool = True,
 ) -> np.ndarray:
     """Record (1,) of `law.LAW` for a law's own record (1,), with what its lines ask for.
 
     lines: their records, None of any; paths: whether path lengths of stations are counted; bodies: whether lines are on
-    bodies, by whose coordinates `lines` moves them.
+    bodies, by whose coordinates `lines` moves them; spatial: whether on some of `spatial`, too.
     """
 
     def asked(field: str) -> bool:
@@ -48,5 +53,7 @@ def medium_record(
     if paths:
         found["count_path"] = count_path
     if bodies:
-        found["line_force"] = force
+        found |= {"line_force": force, "line_accept": accept}
+        if spatial:
+            found |= {"spatial_stations": spatial_stations, "spatial_scatter": spatial_scatter}
     return record_of(own, found)

@@ -3,7 +3,8 @@
 ground (4,): height (m) of a plane above the origin, its rise per length along x and y, and by how much a depth may grow
 with a distance. A map of heights adds, from MAP on, its cell (m), the place x, y of its first point (m), its numbers of
 rows and columns, and the heights (m) above the plane, row by row; ground[3] is then that of its steepest place. Between
-its points the map is that of Catmull and Rom, with a rise that does not jump; beyond its edge it goes on level.
+its points the map is that of Catmull and Rom, with a rise that does not jump; beyond its edge it goes on level. It is
+compiled for a bed that has one alone, see `space_joining`.
 """
 
 from __future__ import annotations
@@ -25,11 +26,9 @@ def _weights(t, w, dw):
 
 @part
 def tangent_plane(ground, x, y, plane):
-    """Fill plane (4,) with the one that touches the surface at x, y (m), as `ground` of a plane."""
+    """Fill plane (4,) with the one that touches a surface with a map at x, y (m), as `ground` of a plane."""
     for i in range(PLANE):
         plane[i] = ground[i]
-    if ground.shape[0] == PLANE:
-        return
     cell, rows, columns = ground[4], int(ground[7]), int(ground[8])
     u, v = (x - ground[5]) / cell, (y - ground[6]) / cell
     a, b = min(max(u, 0.0), columns - 1.0), min(max(v, 0.0), rows - 1.0)

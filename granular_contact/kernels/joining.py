@@ -32,8 +32,6 @@ IN_SPACE = (
     *("bar_force", "bar_cap", "space_ball_force"),
 )
 PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
-# Constants of `friction`, and what n . q reaches before an element of a surface is loaded as a whole, see `plates`.
-FRICTION = [("friction", "i8"), ("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
 _called: set[FunctionType] = set()
 
 
@@ -50,7 +48,7 @@ def record_type(owner: Any) -> np.dtype:
     anchors and static forces follows from `by_component` and from its stress.
     """
     own = [(f"{owner.__name__}_{_content(owner)}", "f8"), *((name, "f8") for name in owner.constants)]
-    dtype = np.dtype(own + FRICTION)
+    dtype = np.dtype(own + law.FRICTION)
     forces = {name: getattr(owner, name) for name in FORCES if hasattr(owner, name)}
     if "drag_anchor" not in forces:
         forces["drag_anchor"] = component_return if owner.by_component else radial_return

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.records import fields
-from granular_contact.kernels.spatial import spatial_scatter, spatial_stations
 
 # Kinds of bodies; a line is on one body.
 RIGID, CABLE, SPATIAL = 0, 1, 2
@@ -122,24 +121,21 @@ def in_space(planar: NDArray[np.void]) -> NDArray[np.void]:
 
 @part
 def stations(q, v, geometry, P, V):
-    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; geometry (n,) records."""
-    kind = geometry[0].kind
-    if kind == CABLE:
+    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; geometry (n,) records.
+
+    Of spatial bodies see `spatial`.
+    """
+    if geometry[0].kind == CABLE:
         _cable_stations(q, v, geometry, P, V)
-    elif kind == SPATIAL:
-        spatial_stations(q, v, geometry, P, V)
     else:
         _rigid_stations(q, v, geometry, P, V)
 
 
 @part
 def scatter(q, geometry, P, F, out):
-    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,)."""
-    kind = geometry[0].kind
-    if kind == CABLE:
+    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,); of spatial bodies see `spatial`."""
+    if geometry[0].kind == CABLE:
         _cable_scatter(geometry, F, out)
-    elif kind == SPATIAL:
-        spatial_scatter(q, geometry, F, out)
     else:
         _rigid_scatter(q, P, F, out)
 

@@ -48,12 +48,16 @@ LINE = np.dtype(
     ]
 )
 
+# Constants of `friction`, and what n . q reaches before an element of a surface is loaded as a whole, see `plates`.
+FRICTION = [("friction", "i8"), *fields("f8", "u_y", "tau", "v_eps", "pressed")]
+
 SIZE = 64  # numbers of a law's record, at most
 
 # Addresses of compiled functions, 0 where there is none, and a copy of the law's own record.
 FUNCTIONS = (
     *("forces", "strip_force", "cap_force", "ball_force", "drag_anchor"),
-    *("line_force", "count_shear", "count_path", "scattered", "lowering"),
+    *("line_force", "line_accept", "count_shear", "count_path", "scattered", "lowering"),
+    *("spatial_stations", "spatial_scatter"),
 )
 LAW = np.dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
 
@@ -68,10 +72,19 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "ball_force": ((*[_NUMBER] * 5, _LINE, OWN, _PAIR), types.none),
     "drag_anchor": ((*[_NUMBER] * 4, OWN), types.UniTuple(_NUMBER, 2)),
     "line_force": ((_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
+    "line_accept": (
+        (
+            *(_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 4, _ENDS, _VECTORS, _ROW, _ROW),
+            *(types.Array(types.int64, 1, "C"), types.boolean, types.boolean),
+        ),
+        types.UniTuple(_NUMBER, 2),
+    ),
     "count_shear": ((_VECTORS, _VECTORS, types.intp, _LINE), types.none),
     "count_path": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
     "scattered": ((_ENDS, _VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, _LINE), types.none),
     "lowering": ((_VECTORS, _VECTORS, types.intp, _LINE), _NUMBER),
+    "spatial_stations": ((_ROW, _ROW, _STATIONS, _VECTORS, _VECTORS), types.none),
+    "spatial_scatter": ((_ROW, _STATIONS, _VECTORS, _ROW), types.none),
 }
 
 
@@ -116,9 +129,10 @@ def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
     return builder.gep(at, [cgutils.intp_t(layout.fields[field][1])])  # type: ignore[index]
 
 
-_forces, _strip, _cap, _ball, _anchor, _line, _shear, _path, _scattered, _lowering = (
+_forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering, *_of_spatial = (
     caller(name, *_SIGNATURES[name], LAW) for name in FUNCTIONS
 )
+spatial_stations, spatial_scatter = _of_spatial  # (medium, arguments), those of `spatial` where bodies are such
 
 
 @part
@@ -170,6 +184,15 @@ def drag_anchor(px, py, ax, ay, medium):
 def line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     """`lines.force`."""
     _line(medium, (q, v, geometry, line, profile, anchors, P, V, F, totals, out))
+
+
+@part
+def line_accept(
+    q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, out, row, columns, begins, known
+):  # fmt: skip
+    """`lines.accept`."""
+    given = (q, v, geometry, line, profile, anchors, P, V, F, room, totals, out, row, columns, begins, known)
+    return _accept(medium, given)
 
 
 @part

@@ -52,8 +52,9 @@ START, FAR = 0, 1  # rows of `way`
 
 
 @part
-def go_to(words, share):
-    """Move to a share of the way."""
+def go_to(words):
+    """Move to the place on the way that is to be tried, or was found."""
+    share = row(words, ON_LINE)[AT]
     q, v, a, of = row(words, Q), row(words, V), row(words, A), row(words, OF)
     multipliers, kept, way = row(words, MULTIPLIERS), rows(words, KEPT), rows(words, WAY)
     kept_multipliers, constraints = rows(words, KEPT_MULTIPLIERS), rows(words, WAY_OF_MULTIPLIERS)
@@ -97,7 +98,7 @@ def draw(words):
 
 @part
 def turn_back(words, share):
-    """Begin to seek a place on the way; share: what the change from its end has along it."""
+    """Begin to seek a place on the way, where `go_to` then goes; share: what the change from its end has along it."""
     number, line = numbers(words, NUMBER), row(words, ON_LINE)
     number[STAGE], number[TRIES] = SEEKS, 0
     number[PAIRS], number[NEXT], number[FOLLOWS] = 0, 0, 0
@@ -108,7 +109,7 @@ def turn_back(words, share):
 
 @part
 def seek(words, share):
-    """Try another place on the way; share: what the change from the last one has along it."""
+    """Choose another place on the way; share: what the change from the last one has along it."""
     line, number = row(words, ON_LINE), numbers(words, NUMBER)
     if share > 0.0:
         if number[TRIES] > 1 and line[LOW] == line[LAST]:
@@ -121,15 +122,13 @@ def seek(words, share):
     between = line[OF_LOW] / (line[OF_LOW] - line[OF_HIGH])
     line[LAST], line[AT] = line[AT], line[LOW] + (line[HIGH] - line[LOW]) * min(1.0 - EDGE, max(EDGE, between))
     number[TRIES] += 1
-    go_to(words, line[AT])
 
 
 @part
 def found(words):
-    """Whether the place has been found, or enough were tried; if not, another one is."""
+    """Whether the place has been found, or enough were tried; if not, another one is chosen."""
     share = along(words)
     if abs(share) > NEAR and numbers(words, NUMBER)[TRIES] < MOST_TRIES:
         seek(words, share)
         return False
-    go_to(words, row(words, ON_LINE)[AT])
     return True

@@ -10,9 +10,10 @@ Arguments that they share:
     P, V, F     (n, 2) room for positions, velocities and forces of the stations; more columns are not used
     totals      (TERMS, 3), see `law`
 
-`force` is called by its address in the record of the medium, as `law.line_force`: several kernels need it.
+`force` and `accept` are called by their addresses in the record of the medium, as `law.line_force` and its like: they
+are compiled once, not within what calls them, too.
 
-`batches` calls them for many lines at once.
+`planar_sand` calls them for many lines at once.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ import math
 
 import numpy as np
 
+from granular_contact.kernels import law
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SWITCH
-from granular_contact.kernels.kinematics import scatter, spacing, stations
+from granular_contact.kernels.kinematics import SPATIAL, scatter, spacing, stations
 from granular_contact.kernels.law import LINE, TERMS, count_path, drag_anchor, forces, line_force
 from granular_contact.kernels.memory import clear, piece, room2, rows
 from granular_contact.kernels.path_length import start
@@ -85,11 +87,18 @@ def upright(P, i):
 @part
 def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
-    stations(q, v, geometry, P, V)
+    spatial = geometry[0].kind == SPATIAL
+    if spatial:
+        law.spatial_stations(medium, (q, v, geometry, P, V))
+    else:
+        stations(q, v, geometry, P, V)
     if not immersed(P, line, profile):
         return
     forces(P, V, anchors, line, profile, medium, F, totals)
-    scatter(q, geometry, P, F, out)
+    if spatial:
+        law.spatial_scatter(medium, (q, geometry, F, out))
+    else:
+        scatter(q, geometry, P, F, out)
 
 
 @part
@@ -165,7 +174,7 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
         return deepest, speed
     join_strips(P, V, F, geometry, line, profile, medium, anchors, room, rows(row, COARSER, 4))
     drag_anchors(P, anchors, line, profile, medium)
-    power, terms, body = columns
+    power, terms, body = columns[0], columns[1], columns[2]
     for i in range(P.shape[0]):
         row[power] += F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
     for term in range(TERMS):

@@ -9,7 +9,7 @@ w and in place, stand values of +1 or -1; between them
 
 and b likewise in the other direction: squares of the weights add to 1, so that xi has the mean 0 and the variance 1
 everywhere, a continuous first derivative, and no value beyond 2. With s <= MOST no strip is ever driven. A strip that
-is longer than a grain takes the mean of several, s sqrt(L / length). Facets in space: `facet_scatter`. The form is
+is longer than a grain takes the mean of several, s sqrt(L / length). Facets in space: `facet_paths`. The form is
 [ours]; no published spectrum is known.
 """
 

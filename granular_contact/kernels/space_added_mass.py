@@ -41,7 +41,7 @@ def act(
 def begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen):
     """`begin` or `follow`, as the clock (3,) says."""
     if clock[BEGINS] > 0.0:
-        begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, clock[STEP], seen)
+        begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
     elif clock[PASSED] > 0.0:
         follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
 
@@ -56,36 +56,37 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
     near, plane = room1(2), room1(4)
     for b in range(bodies.shape[0]):
         body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
-        bound(body, pose, ground, near)
+        bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
         within, deepest = may_touch(near, step), near[DEEPEST]
         if not within:
             saw[law.DEPTH] = max(saw[law.DEPTH], deepest)
         for c in range(body.first, body.last):
-            now = within
+            one, now = clusters[c], within
             if within:
-                bound(clusters[c], pose, ground, near)
+                bound(one.x, one.y, one.z, one.radius, pose, ground, medium[0], near)
                 now = may_touch(near, step)
-            s, e = clusters[c].first, clusters[c].last
+            s, e = one.first, one.last
             if now and active[c]:
-                below(clusters[c], pose, ground, plane)
+                below(one.x, one.y, one.z, pose, ground, medium[0], plane)
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                law.follow(E, A, clusters[c], pose, plane, medium[0], saw)
+                law.follow(medium[0], (E, A, one, pose, plane, saw))
             elif now:
-                release(elements, anchors, clusters[c], pose, False)
+                release(elements, anchors, one, pose, medium[0], False)
             if within and not (now and active[c]):
                 saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
             active[c] = now
 
 
 @part
-def begin(bodies, of_bed, clusters, elements, anchors, active, ground, poses, step, seen):
+def begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen):
     """Begin at these poses: no bristle is stretched; seen as of `follow`, all depths are bounds."""
     near = room1(2)
     for b in range(bodies.shape[0]):
         body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
         for c in range(body.first, body.last):
-            release(elements, anchors, clusters[c], pose, True)
-            bound(clusters[c], pose, ground, near)
+            one = clusters[c]
+            release(elements, anchors, one, pose, medium[0], True)
+            bound(one.x, one.y, one.z, one.radius, pose, ground, medium[0], near)
             saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
             active[c] = may_touch(near, step)
 
@@ -100,31 +101,30 @@ def resist(
     Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
     end of the step; turn (3, 3) as of `space_bodies`.
     """
-    W, ahead, near, plane = room2(TERMS, 6), room2(6, 3), room1(2), room1(4)
-    inertia = room2(6, 6)
+    W, ahead, near, plane, inertia = room2(TERMS, 6), room2(6, 3), room1(2), room1(4), room2(6, 6)
     for b in range(bodies.shape[0]):
-        body, at = bodies[b], of_bed[b]
-        some = False
+        body, at, some = bodies[b], of_bed[b], False
         for c in range(body.first, body.last):
             if not active[c]:
                 continue
+            one = clusters[c]
             if not some:
                 advance(poses[at], then[at], step, ahead)
                 clear(inertia)
                 some = True
-            bound(clusters[c], ahead, ground, near)
+            bound(one.x, one.y, one.z, one.radius, ahead, ground, medium[0], near)
             if near[DEEPEST] <= 0.0:
                 continue
-            s, e = clusters[c].first, clusters[c].last
-            below(clusters[c], ahead, ground, plane)
+            s, e = one.first, one.last
+            below(one.x, one.y, one.z, ahead, ground, medium[0], plane)
             if elements.shape[1] == COLUMNS:
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                held_facets(E, A, clusters[c], ahead, plane, medium[0], step, bristle[0], wrench[at], inertia)
+                held_facets(E, A, one, ahead, plane, medium[0], step, bristle[0], wrench[at], inertia)
                 continue
             for i in range(s, e - rows + 1):
                 clear(W)
                 E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
-                law.forces(E, A, clusters[c] if i == e - rows else inner[c], ahead, plane, medium[0], W)
+                law.forces(medium[0], (E, A, one if i == e - rows else inner[c], ahead, plane, W))
                 fx, fy, fz = total(W, 0), total(W, 1), total(W, 2)
                 if fx != 0.0 or fy != 0.0 or fz != 0.0:
                     for k in range(6):

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.kernels import bars, facets, law, slices, space_balls, space_law
+from granular_contact.kernels import bars, facet_paths, facets, law, slices, space_balls, space_law
 from granular_contact.kernels.facet_layers import between
+from granular_contact.kernels.ground import tangent_plane
 from granular_contact.kernels.joining import PARTS, compiled, let_call_others, record_type
-from granular_contact.kernels.space_bodies import body_forces
+from granular_contact.kernels.space_bodies import body_forces, by_angles
 from granular_contact.kernels.space_friction import parted_return, whole_return
 
 # What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
@@ -50,17 +51,27 @@ def space_record(
     kind: str,
     layer: tuple[float, float] | None = None,
     *,
+    paths: bool = False,
+    heights: bool = False,
     bodies: bool = False,
+    angles: bool = False,
 ) -> NDArray[np.void]:
     """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind.
 
-    own: the law's record (1,); layer: depths (m) that the medium lies between, None if it fills the bed; bodies:
-    whether elements are on bodies that `space_bodies` moves by their coordinates.
+    own: the law's record (1,); layer: depths (m) that the medium lies between, None if it fills the bed; paths: whether
+    paths of facets are counted; heights: whether the bed has a map of heights; bodies: whether elements are on bodies
+    that `space_bodies` moves by their coordinates; angles: whether some of these have six coordinates.
     """
     forces, follow = KINDS[kind]
     found = {"forces": forces, "follow": follow, **_functions(owner, kind)}
+    if paths:
+        found |= {"note": facet_paths.note, "count": facet_paths.count, "begin": facet_paths.begin}
+    if heights:
+        found["heights"] = tangent_plane
     if bodies:
         found["body"] = body_forces
+    if angles:
+        found["angles"] = by_angles
     if layer is not None and kind == "surface":
         found["layer"] = between
     medium = space_law.record_of(own, found)
@@ -76,6 +87,8 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
     found: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
     if kind == "surface":
         found["gather"], found["facets"] = facets.gather, _of_facets(owner, dtype)
+        if not hasattr(owner, "facet_force"):
+            found["lead"] = facets.lead
     for method, name in METHODS[kind].items():
         if hasattr(owner, method):
             function = getattr(owner, method)

@@ -17,24 +17,28 @@ along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, wi
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
+from numba import from_dtype, types
 
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.joint_coordinates import HINGE
+from granular_contact.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.kernels.joint_laws import follow, total
 from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE, gather
+from granular_contact.kernels.law import address_of, caller
 from granular_contact.kernels.lines import difference
 from granular_contact.kernels.memory import clear, room1, room2, room3, rows
-from granular_contact.kernels.space_bodies import turning
+from granular_contact.kernels.space_bodies import by_parameters
 
 MOST = 14  # coordinates of two nodes
 BALL = 2  # a kind of joint, beside HINGE and SLIDER
-# parent, child: how many coordinates their nodes have, none of the ground; points (m) and axes of the joint's frame in
+# find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
+# the ground; points (m) and axes of the joint's frame in
 # the frames of parent and child; reference: values of the coordinates.
 JOINT = np.dtype(
     [
-        ("kind", "i8"),
+        *((name, "i8") for name in ("kind", "find")),
         ("parent", "i8"),
         ("child", "i8"),
         ("parent_point", "f8", (3,)),
@@ -46,6 +50,9 @@ JOINT = np.dtype(
         *((name, "f8") for name in (*LAW, *DRIVE)),
     ]
 )
+_ROW, _ROWS, _ROOM = (types.Array(types.float64, n, "C") for n in (1, 2, 3))
+_FIND = (from_dtype(JOINT), *[_ROW] * 4, _ROOM, _ROWS, _ROOM)  # arguments of `_hinge` and its like
+_find = caller("find", _FIND, types.UniTuple(types.float64, 2), JOINT)
 
 
 @part
@@ -57,7 +64,7 @@ def _frames(joint, q, frames, places, turns):
         first = 0 if side == 0 else joint.parent
         for i in range(7):
             q0[i] = q[first + i] + joint.reference[first + i] if count > 0 else (1.0 if i == 3 else 0.0)
-        turning(q0, 7, frames[side], turns[side])
+        by_parameters(q0, frames[side], turns[side])
         for i in range(3):
             places[side, i] = q0[i]
 
@@ -87,30 +94,58 @@ def _from_home(joint, R, a):
 def coordinate(joint, last, q, v, slope):
     """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
-    _frames(joint, q, R, x, G)
-    return _in_frames(joint, last, R, x, G, v, slope)
+    return _find(joint, (last, q, v, slope, R, x, G))
 
 
 @part
-def _in_frames(joint, last, R, x, G, v, slope):
-    """`coordinate`, once the frames of both bodies are known."""
+def _hinge(joint, last, q, v, slope, R, x, G):
+    """`coordinate` of a hinge; R, x, G: room for the frames of both bodies, see `_frames`."""
+    _frames(joint, q, R, x, G)
+    a, by_turn, s = room1(3), room2(2, 3), _turn_of(joint, R)
+    _axis(joint, R, a)
+    s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
+    for i in range(3):
+        by_turn[0, i], by_turn[1, i] = -a[i], a[i]
     clear(slope)
-    a, by_turn, n = room1(3), room2(2, 3), joint.parent  # the axis; by what w_P and w_C count
+    return _ended(joint, last, s, by_turn, G, v, slope)
+
+
+@part
+def _ball(joint, last, q, v, slope, R, x, G):
+    """As `_hinge`, of a ball joint."""
+    _frames(joint, q, R, x, G)
+    a, by_turn = room1(3), room2(2, 3)
+    s = _from_home(joint, R, a)
+    for i in range(3):
+        by_turn[0, i], by_turn[1, i] = -a[i], a[i]
+    clear(slope)
+    return _ended(joint, last, s, by_turn, G, v, slope)
+
+
+@part
+def _slider(joint, last, q, v, slope, R, x, G):
+    """As `_hinge`, of a slider."""
+    _frames(joint, q, R, x, G)
+    a, by_turn = room1(3), room2(2, 3)
+    _axis(joint, R, a)
+    clear(slope)
+    s = _slide(joint, R, x, a, by_turn, slope)
+    return _ended(joint, last, s, by_turn, G, v, slope)
+
+
+@part
+def _axis(joint, R, a):
+    """Fill a (3,) with the axis of a hinge or a slider."""
     P = joint.parent_turn
     for i in range(3):
         a[i] = R[0, i, 0] * P[0, 2] + R[0, i, 1] * P[1, 2] + R[0, i, 2] * P[2, 2]
-    if joint.kind == HINGE:
-        s = _turn_of(joint, R)
-        s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
-    elif joint.kind == BALL:
-        s = _from_home(joint, R, a)
-    else:
-        s = _slide(joint, R, x, a, by_turn, slope)
-    if joint.kind == HINGE or joint.kind == BALL:
-        for i in range(3):
-            by_turn[0, i], by_turn[1, i] = -a[i], a[i]
+
+
+@part
+def _ended(joint, last, s, by_turn, G, v, slope):
+    """Coordinate and rate, once it is known by what w_P and w_C count, by_turn (2, 3), which is added to slope."""
+    n, rate = joint.parent, 0.0
     last[0] = s
-    rate = 0.0
     for i in range(3):
         for k in range(4):
             if n > 0:
@@ -158,8 +193,7 @@ def _slide(joint, R, x, a, by_turn, slope):
 def _act(joint, now, q, v, out):
     """Fill out (14,) with the generalised forces of a joint."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
-    _frames(joint, q, R, x, G)
-    s, rate = _in_frames(joint, now[TURNS:], R, x, G, v, out)
+    s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out, R, x, G))
     force = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
         out[i] *= force
@@ -235,7 +269,7 @@ def accept(system_q, system_v, joints, state, places):
         joint, now = joints[k], state[k]
         if joint.friction > 0.0:
             gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
-            s, _ = coordinate(joint, now[TURNS:], q, v, slope)
+            s, _ = coordinate(joint, rows(now, TURNS, 2), q, v, slope)
             now[ANCHOR] = follow(joint, s, now[ANCHOR])
 
 
@@ -243,3 +277,9 @@ def accept(system_q, system_v, joints, state, places):
 def single(joint, last, q, v, slope):
     """`coordinate` of one joint, record (1,)."""
     return coordinate(joint[0], last, q, v, slope)
+
+
+@cache
+def found_by(kind: int) -> int:
+    """Address of what finds the coordinate of joints of a kind, which is compiled where it is not yet."""
+    return address_of({HINGE: _hinge, SLIDER: _slider, BALL: _ball}[kind], _FIND)

@@ -9,7 +9,7 @@ from granular_contact.kernels.space_bodies import below
 
 
 @kernel
-def reach(bodies, clusters, elements, active, ground, poses, row):
+def reach(bodies, clusters, elements, active, ground, medium, poses, row):
     """Bring row (4,), the least x and y and the greatest (m), up to date at these poses.
 
     Arguments as of `space_bodies`. Of facets the immersed corners count; of bars the stations, half a diameter to all
@@ -22,7 +22,7 @@ def reach(bodies, clusters, elements, active, ground, poses, row):
             if not active[c]:
                 continue
             cluster = clusters[c]
-            below(cluster, pose, ground, plane)
+            below(cluster.x, cluster.y, cluster.z, pose, ground, medium[0], plane)
             beside = 0.5 * cluster.width
             drop = beside if cluster.mass > 0.0 else 0.0
             for i in range(cluster.first, cluster.last):

@@ -2,7 +2,8 @@
 
 Coordinates (x, y, z, e_0, e_1, e_2, e_3); stations r (n, 3) in the body frame, p = x + A(e) r. A is quadratic in e, so
 its derivative J(e) by e is linear, the velocity is V = x' + J(e) e', and dV/de = J(e'). Off the unit sphere A may be
-continued in any way: what of a generalised force points along e is taken up by the engine's constraint on e.
+continued in any way: what of a generalised force points along e is taken up by the engine's constraint on e. Compiled
+for beds with such bodies alone, see `forces`.
 """
 
 from __future__ import annotations

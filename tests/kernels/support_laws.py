@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels import law
+from granular_contact.kernels import kinematics, law, spatial
 from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.albert import Albert
 from granular_contact.laws.allen import Allen
@@ -104,6 +104,12 @@ def _ball(z, v, e, run, m, f):
 @njit
 def _drag(p, a, m):
     return law.drag_anchor(p[0], p[1], a[0], a[1], m[0])
+
+
+def stations(q: Array, v: Array, geometry: NDArray[np.void], P: Array, V: Array) -> None:
+    """Fill positions and velocities of the stations of a body of any kind."""
+    of_spatial = geometry["kind"][0] == kinematics.SPATIAL
+    (spatial.spatial_stations if of_spatial else kinematics.stations)(q, v, geometry, P, V)
 
 
 def below(z0: float, z1: float) -> tuple[float, float]:

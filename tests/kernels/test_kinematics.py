@@ -6,9 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from support_laws import stations
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
-from granular_contact.kernels import kinematics, lines
+from granular_contact.kernels import kinematics, lines, spatial
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.kinematics import cable_stations, curved_stations, hermite, rigid_stations
 
@@ -17,7 +18,7 @@ LENGTHS = np.array([0.1, 0.07, 0.12])
 
 def place(geometry: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     P, V = np.full((len(geometry), 2), np.nan), np.full((len(geometry), 2), np.nan)
-    kinematics.stations(q, v, geometry, P, V)
+    stations(q, v, geometry, P, V)
     return P, V
 
 
@@ -117,7 +118,10 @@ def test_virtual_work(geometry: np.ndarray, size: int) -> None:
         P, V = place(geometry, q, v)
         F, out = rng.uniform(-10, 10, P.shape), np.zeros(size)
         F[:, : i % 3] = 0.0  # both components, y alone, none
-        kinematics.scatter(q, geometry, P, F, out)
+        if size == spatial.SIZE:
+            spatial.spatial_scatter(q, geometry, F, out)
+        else:
+            kinematics.scatter(q, geometry, P, F, out)
         # The same products in another order: round-off of some 30 terms of 10 W.
         assert out @ v == pytest.approx((F * V).sum(), abs=1e-12)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label
+from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label, stations
 
 from granular_contact.kernels import kinematics, law, lines
 from granular_contact.kernels.forces import medium_record
@@ -66,7 +66,7 @@ class Sand:
         self.geometry, self.q, self.v = case
         n = len(self.geometry)
         anchors = np.zeros((n, 2))
-        kinematics.stations(self.q, self.v, self.geometry, anchors, np.zeros((n, 2)))
+        stations(self.q, self.v, self.geometry, anchors, np.zeros((n, 2)))
         anchors += rng.uniform(0.2, 0.7, (n, 2)) * YIELD * rng.choice([-1.0, 1.0], (n, 2))
         self.around = (self.geometry, run[0], LEVEL, medium_record(record)[0], anchors, *np.zeros((3, n, 2)))
 
@@ -83,7 +83,7 @@ class Sand:
     def add_tangent(self, fq: float, fv: float, out: Array) -> None:
         geometry, run, profile, *_ = self.around
         here, places = self.force(self.q, self.v), np.zeros((len(geometry), 2))
-        kinematics.stations(self.q, self.v, geometry, places, np.zeros_like(places))
+        stations(self.q, self.v, geometry, places, np.zeros_like(places))
         if lines.immersed(places, run, profile):
             room = np.zeros((3, self.q.size))
             lines.differences(self.q, self.v, self.v, *self.around, room, here, fq, fv, out)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,8 @@ from granular_contact.bed.space.elements import Elements
 from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
 from granular_contact.kernels.entry import entry
+from granular_contact.kernels.ground import PLANE
+from granular_contact.kernels.lending import places
 from granular_contact.kernels.space_joining import space_record
 from granular_contact.kernels.space_law import BODY
 from granular_contact.laws.kinds import Kind
@@ -42,13 +44,14 @@ class SpatialBatch:
         paths: int = 0,
         layer: tuple[float, float] | None = None,
     ) -> None:
-        self.ground, self.turn, self._layer = ground, turn, layer
-        self._law, self._own, self._meets = law, own, sets[0].meets
+        self.ground, self.turn = ground, turn
+        mapped = len(ground) > PLANE
+        self._record = partial(space_record, law, own, sets[0].meets, layer, paths=paths > 0, heights=mapped)
         grouped: dict[str, list[Elements]] = {}
         of_bodies = []
-        for one, places in zip(sets, columns, strict=True):
+        for one, at in zip(sets, columns, strict=True):
             if one.body.name not in grouped:
-                of_bodies.append(places)
+                of_bodies.append(at)
             grouped.setdefault(one.body.name, []).append(one)
         self.columns = np.array(of_bodies)
         self._groups = list(grouped.values())
@@ -68,12 +71,12 @@ class SpatialBatch:
     @cached_property
     def medium(self) -> NDArray[np.void]:
         """The medium as kernels read it; its law is compiled, the first time on a machine."""
-        return space_record(self._law, self._own, self._meets, self._layer)
+        return self._record()
 
     @cached_property
     def _for_bodies(self) -> NDArray[np.void]:
         """The medium for the kernels of `space_bodies`."""
-        return space_record(self._law, self._own, self._meets, self._layer, bodies=True)
+        return self._record(bodies=True, angles=bool((self.bodies["size"] < 7).any()))
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
@@ -83,45 +86,40 @@ class SpatialBatch:
         self.anchors[:] = 0.0
         self.proximity[:] = 0.0
         self.proximity[:, kernels.EVER] = -np.inf
-        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors)
-        kernels.start(q, reference, *on, self.poses)
-        self._sand = (reference, *on, self.active, self.ground, self._for_bodies)
-        if self._compiled:
-            return
-        # Compiling, the first time on a machine, belongs to the start and not to the first step.
-        self._force = entry(kernels.force, q, q, *self._sand, q)
-        self._tangent = entry(kernels.tangent, q, q, *self._sand, 1.0, 1.0, np.zeros((0, 3)), 0)
-        self._accept = entry(kernels.accept, q, q, *self._sand, self.poses, self.proximity, q, self.columns)
-        self._update = entry(kernels.update_active, *self._near, 0.0)
-        self._compiled = True
-
-    @property
-    def _near(self) -> tuple[NDArray[np.generic], ...]:
-        on = (self.bodies, self.clusters, self.elements, self.anchors, self.active)
-        return (*on, self.ground, self.poses, self.proximity)
+        self._reference = reference
+        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
+        sand = self._sand = places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
+        if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
+            self._force = entry(kernels.force, sand, q, q, q)
+            self._tangent = entry(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._accept = entry(kernels.accept, sand, q, q, q, True)
+            self._update = entry(kernels.update_active, sand, 0.0)
+            self._compiled = True
+        still = np.zeros_like(q)
+        self._accept(sand, q, still, still, True)
 
     def force(self, q: Vector, v: Vector, out: Vector) -> None:
         """Add the generalised forces of the active elements to out, the coordinates of the bed."""
-        self._force(q, v, *self._sand, out)
+        self._force(self._sand, q, v, out)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
         """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
-        return int(self._tangent(q, v, *self._sand, factor_q, factor_v, triplets, number))
+        return int(self._tangent(self._sand, q, v, factor_q, factor_v, triplets, number))
 
     def accept(self, q: Vector, v: Vector, row: Vector) -> None:
         """End of a step at this state, added to a history row."""
-        self._accept(q, v, *self._sand, self.poses, self.proximity, row, self.columns)
+        self._accept(self._sand, q, v, row, False)
 
     def reach(self, row: Vector) -> None:
         """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
         from granular_contact.kernels.space_reach import reach  # compiled for a bed with a container alone
 
-        on = (self.bodies, self.clusters, self.elements, self.active, self.ground)
+        on = (self.bodies, self.clusters, self.elements, self.active, self.ground, self._for_bodies)
         reach(*on, self.poses, row)
 
     def update_active(self, step: float) -> bool:
         """Choose what may touch the surface in the next step (s); whether there is anything."""
-        return bool(self._update(*self._near, step))
+        return bool(self._update(self._sand, step))
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and size (m) of the bodies that were ever immersed."""

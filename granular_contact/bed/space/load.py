@@ -19,7 +19,7 @@ from granular_contact.bed.space.batch import SpatialBatch
 from granular_contact.bed.space.heights import Heights
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
 from granular_contact.errors import scene_error
-from granular_contact.kernels import facet_scatter
+from granular_contact.kernels import facet_paths
 from granular_contact.kernels.facets import SIDE
 from granular_contact.kernels.space_joining import kinds_of, owner_of
 from granular_contact.laws.floor import Floor, InSpace
@@ -154,7 +154,7 @@ class SpatialLoad(GranularLoad):
             for kind in kinds(medium):
                 paths = 0
                 if kind == "surface":
-                    paths = (facet_scatter.COLUMNS - 3 if medium.scatters else 0) + int(medium.shear_grows)
+                    paths = (facet_paths.COLUMNS - 3 if medium.scatters else 0) + int(medium.shear_grows)
                 sets = [one for one in self.lines if one.meets == kind]
                 self._form(index, medium, sets, (owner_of(type(medium)), record, ground), paths=paths, layer=between)
         self.room_for_tangents = np.zeros((sum(batch.entries for batch in self.batches), 3))

@@ -13,7 +13,6 @@ from exudyn import itemInterface as items
 from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.errors import scene_error
 from granular_contact.geometry import rotations
-from granular_contact.kernels.space_bodies import turning
 from granular_contact.multibody.build import assembled
 from granular_contact.multibody.coupling import Coupling
 from granular_contact.multibody.joints import let_act, rigid_marker
@@ -47,12 +46,10 @@ def build(scene: SpatialScene) -> SpatialSystem:
 def _add(mbs: Any, body: SpatialRigidBody) -> RigidHandle[SpatialRigidBody]:
     motion, J = body.motion, body.inertia
     e = rotations.quaternion_of(motion.rotation)
-    G = np.empty((3, 4))
-    turning(np.concatenate([motion.position, e]), 7, np.empty((3, 3)), G)
     node = mbs.AddNode(
         items.NodeRigidBodyEP(
             referenceCoordinates=[*motion.position, *e],
-            initialVelocities=[*motion.velocity, *(0.25 * G.T @ motion.rate)],
+            initialVelocities=[*motion.velocity, *rotations.quaternion_rates(e, motion.rate)],
         )
     )
     obj = mbs.AddObject(

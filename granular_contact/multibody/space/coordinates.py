@@ -34,7 +34,8 @@ class SpatialCoordinate(Coordinate):
         self.joint, self.size = joint, len(references)  # type: ignore[assignment]
         self.record, self.last_angles = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
         record = self.record[0]
-        record["kind"] = KINDS[joint.kind]
+        kind = KINDS[joint.kind]
+        record["kind"], record["find"] = kind, space_joints.found_by(kind)
         record["parent"], record["child"] = len(references) - 7, 7
         for name in ("parent_point", "parent_turn", "child_point", "child_turn"):
             record[name] = getattr(joint, name)

@@ -1,7 +1,9 @@
-"""Scatter on facets (see `scatter`): the path of each, and by how much the static terms of a block of them scatter.
+"""What of facets depends on their paths: shear displacement (see `path_length`) and scatter (see `scatter`).
 
-A facet takes the value of a cube of the size of a grain, fixed to its body: facets whose middles lie in one cube share
-it, and as they stay there nothing jumps. One larger than a grain takes s L / sqrt(area).
+Compiled for media that ask for either alone, see `space_joining`.
+
+Of scatter a facet takes the value of a cube of the size of a grain, fixed to its body: facets whose middles lie in one
+cube share it, and as they stay there nothing jumps. One larger than a grain takes s L / sqrt(area).
 
 Where a medium scatters the anchors of facets have more columns: PATH, the path length (m) of the middle since the
 start; LAST and the two after it, where it was at the end of the last step (m); KEPT and the two after it: the number of
@@ -17,6 +19,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.facets import FIRST, NOTED, ROW, SHEAR, E, N
 from granular_contact.kernels.scatter import value
 
 PATH, LAST, KEPT = 3, 4, 7
@@ -37,19 +40,35 @@ def shears(anchors):
 
 
 @part
-def start(anchors, i):
-    """Begin the path of a facet where its anchor is."""
-    anchors[i, PATH], anchors[i, KEPT] = 0.0, np.nan
-    for k in range(3):
-        anchors[i, LAST + k] = anchors[i, k]
+def begin(anchors, first, last, anew):
+    """Begin the shear displacements of facets where their anchors are; anew: their paths, too."""
+    for i in range(first, last):
+        if shears(anchors):
+            anchors[i, anchors.shape[1] - 1] = 0.0
+        if anew and scatters(anchors):
+            anchors[i, PATH], anchors[i, KEPT] = 0.0, np.nan
+            for k in range(3):
+                anchors[i, LAST + k] = anchors[i, k]
 
 
 @part
-def count_path(anchors, i, x, y, z):
-    """Add to the path of a facet the step that ends with its middle at (x, y, z) m."""
-    dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
-    anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
-    anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = x, y, z
+def along(x, y, z, nx, ny, nz):
+    """Length of the part of a vector along the surface with the normal n."""
+    across = nx * x + ny * y + nz * z
+    return math.sqrt(max(0.0, x * x + y * y + z * z - across * across))
+
+
+@part
+def count(anchors, i, x, y, z, ax, ay, az, nx, ny, nz, immersed):
+    """Add a step that ends with the middle of a facet at (x, y, z) m, before its anchor goes to a (3,) m."""
+    if scatters(anchors):
+        dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
+        anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
+        anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = x, y, z
+    if shears(anchors):
+        slid = along(ax - anchors[i, 0], ay - anchors[i, 1], az - anchors[i, 2], nx, ny, nz)
+        column = anchors.shape[1] - 1
+        anchors[i, column] = anchors[i, column] + slid if immersed else 0.0
 
 
 @part
@@ -65,11 +84,22 @@ def keep(anchors, i, grain, x, y, z, area, cluster):
 
 
 @part
-def note(B, n, row, anchors, i, x, y, z):
-    """Note in column n of a block, from `row` on, what `factors` asks of facet i with its middle at (x, y, z) m."""
-    dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
-    B[row, n], B[row + 1, n] = anchors[i, PATH], dx * dx + dy * dy + dz * dz
-    B[row + 2, n], B[row + 3, n], B[row + 4, n] = anchors[i, KEPT], anchors[i, KEPT + 1], anchors[i, KEPT + 2]
+def note(B, n, elements, anchors, cluster):
+    """Set in a block of n facets what depends on their paths: shear displacements, and by how much terms scatter."""
+    if shears(anchors):
+        for k in range(n):
+            slid = along(B[E, k], B[E + 1, k], B[E + 2, k], B[N, k], B[N + 1, k], B[N + 2, k])
+            B[SHEAR, k] = anchors[int(B[ROW, k]), anchors.shape[1] - 1] + slid
+    if scatters(anchors):
+        for k in range(n):
+            i = int(B[ROW, k])
+            square = 0.0
+            for axis in range(3):
+                square += (anchors[i, axis] + B[E + axis, k] - anchors[i, LAST + axis]) ** 2
+            B[NOTED, k], B[NOTED + 1, k] = anchors[i, PATH], square
+            for column in range(3):
+                B[NOTED + 2 + column, k] = anchors[i, KEPT + column]
+        factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
 
 
 @part
