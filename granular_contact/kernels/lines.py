@@ -85,17 +85,22 @@ def upright(P, i):
 
 
 @part
-def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
-    """Add the generalised forces to out (m,) and to the totals."""
-    spatial = geometry[0].kind == SPATIAL
-    if spatial:
+def place(q, v, geometry, medium, P, V):
+    """Fill P and V with positions and velocities of the stations."""
+    if geometry[0].kind == SPATIAL:
         law.spatial_stations(medium, (q, v, geometry, P, V))
     else:
         stations(q, v, geometry, P, V)
+
+
+@part
+def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
+    """Add the generalised forces to out (m,) and to the totals."""
+    place(q, v, geometry, medium, P, V)
     if not immersed(P, line, profile):
         return
     forces(P, V, anchors, line, profile, medium, F, totals)
-    if spatial:
+    if geometry[0].kind == SPATIAL:
         law.spatial_scatter(medium, (q, geometry, F, out))
     else:
         scatter(q, geometry, P, F, out)
@@ -147,7 +152,7 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
     negative above the surface) and the greatest speed at which a station approaches the surface (m/s).
     """
     if not known:
-        stations(q, v, geometry, P, V)
+        place(q, v, geometry, medium, P, V)
         if immersed(P, line, profile):
             clear(totals)
             line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)

@@ -36,7 +36,8 @@ def test_a_seed_is_a_scene(tmp_path: Path, drawn) -> None:
 def test_the_draws_are_of_every_kind(drawn) -> None:
     kinds, solvers = Counter(one.kind for one in drawn), Counter(one.solver for one in drawn)
     assert len(kinds) >= len(KINDS) - 2  # 60 draws of 15 kinds, the rarest one in 17
-    assert set(solvers) == {"fixed steps", "chosen steps", "minimal", "reduced"}
+    steps = {f"{steps} steps, {by}" for steps in ("fixed", "chosen") for by in ("engine", "minimal")}
+    assert set(solvers) == {*steps, "reduced"}
     text = str([one.tree for one in drawn])
     for word in ("slope_deg", "profile_m", "layers", "'floor'", "depth_m", "'csv'", "'motion'", "'pd'"):
         assert word in text

@@ -60,7 +60,7 @@ def test_mujoco_and_minimal_coordinates_agree() -> None:
     from validation import peer_chains
 
     start = (31.0, 6.24)
-    fine = peer_chains.minimal(4, (1e-8, 2e-5), start)
+    fine = peer_chains.minimal(4, 1e-6, start)
     theirs = peer_chains.mujoco(4, 3200, start, integrator="RK4", native=True)
     # Two programs, one law; ours is within 0.02 um of its limit, MuJoCo's fourth order within less.
     assert peer_chains.distance(theirs, fine) < 0.1
