@@ -62,8 +62,8 @@ class March:
             "blank": table.blank,
             "calls": calls(look_here, attempt),
         }
-        arrays["states"] = np.zeros((SHARE, kernels.WIDTH * nodes))
-        arrays["table"] = np.zeros((SHARE, len(table.blank)))
+        arrays["states"] = np.zeros((1 + SHARE, kernels.WIDTH * nodes))
+        arrays["table"] = np.zeros((1 + SHARE, len(table.blank)))
         self._newton, self._changes = _iterations(arrays), _changes(arrays)
         arrays["iterations"], arrays["changes"] = places(*self._newton), places(*self._changes)
         self._words = words(arrays)

@@ -39,8 +39,8 @@ def reactions(motion: Kinematics) -> dict[str, Driving]:
     multipliers = motion.trajectory.multipliers
     # A multiplier pulls the constraint back; the drive pushes along the coordinate.
     forces = -np.column_stack([multipliers[drive.joint] for drive in drives]) - forces
-    rates = np.column_stack([motion.coordinate(motion.scene.joint(drive.joint))[1] for drive in drives])
-    prescribed = _Prescribed(motion.trajectory.time, drives, asked, rates, forces, inertias)
+    ways, rates = np.transpose([motion.coordinate(motion.scene.joint(drive.joint)) for drive in drives], (1, 2, 0))
+    prescribed = _Prescribed(motion.trajectory.time, drives, asked, ways, rates, forces, inertias)
     return {drive.joint: prescribed.driving(i) for i, drive in enumerate(drives)}
 
 
@@ -89,11 +89,12 @@ def _inverse(mass: Any) -> Vector:
 
 @dataclass(frozen=True)
 class _Prescribed:
-    """Motions: prescribed accelerations, rates and forces (n, d) at instants (n,) s, and the inertia (n, d, d) met."""
+    """Motions at instants (n,) s: prescribed accelerations, coordinates, rates, forces (n, d), inertia (n, d, d)."""
 
     time: Vector
     drives: Sequence[Drive]
     asked: Vector
+    ways: Vector
     rates: Vector
     forces: Vector
     inertias: Vector
@@ -106,7 +107,7 @@ class _Prescribed:
         """
         force, rate, inertia = self.forces[:, i], self.rates[:, i], self.inertias[:, i]
         rest = force - np.sum(inertia * self.asked, axis=1)
-        way = np.diff([self.drives[i].signal.value(t) for t in self.time.tolist()])
+        way = np.diff(self.ways[:, i])
         gained = 0.5 * np.sum((inertia[1:] + inertia[:-1]) * np.diff(self.rates, axis=0), axis=1)
         done = 0.5 * (rest[1:] + rest[:-1]) * way + gained * 0.5 * (rate[1:] + rate[:-1])
         jumps = self._jumps(i, rest)

@@ -136,7 +136,11 @@ def _extremes(time: Vector, track: Track, steps: NDArray[np.int64]) -> tuple[Vec
 def _powers(time: Vector, track: Track, steps: NDArray[np.int64]) -> tuple[Vector, Vector, Vector]:
     """Coefficients (steps,) of x, x^2 and x^3 of the cubics of some steps, x from 0 to 1 in each."""
     step, rise = time[steps + 1] - time[steps], track.values[steps + 1] - track.values[steps]
-    a, b = step * track.rates[steps], step * track.rates[steps + 1]
+    return _cubics(rise, step * track.rates[steps], step * track.rates[steps + 1])
+
+
+def _cubics(rise: Vector, a: Vector, b: Vector) -> tuple[Vector, Vector, Vector]:
+    """Coefficients of x, x^2 and x^3 of cubics that rise by so much, with the slopes a at 0 and b at 1."""
     return a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
 
 
@@ -145,9 +149,16 @@ def above_zero(time: Vector, tracks: Iterable[Track]) -> Spans:
     several = list(tracks)
     if not several or not len(time):
         return []
-    crossed = _crossed(time, several)
-    pairs = zip(several, crossed, strict=True)
-    return _united([span for track, steps in pairs for span in _above(time, track, np.flatnonzero(steps))])
+    found = [
+        _changes(time, track, np.flatnonzero(steps))
+        for track, steps in zip(several, _crossed(time, several), strict=True)
+    ]
+    zeros = iter(_zeros(time, several, [one.between for one in found]).tolist())
+    spans: Spans = []
+    for one in found:
+        edges = [one.first] * one.starts + [next(zeros) for _ in one.between] + [one.last] * one.ends
+        spans += zip(edges[::2], edges[1::2], strict=True)
+    return _united(spans)
 
 
 def first_above_zero(time: Vector, tracks: Iterable[Track]) -> float | None:
@@ -172,33 +183,44 @@ def _crossed(time: Vector, tracks: Sequence[Track]) -> NDArray[np.bool_]:
     return ~((least > 0.0) | (most <= 0.0))
 
 
-def _above(time: Vector, track: Track, steps: NDArray[np.int64]) -> Spans:
-    """Spans of one quantity, whose sign may change in some steps only."""
+class _Changes(NamedTuple):
+    """Where a quantity changes its sign, (k, 2) s: between two times; whether it is above zero at both ends (s)."""
+
+    between: Vector
+    first: float
+    last: float
+    starts: bool
+    ends: bool
+
+
+def _changes(time: Vector, track: Track, steps: NDArray[np.int64]) -> _Changes:
+    """Of one quantity, whose sign may change in some steps only; between two times it turns nowhere."""
     between, extremes = _extremes(time, track, steps)
     places = np.concatenate([time, between])
     order = np.argsort(places, kind="stable")
     places, values = places[order], np.concatenate([track.values, extremes])[order]
     up = values > 0.0
     change = np.flatnonzero(up[1:] != up[:-1])
-    edges = [_zero(time, track, places[k], places[k + 1]) for k in change]
-    edges = [float(places[0])] * bool(up[0]) + edges + [float(places[-1])] * bool(up[-1])
-    return list(zip(edges[::2], edges[1::2], strict=True))
+    pairs = np.column_stack([places[change], places[change + 1]])
+    return _Changes(pairs, float(places[0]), float(places[-1]), bool(up[0]), bool(up[-1]))
 
 
-def _zero(time: Vector, track: Track, low: float, high: float) -> float:
-    """Where a quantity passes zero between two times at which its sign differs, and between which it turns nowhere."""
-    i = int(np.clip(np.searchsorted(time, low, side="right") - 1, 0, len(time) - 2))
-    start, step = float(time[i]), float(time[i + 1] - time[i])
-    c0, (c1, c2, c3) = float(track.values[i]), (float(c[0]) for c in _powers(time, track, np.array([i])))
+def _zeros(time: Vector, tracks: Sequence[Track], between: Sequence[Vector]) -> Vector:
+    """Where quantities pass zero, each between its pairs of times (k, 2) s, one after another; by bisection."""
+    low, high = np.concatenate(between).T
+    rows = np.repeat(np.arange(len(tracks)), [len(pairs) for pairs in between])
+    i = np.clip(np.searchsorted(time, low, side="right") - 1, 0, len(time) - 2)
+    values, slopes = (np.array(both) for both in zip(*tracks, strict=True))
+    start, step, c0, rise = time[i], time[i + 1] - time[i], values[rows, i], values[rows, i + 1] - values[rows, i]
+    c1, c2, c3 = _cubics(rise, step * slopes[rows, i], step * slopes[rows, i + 1])
     a, b = (low - start) / step, (high - start) / step
     rises = c0 + b * (c1 + b * (c2 + b * c3)) > 0.0
-    for _ in range(60):  # bisection, to round-off
+    for _ in range(60):  # to round-off
         middle = 0.5 * (a + b)
-        if (c0 + middle * (c1 + middle * (c2 + middle * c3)) > 0.0) == rises:
-            b = middle
-        else:
-            a = middle
-    return float(start + step * 0.5 * (a + b))
+        beyond = (c0 + middle * (c1 + middle * (c2 + middle * c3)) > 0.0) == rises
+        a, b = np.where(beyond, a, middle), np.where(beyond, middle, b)
+    zeros: Vector = start + step * 0.5 * (a + b)
+    return zeros
 
 
 def _united(spans: Spans) -> Spans:
