@@ -83,6 +83,10 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.integrator=euler", "one of tsitouras, dormand_prince, RK23"),
         ("method.reduced.order=2", "unknown key"),
         ("method=fem", "allowed are auto, engine, minimal, reduced, and a mapping whose key is one of the last three"),
+        (
+            "method={minimal: {rtol: 1e-5}}",
+            "method.minimal.rtol: is no key any more: solver.accuracy chooses the steps",
+        ),
         ("method=[1]", "allowed is a mapping with the keys engine, minimal, reduced"),
         ("method.reduced.static=smooth", "load.friction has the type elastoplastic"),
     ],
