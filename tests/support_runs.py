@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -57,9 +59,26 @@ def scene_of(text_or_name: str, *overrides: str) -> Scene:
     return build(scenario_of(text_or_name, *overrides))
 
 
-@cache
 def simulate(text_or_name: str, *overrides: str) -> Results:
-    """Results of a config, kept for those who ask again."""
+    """Results of a config, kept for those who ask again; by the method under test where none is asked for."""
+    return _simulated(text_or_name, *chosen, *overrides)
+
+
+chosen: list[str] = []  # overrides that name the method under test
+
+
+@contextmanager
+def by(method: str) -> Iterator[None]:
+    """What is simulated meanwhile is so by this method."""
+    chosen.append(f"method={method}")
+    try:
+        yield
+    finally:
+        chosen.pop()
+
+
+@cache
+def _simulated(text_or_name: str, *overrides: str) -> Results:
     scenario = scenario_of(text_or_name, *overrides)
     return run(build(scenario), scenario)
 

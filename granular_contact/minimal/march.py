@@ -44,7 +44,9 @@ GAIN, MOST_ITERATIONS = 0.6, 20  # of Newton's method: when its matrix is renewe
 # a five-hundredth of what a step's error may be: with ten times as much one body in sixty that is thrown into the sand
 # rolled on where it should have stopped, for a tenth fewer iterations.
 CLOSENESS = 2e2
-OF_SHORT = 30.0  # times the tolerance of fixed steps: what matters of the shortest, whose speeds hardly change
+# The same over the step, of what fixed steps leave: it matters for the shortest, whose speeds hardly change. A drive
+# that is controlled answers what is left of a rate with its torque.
+OF_CHOSEN, OF_CONTROLLED = 30.0, 3.0
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
 LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated")
 ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
@@ -180,7 +182,8 @@ def _limits(scene: Scene) -> NDArray[np.void]:
         control["left"] *= max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more
         control["crowd"] = CROWD * math.ceil(solver.end_time_s / solver.step_s) + 1000
     else:
-        control["left"] *= OF_SHORT
+        controlled = any(drive.kind == "control" for drive in scene.drives)
+        control["left"] *= OF_CONTROLLED if controlled else OF_CHOSEN
         control["closeness"], control["crowd"] = CLOSENESS * solver.tolerance, MOST_CHOSEN
     return control
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import support_runs
 from support_runs import DENSITY, scene_of, simulate
 
 from granular_contact.errors import SceneError
@@ -152,7 +153,7 @@ def test_a_csv_column_is_followed(tmp_path) -> None:
     (tmp_path / "gait.csv").write_text("time_s, knee\n0, 0\n0.1, 40\n0.3, -10\n0.4, 0\n")
     column = "{type: csv, file: gait.csv, column: knee}"
     (tmp_path / "arm.yaml").write_text(ARM + f"drives: {{elbow: {{type: motion, angle_deg: {column}}}}}\n")
-    scenario = config.load(tmp_path / "arm.yaml").scenario
+    scenario = config.load(tmp_path / "arm.yaml", support_runs.chosen).scenario
     results, table = run(build(scenario), scenario), simulate(ARM, f"drives={{{DRIVES['table']}}}")
     np.testing.assert_array_equal(results["elbow_angle_deg"], table["elbow_angle_deg"])
     # What is saved can be run without the file.
