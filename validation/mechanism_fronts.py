@@ -235,7 +235,7 @@ def draw(every: dict[str, list[Setting]]) -> None:
             panel.loglog([_seconds(one) for one in some], [1e2 * one.error for one in some], style, ms=4, label=label)
         shipped = next(one for one in found if one.name == SHIPPED)
         panel.loglog([_seconds(shipped)], [1e2 * shipped.error], "k*", ms=10, label=SHIPPED)
-        panel.set(title=name.replace("_", " "), xlabel="CPU s", xlim=(0.003, 2.0))
+        panel.set(title=name.replace("_", " "), xlabel="CPU s", xlim=(0.001, 2.0))
     axes[0].set_ylabel("error, % of the path")
     axes[-1].legend(fontsize=7)
     figure.savefig(FIGURE, dpi=110)
