@@ -31,12 +31,25 @@ COPIED = ("granular_contact", "tests", "models", "configs", "schemas", "validati
 LONGEST = 900.0  # s: a mutant that runs longer hangs, which is noticed
 # Files whose places are changed, by area, each with the tests that have to notice.
 _JOINTS = "tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"
+_TREES = (
+    "tests/minimal/test_tree_kernels.py",
+    "tests/minimal/test_minimal_against_engine.py",
+    "tests/minimal/test_mechanisms_against_engine.py",
+)
 AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "joints": {
         "kernels/joint_loads.py": _JOINTS,
         "kernels/joint_laws.py": _JOINTS,
         "multibody/joint_actions.py": _JOINTS,
         "multibody/joint_history.py": (*_JOINTS, "tests/test_simulation.py"),
+    },
+    "trees": {
+        "kernels/tree.py": _TREES,
+        "kernels/tree_load.py": _TREES,
+        "kernels/tree_newton.py": _TREES,
+        "kernels/tree_march.py": (*_TREES, "tests/multibody/test_stepping.py", "tests/test_simulation.py"),
+        "kernels/step_choice.py": ("tests/multibody/test_stepping.py", "tests/multibody/test_drives.py"),
+        "minimal/march.py": (*_TREES, "tests/test_start_in_sand.py", "tests/test_simulation.py"),
     },
     "observers": {
         "multibody/observe.py": (
