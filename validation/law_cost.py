@@ -19,9 +19,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from granular_contact import preset
-from granular_contact.kernels import batches, kinematics
+from granular_contact.kernels import batches, kinematics, planar_sand
+from granular_contact.kernels.entry import entry
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import LINE
+from granular_contact.kernels.lending import places
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
 from validation.laws import every_medium
@@ -39,12 +41,26 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     if "ball" in medium.takes:
         run["drop"] = 0.5 * run["width"]
         geometry = kinematics.ball_stations(np.zeros(2))
-    q, v, places = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.column_stack([np.arange(3)] * 2)
+    q, v, where = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.column_stack([np.arange(3)] * 2)
     n = len(geometry)
     ends, active, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
     sand = np.array([[0.0, 0.0]]), medium_record(medium.record(Elastoplastic(), 9.81)), np.zeros((n, 2))
-    group = (q, v, np.zeros(3), active, ends, places, geometry, run, *sand, *batches.work(ends, sand[-1]))
-    return lambda: batches.force(*group, out), lambda: batches.tangent(*group, 1.0, 1.0, triplets, 0)
+    of_end = np.zeros((1, 3), np.int64), np.zeros((1, 3))
+    group = np.zeros(3), active, ends, where, geometry, run, *sand, *batches.work(ends, sand[-1]), *of_end
+    words = places(*group)[None, :]
+    force, tangent = (
+        entry(planar_sand.force, words, q, v, out),
+        entry(planar_sand.tangent, words, q, v, 1.0, 1.0, triplets),
+    )
+
+    def forces() -> None:
+        force(words, q, v, out)
+
+    def tangents() -> None:
+        assert group  # whose arrays the words are of
+        tangent(words, q, v, 1.0, 1.0, triplets)
+
+    return forces, tangents
 
 
 def least(ways: dict[str, Callable[[], None]], rounds: int = ROUNDS) -> dict[str, float]:
