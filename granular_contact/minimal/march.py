@@ -33,7 +33,7 @@ from granular_contact.kernels.tree_arrays import FASTEST as SO_FAR
 from granular_contact.kernels.tree_calls import record as calls
 from granular_contact.kernels.tree_newton import attempt, look_here
 from granular_contact.minimal.tree import Tree
-from granular_contact.multibody.recorder import CROWD, MOST_CHOSEN
+from granular_contact.multibody.recorder import most_steps
 from granular_contact.multibody.scheme import OF_CHANGING_STEPS, moving_joints, spectral_radius
 from granular_contact.multibody.stepping import SHORT, SHORTEST, choice, learn
 from granular_contact.scene.types import FASTEST, Scene, Vector
@@ -176,15 +176,14 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     solver, control = scene.solver, np.zeros(1, CONTROL)
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
-    control["away"] = FASTEST
+    control["away"], control["crowd"] = FASTEST, most_steps(solver)
     control["left"] = solver.tolerance * scene.force_scale / scene.mass
     if solver.accuracy is None:
         control["left"] *= max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more
-        control["crowd"] = CROWD * math.ceil(solver.end_time_s / solver.step_s) + 1000
     else:
         controlled = any(drive.kind == "control" for drive in scene.drives)
         control["left"] *= OF_CONTROLLED if controlled else OF_CHOSEN
-        control["closeness"], control["crowd"] = CLOSENESS * solver.tolerance, MOST_CHOSEN
+        control["closeness"] = CLOSENESS * solver.tolerance
     return control
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System
 from granular_contact.results import Progress
+from granular_contact.scene.steps import Steps
 from granular_contact.scene.types import FASTEST, Vector
 
 CROWD = 20  # times the steps of the run, and some: with so many it does not get on
@@ -43,10 +44,9 @@ class Recorder:
         self.reason = ""
         self.control: StepControl | None = None
         self.shortened = 0
-        fixed = self.solver.accuracy is None
         self._rest_time = system.scene.rest_time
         self._moving = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
-        self.most = CROWD * math.ceil(self.solver.end_time_s / self.solver.step_s) + 1000 if fixed else MOST_CHOSEN
+        self.most = most_steps(self.solver)
         self.deadline = math.inf
         self.time = 0.0  # of the last step recorded (s)
         self._paused, self._outdated = False, False
@@ -156,6 +156,13 @@ class Recorder:
         if self.resting_since is None:
             self.resting_since = t
         return t - self.resting_since >= self._rest_time
+
+
+def most_steps(solver: Steps) -> int:
+    """Steps after which a run is given up."""
+    if solver.accuracy is not None:
+        return MOST_CHOSEN
+    return CROWD * math.ceil(solver.end_time_s / solver.step_s) + 1000
 
 
 def levers(system: System) -> Vector:
