@@ -7,6 +7,7 @@ from pydantic import BaseModel
 from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
 from granular_contact.laws.catalogue import LAWS
+from granular_contact.laws.functions import refuse_faulty
 from granular_contact.laws.law import Law
 
 
@@ -25,7 +26,8 @@ def add_law(law: type[Law]) -> None:
     ValueError
         Another law has this tag.
     TypeError
-        The class lacks its equation, terms, shapes or constants.
+        The class lacks its equation, terms, shapes or constants, or kernels can't call its functions; with those that
+        are wanted.
 
     Examples
     --------
@@ -33,9 +35,7 @@ def add_law(law: type[Law]) -> None:
     >>> from granular_contact.laws.albert import Albert
     >>> add_law(Albert)  # a law that is registered already stays so
     """
-    lacking = [name for name in ("equation", "terms", "takes", "constants") if not hasattr(law, name)]
-    if lacking:
-        raise TypeError(f"{law.__name__} has no {', '.join(lacking)}; every law defines them")
+    refuse_faulty(law)
     held = LAWS.get(law.tag())
     if held is law:
         return

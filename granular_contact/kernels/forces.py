@@ -6,7 +6,7 @@ import numpy as np
 
 from granular_contact.kernels.balls import ball_forces
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.law import LAWS, record_of
+from granular_contact.kernels.law import LAWS, OWN_LAWS, record_of
 from granular_contact.kernels.lines import accept, force
 from granular_contact.kernels.path_length import count_path, count_shear
 from granular_contact.kernels.scatter import scattered
@@ -35,11 +35,18 @@ def medium_record(
 
     lines: their records, None of any; paths: whether path lengths of stations are counted; bodies: whether lines are on
     bodies, by whose coordinates `lines` moves them; spatial: whether on some of `spatial`, too.
+
+    Raises
+    ------
+    TypeError
+        The law has no force in the plane; further as of `law.record_of`.
     """
 
     def asked(field: str) -> bool:
         return lines is None or bool(np.any(lines[field] > 0))
 
+    if not {"ball_force", "strip_force"} & LAWS[own.dtype].keys():
+        raise TypeError(f"the law {OWN_LAWS[own.dtype].__name__} has no force in the plane, such as a stress")
     if "ball_force" in LAWS[own.dtype]:
         found = {"forces": ball_forces}
     else:

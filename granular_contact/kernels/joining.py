@@ -24,14 +24,9 @@ from granular_contact.kernels import law, plates
 from granular_contact.kernels.bar_statics import component_return
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.planar_friction import radial_return
+from granular_contact.kernels.signatures import IN_PLANE, IN_SPACE
 
-FORCES = ("strip_force", "cap_force", "ball_force", "drag_anchor", "stress", "traction")
-# See `space_joining`.
-IN_SPACE = (
-    *("facet_stress", "facet_traction", "facet_inertia", "facet_force"),
-    *("bar_force", "bar_cap", "space_ball_force"),
-)
-PARTS = {"constants", "by_component", *FORCES, *IN_SPACE}  # of a law, that make it another one for the kernels
+PARTS = {"constants", "by_component", *IN_PLANE, *IN_SPACE}  # of a law, that make it another one for the kernels
 _called: set[FunctionType] = set()
 
 
@@ -44,12 +39,14 @@ def blank(owner: Any) -> NDArray[np.void]:
 def record_type(owner: Any) -> np.dtype:
     """Record type of a law, which the kernels know from then on.
 
-    owner: class with `constants`, the names of its numbers, and static methods named as FORCES; what it leaves out of
-    anchors and static forces follows from `by_component` and from its stress.
+    owner: class with `constants`, the names of its numbers, and static methods named as in
+    `signatures.IN_PLANE`; what it leaves out of anchors and static forces follows from `by_component` and its stress.
     """
     own = [(f"{owner.__name__}_{_content(owner)}", "f8"), *((name, "f8") for name in owner.constants)]
     dtype = np.dtype(own + law.FRICTION)
-    forces = {name: getattr(owner, name) for name in FORCES if hasattr(owner, name)}
+    if not owner.__module__.startswith(f"{__package__.partition('.')[0]}."):
+        law.OWN_LAWS[dtype] = owner
+    forces = {name: getattr(owner, name) for name in IN_PLANE if hasattr(owner, name)}
     if "drag_anchor" not in forces:
         forces["drag_anchor"] = component_return if owner.by_component else radial_return
     for name in sorted(forces, key=lambda name: name != "stress"):
@@ -75,9 +72,11 @@ def compiled(function: Any) -> Any:
 
 
 def _content(owner: Any) -> str:
-    """Digest of the file of a class; another one every time where there is no file, as in a notebook."""
+    """Digest of the file of a class; another one every time where there is none, as in a notebook or of `python -`."""
     file = getattr(sys.modules.get(owner.__module__), "__file__", None)
-    return uuid.uuid4().hex if file is None else hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
+    if file is None or not Path(file).is_file():
+        return uuid.uuid4().hex
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
 
 
 def let_call_others(function: Callable[..., Any], inline: bool = False) -> None:

@@ -65,7 +65,7 @@ _LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
 _STATIONS = types.Array(from_dtype(STATION), 1, "C")
 OWN = None  # where a law's function takes its own record
-_SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
+SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*[_VECTORS] * 3, _LINE, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
     "strip_force": ((*[_NUMBER] * 14, _LINE, OWN, _ENDS), types.none),
     "cap_force": ((*[_NUMBER] * 4, _LINE, OWN, _ENDS), types.none),
@@ -130,7 +130,7 @@ def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
 
 
 _forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering, *_of_spatial = (
-    caller(name, *_SIGNATURES[name], LAW) for name in FUNCTIONS
+    caller(name, *SIGNATURES[name], LAW) for name in FUNCTIONS
 )
 spatial_stations, spatial_scatter = _of_spatial  # (medium, arguments), those of `spatial` where bodies are such
 
@@ -228,9 +228,9 @@ def record_of(own: np.ndarray, forms: dict[str, Any]) -> np.ndarray:
     Raises
     ------
     TypeError
-        The law has too many numbers.
+        The law has too many numbers, or, of one from outside the package, can't be compiled.
     """
-    return filled(own, LAWS[own.dtype] | forms, LAW, _SIGNATURES)
+    return filled(own, LAWS[own.dtype] | forms, LAW, SIGNATURES)
 
 
 def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatures: dict[str, Any]) -> np.ndarray:
@@ -243,12 +243,27 @@ def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatu
         known = function, name, layout, own.dtype
         if known not in _ADDRESSES:
             kinds = (from_dtype(own.dtype) if kind is OWN else kind for kind in signatures[name][0])
-            _ADDRESSES[known] = address_of(function, tuple(kinds))
+            _ADDRESSES[known] = _address_of_law(function, tuple(kinds), own.dtype)
         medium[name] = _ADDRESSES[known]
     return medium
 
 
 _ADDRESSES: dict[tuple[Any, str, np.dtype, np.dtype], int] = {}  # numba's types are slow to make and to look up
+
+
+OWN_LAWS: dict[np.dtype, Any] = {}  # by record type: classes of laws from outside the package
+
+
+def _address_of_law(function: Any, arguments: tuple[Any, ...], own: np.dtype) -> int:
+    """`address_of`; what can't be compiled of a law from outside is told in one sentence."""
+    try:
+        return address_of(function, arguments)
+    except Exception as error:
+        if own not in OWN_LAWS:
+            raise
+        from granular_contact.kernels.own_law import why_not
+
+        raise TypeError(why_not(OWN_LAWS[own], own, error)) from None
 
 
 def address_of(function: Any, arguments: tuple[Any, ...]) -> int:

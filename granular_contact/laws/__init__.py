@@ -1,6 +1,6 @@
 """Laws of resistance: one law, one file, one line in `catalogue`.
 
-law, kinds                     what a law is, what it can act on
+law, functions, kinds          what a law is, whether kernels can call it, what it can act on
 coefficients, validity         tables of numbers in a law; the range that it was measured in
 scalar, surface_pressure       what several laws of balls, and of pressed surfaces, share
 floor, layer, static_friction  what else a bed has

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_serializer
 
 from granular_contact.laws.coefficients import Coefficients
+from granular_contact.laws.functions import refuse_faulty
 from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.scatter import MeasuredScatter, Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -132,6 +133,8 @@ class Law(Coefficients):
         ------
         ValueError
             A coefficient that the source leaves open was not given.
+        TypeError
+            Kernels can't call the functions of the law, or its numbers are none of its constants.
         """
         from granular_contact.kernels.plates import PRESSED
 
@@ -139,7 +142,11 @@ class Law(Coefficients):
             got = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
             raise ValueError(f"{got}: got None, allowed is the number of your case: its source does not state it")
         record = self.blank()
-        for name, value in self.numbers(abs(gravity)).items():
+        numbers = self.numbers(abs(gravity))
+        if unknown := [name for name in numbers if name not in self.constants]:
+            has = f"{type(self).__name__}.numbers gives {', '.join(unknown)}"
+            raise TypeError(f"{has}; allowed are the names in its constants: {', '.join(self.constants)}")
+        for name, value in numbers.items():
             record[name] = value
         static.fill(record)
         record["pressed"] = PRESSED * (record["u_y"] + record["v_eps"])  # one of them is 0
@@ -148,6 +155,7 @@ class Law(Coefficients):
     @classmethod
     def blank(cls) -> NDArray[np.void]:
         """Record (1,) of the law with all numbers 0; the law is joined to the kernels, which loads the compiler."""
+        refuse_faulty(cls)
         from granular_contact.kernels.joining import PARTS, blank
 
         return blank(next(one for one in cls.__mro__ if PARTS & vars(one).keys()))
