@@ -51,7 +51,9 @@ class SteadyBody:
         if scene.in_space:
             raise scene_error("model", "a steady motion is one of the plane; of bodies in space a run gives the forces")
         self._scene, self.body = scene, _chosen(scene, name)
-        if scene.bed is None or not scene.bed.level:
+        if scene.bed is None or not scene.bed.layers:
+            raise scene_error("medium", "a steady motion needs a medium; got none")
+        if not scene.bed.level:
             raise scene_error("bed", "a steady motion needs a medium with a level surface")
         joint = next((c for c in scene.joints if c.child == self.body.name), None)
         self.center = np.zeros(2) if joint is None else np.asarray(joint.child_point, float)

@@ -11,6 +11,7 @@ problem, responses                 parameters -> curves of every run
 jacobian, noise, solve             least squares from many starts, weighted by the noise that is left
 uncertainty, goodness, diagnostics errors, what can't be distinguished; whether residuals are noise; other checks
 scatter                            scatter of grains, separated from noise and coefficients in force tests
+plausible                          coefficients beyond all published ones, forces beyond the law's: units
 media_of_runs                      whose medium the coefficients go into, and in what else the media differ
 fitting, medium, writing           Fit; the medium found; fit.json, medium.yaml, residuals.csv and figures
 """

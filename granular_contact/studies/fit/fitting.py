@@ -12,6 +12,7 @@ from granular_contact.laws.scatter import MOST
 from granular_contact.studies.fit import media_of_runs
 from granular_contact.studies.fit.goodness import Goodness, goodness
 from granular_contact.studies.fit.jacobian import jacobian
+from granular_contact.studies.fit.plausible import unit_warnings
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.responses import ModelFailed
 from granular_contact.studies.fit.scatter import Scattering, separate
@@ -70,6 +71,7 @@ class Fit:
         found += [*self.goodness.warnings, *self.uncertainty.words]
         found += dict.fromkeys(note for run in self.problem.runs for note in run.measured.notes)
         found += media_of_runs.words(self.problem, self.values)
+        found += unit_warnings(self.problem, self.values, self.residuals)
         if self.scatter is not None and self.scatter.relative > MOST:
             size = f"{self.scatter.relative:.2g}"
             found.append(f"the medium would scatter by {size}, and {MOST:g} is the most that one can: that is written")

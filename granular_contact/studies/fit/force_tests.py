@@ -66,6 +66,8 @@ def select(table: Table, test: ForceTest, mapping: Mapping[str, tuple[str, Posit
         chosen = _named(table)
     refuse(_incomplete(table, chosen, test))
     values = numbers_of(table, chosen, FEWEST_ROWS)
+    if DEPTH in values:
+        refuse(_upward(table, values[DEPTH], test))
     back = _unloading(values[DEPTH], test) if DEPTH in values else np.zeros(len(table.rows), bool)
     if test.unloading == "refuse" and np.any(back):
         refuse(few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)]))
@@ -134,7 +136,21 @@ def _incomplete(table: Table, chosen: Chosen, test: ForceTest) -> Iterator[Fault
     yield from twice(names, table.file, line)
 
 
-# ---- rows in which the body goes back ----
+# ---- depths that are heights, rows in which the body goes back ----
+
+
+def _upward(table: Table, depth: Vector, test: ForceTest) -> Iterator[Fault]:
+    """A fault of depths (n,) m that are counted upward: farther above the surface than ever below it.
+
+    Depths that change in the sense of the motion are those of a body that comes from above, or goes out.
+    """
+    zero = test.depth_offset_m if isinstance(test.depth_offset_m, float) else 0.0
+    first, last = sorted((int(np.argmin(depth)), int(np.argmax(depth))))
+    along = (depth[last] - depth[first]) * np.sin(np.radians(angle_of(test))) > 0.0
+    if not along and np.max(zero - depth) > max(np.max(depth - zero), 0.0):
+        i = int(np.argmin(depth))
+        words = f"got {1e3 * depth[i]:.4g} mm; depths count downward from the surface: turn the sign of the column"
+        yield Fault(table.file, table.lines[i], DEPTH, words)
 
 
 def _unloading(depth: Vector, test: ForceTest) -> NDArray[np.bool_]:

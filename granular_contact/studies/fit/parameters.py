@@ -72,12 +72,19 @@ def _refused(request: ParameterRequest, values: Sequence[Any], plains: Sequence[
     present = next((value for value in values if value is not _MISSING), _MISSING)
     hint = unknown(request.name, sorted(_keys(plains[0])))
     if present is _MISSING:
-        return f"the run has no such key; {hint}"
+        nothing = _null_above(plains[0], request.key)
+        return f"is below {nothing}, which is null" if nothing else f"the run has no such key; {hint}"
     kind = "nothing there" if present is None else "a mapping" if isinstance(present, dict) else f"{present!r}"
     return f"is not a number but {kind}; {hint}"
 
 
 _MISSING = object()
+
+
+def _null_above(plain: dict[str, Any], key: Sequence[str]) -> str | None:
+    """The key above this one, if the run has nothing there, as a medium of null."""
+    above = (key[:count] for count in range(1, len(key)))
+    return next((".".join(one) for one in above if value_at(plain, one, _MISSING) is None), None)
 
 
 def _keys(plain: Any, path: str = "") -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from granular_contact.bed.steady import SteadyBody
@@ -88,6 +89,7 @@ class _Source:
                 self._scene = build(loaded.scenario)
             except SceneError as error:
                 raise ConfigError(loaded.sources.place(error.faults)) from error
+            self._sources = loaded.sources
             self.template = filled(loaded.scenario, HERE)
             self.simulator = Simulator(self.template)
         if faults or table is None:  # else there was a fault
@@ -126,9 +128,11 @@ class _Source:
             try:
                 body = SteadyBody(self._scene, test.body)
                 self.model = LawAlone(self.template, (), held.columns, test, self.motion).response(()).at(held.time)
-            except (SceneError, ModelFailed) as error:
-                found = error.faults[0].message if isinstance(error, SceneError) else str(error)
-                refuse([request.at_config.fault((), f"no force test can be made of it: {found}")])
+            except SceneError as error:
+                words = "no force test can be made of it: "
+                refuse(replace(one, message=words + one.message) for one in self._sources.place(error.faults))
+            except ModelFailed as error:
+                refuse([request.at_config.fault((), f"no force test can be made of it: {error}")])
             self.own = zeros_of(test, held)
             depths = [low for key, low, _, _ in self.own if key == DEPTH_OFFSET]
             least = depths[0] if depths else known_zero(test.depth_offset_m)

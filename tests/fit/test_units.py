@@ -1,0 +1,125 @@
+"""Columns in another unit, or of another sign, than their names say: told by the size of what is found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support_fit import CONFIG, RIGID, measure
+from support_force import DRAGGED, PLATE, fitted, forces, problem, table
+
+from granular_contact.errors import ConfigError
+from granular_contact.studies.fit import load_specification, prepare
+from granular_contact.studies.fit.plausible import published
+
+DEPTH = np.linspace(0.5e-3, 0.04, 40)
+ZETA = 0.8
+ASKED = "is a column of the data in another unit than its name says?"
+
+
+@pytest.fixture(scope="module")
+def force() -> np.ndarray:
+    return forces(PLATE, [f"medium={{law: rft, zeta: {ZETA}}}"], DEPTH)["force_N"]
+
+
+def warnings(folder: Path, head: str, factors: tuple[float, float], force: np.ndarray, more: str) -> list[str]:
+    """Warnings about units of a fit to depths (m) and forces (N), times these factors."""
+    columns = factors[0] * DEPTH, factors[1] * force
+    table(folder / "test.csv", head, *columns, noise=0.02 * columns[1].max())
+    found = fitted(folder, f"{more}\nruns: [{{config: {PLATE}, data: test.csv}}]")
+    return [one for one in found.warnings if one.endswith(ASKED)]
+
+
+FREE = "set: {medium: {law: rft, zeta: 1}}\nparameters: {medium.zeta: {from: 1.e-5, to: 1.e+5}}"
+BOUND = "set: {medium: {law: rft, zeta: 1}}\nparameters: [medium.zeta]"
+
+
+@pytest.mark.parametrize(
+    ("head", "factors", "size"),
+    [
+        ("depth_mm,force_N", (1e2, 1.0), 10.0),  # cm
+        ("depth_mm,force_N", (1e3, 1e3), 1e3),  # mN
+        ("depth_mm,force_mN", (1e3, 1.0), 1e-3),  # N
+        ("depth_mm,force_kN", (1e3, 1.0), 1e3),  # N
+    ],
+)
+def test_a_coefficient_that_no_sand_has_is_told(
+    tmp_path: Path, force: np.ndarray, head: str, factors: tuple[float, float], size: float
+) -> None:
+    low, high = min(published()["zeta"]), max(published()["zeta"])
+    (words,) = warnings(tmp_path, head, factors, force, FREE)
+    beyond = (
+        f"{size * ZETA / high:.2g} times the greatest" if size > 1.0 else f"1/{low / (size * ZETA):.2g} of the least"
+    )
+    assert words.startswith("medium.zeta, ")
+    assert beyond in words
+
+
+@pytest.mark.parametrize(("head", "size"), [("depth_mm,force_N", 1e3), ("depth_mm,force_mN", 1.0)])
+def test_a_force_that_the_law_does_not_reach_within_its_bounds_is_told(
+    tmp_path: Path, force: np.ndarray, head: str, size: float
+) -> None:
+    words = warnings(tmp_path, head, (1e3, size), force, BOUND)
+    assert any("force_N is " in one and "times what the fitted law gives" in one for one in words)
+
+
+def test_right_units_are_not_told_of(tmp_path: Path, force: np.ndarray) -> None:
+    for factor in (0.2, 1.0, 4.0):  # zeta of 0.16 to 3.2, within those published
+        assert warnings(tmp_path, "depth_mm,force_N", (1e3, factor), force, FREE) == []
+
+
+# ---- signs ----
+
+
+def refused(folder: Path, depth: np.ndarray, force: np.ndarray, more: str = "", config: Path = PLATE) -> str:
+    table(folder / "test.csv", "depth_mm,force_N", 1e3 * depth, force)
+    with pytest.raises(ConfigError) as caught:
+        problem(folder, f"{BOUND}\n{more}\nruns: [{{config: {config}, data: test.csv}}]")
+    return str(caught.value)
+
+
+TURN = "depths count downward from the surface: turn the sign of the column"
+
+
+@pytest.mark.parametrize(
+    "more",
+    ["", "force_test: {depth_offset_m: fit}", "force_test: {unloading: leave_out}", "force_test: {direction: 60}"],
+)
+def test_heights_for_depths_are_told(tmp_path: Path, force: np.ndarray, more: str) -> None:
+    assert TURN in refused(tmp_path, -DEPTH, force, more)
+
+
+def test_of_drag_and_of_a_plate_pulled_out_too(tmp_path: Path, force: np.ndarray) -> None:
+    level = np.full(len(DEPTH), -0.03)
+    assert TURN in refused(tmp_path, level, force, "force_test: {direction: right}", DRAGGED)
+    assert TURN in refused(tmp_path, -DEPTH[::-1], force, "force_test: {direction: up}")
+
+
+def test_a_body_that_comes_from_above_is_none_of_it(tmp_path: Path, force: np.ndarray) -> None:
+    said = refused(tmp_path, DEPTH - 0.03, force)
+    assert "above the surface" in said
+    assert TURN not in said
+
+
+# ---- nothing in the place of a medium ----
+
+
+def test_a_medium_of_null_is_told_where_it_is_said(tmp_path: Path, force: np.ndarray) -> None:
+    table(tmp_path / "test.csv", "depth_mm,force_N", 1e3 * DEPTH, force)
+    with pytest.raises(ConfigError) as caught:
+        problem(
+            tmp_path, f"parameters: [medium.zeta]\nset: {{medium: null}}\nruns: [{{config: {PLATE}, data: test.csv}}]"
+        )
+    (fault,) = caught.value.faults
+    assert (Path(fault.file).name, fault.line, fault.key) == ("fit.yaml", 3, "medium")
+    assert fault.message == "no force test can be made of it: a steady motion needs a medium; got none"
+
+
+def test_of_a_run_too(tmp_path: Path) -> None:
+    measure(tmp_path / "data.csv", RIGID)
+    (tmp_path / "fit.yaml").write_text(
+        f"parameters: [medium.eta_d]\nset: {{medium: null}}\nruns: [{{config: {CONFIG}, data: data.csv}}]", "utf-8"
+    )
+    with pytest.raises(ConfigError, match=r"fit.yaml:1: medium.eta_d: is below medium, which is null"):
+        prepare(load_specification(tmp_path / "fit.yaml"))
