@@ -196,7 +196,7 @@ class Template:
             faults.append(at.fault(("config",), "stands in a sweep only; the config of one run is needed here"))
             raise ConfigError(sorted(faults, key=by_place))
         self._root, self._path = root, path
-        self._resolved: dict[tuple[setting.Override, ...], tree.Node] = {}
+        self._resolved: dict[tuple[setting.Override, ...], tuple[tree.Node, list[str]]] = {}
         self._parts: dict[str, _Part] = {}  # of the last scenario
         self._small: tree.Node | None = None  # the last tree without a number that is too large
 
@@ -209,7 +209,7 @@ class Template:
             With `faults` and what was found besides.
         """
         found = list(faults)
-        read = self._with_references(tuple(one for one in overrides if one.is_reference), found)
+        read, notices = self._with_references(tuple(one for one in overrides if one.is_reference), found)
         changed = setting.apply(read, [one for one in overrides if not one.is_reference], found)
         node = _named(_restated(read, changed), self._path)
         assert isinstance(node, tree.Mapping)  # as the root, see __init__
@@ -220,7 +220,8 @@ class Template:
         scenario = scenario_of(node, found, {key: one.value for key, one in parts.items() if one.value is not None})
         new = [key for key in _SHARED if key in parts and parts[key].value is None]
         self._parts = parts | {key: parts[key]._replace(value=getattr(scenario, key)) for key in new}
-        return Loaded(scenario, SourceMap(node, [notice for one in parts.values() for notice in one.notices]))
+        notices = [*notices, *(notice for one in parts.values() for notice in one.notices)]
+        return Loaded(scenario, SourceMap(node, notices))
 
     def _is_small(self, read: tree.Node, overrides: Sequence[setting.Override]) -> bool:
         """Whether no number is too large: of the tree before the overrides, looked through once, and of theirs."""
@@ -244,8 +245,10 @@ class Template:
         """Whether the config, overrides aside, may name files of columns."""
         return any(tree.child(self._root, key) is not None for key in COLUMN_KEYS)
 
-    def _with_references(self, references: tuple[setting.Override, ...], faults: list[Fault]) -> tree.Node:
-        """The tree with model and medium read in; read once for the same references, unless there were faults."""
+    def _with_references(
+        self, references: tuple[setting.Override, ...], faults: list[Fault]
+    ) -> tuple[tree.Node, list[str]]:
+        """The tree with model and medium read in, and notices; once for the same references, unless with faults."""
         if references in self._resolved:
             return self._resolved[references]
         before = len(faults)
@@ -256,11 +259,12 @@ class Template:
         layers = partial(_each, change=partial(tree.under, key="medium", change=medium))
         node = tree.under(node, "medium", partial(_each, change=medium))
         node = tree.under(node, "bed", partial(tree.under, key="layers", change=layers))
+        notices = [str(notice) for notice in resolver.notices]
         if len(faults) == before:
             if len(self._resolved) == _MOST_KEPT:
                 self._resolved.clear()
-            self._resolved[references] = node
-        return node
+            self._resolved[references] = node, notices
+        return node, notices
 
 
 def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Mapping[str, Any] | None = None) -> Scenario:

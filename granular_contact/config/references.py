@@ -59,10 +59,14 @@ def medium_names() -> list[str]:
 
 
 class Resolver:
-    """Replaces references by the trees that they refer to; faults are appended to `faults`."""
+    """Replaces references by the trees that they refer to; faults are appended to `faults`.
+
+    notices: on what was passed over in a robot file.
+    """
 
     def __init__(self, config: Path, faults: list[Fault]) -> None:
         self._config, self._faults = config, faults
+        self.notices: list[Fault] = []
 
     def resolve(self, node: Node, library: Library) -> Node:
         """Tree of a model or medium given as name, path, or mapping that may have `from`; null is left alone."""
@@ -71,7 +75,7 @@ class Resolver:
         if isinstance(node, Mapping | Scalar) and not (isinstance(node, Scalar) and not isinstance(node.value, str)):
             found = self._expand(node, library, self._config, ())
             if library is MODELS and isinstance(found, Mapping) and is_of_robot(found):
-                return mechanism(found, self._faults)
+                return mechanism(found, self._faults, self.notices)
             return found
         if isinstance(node, Broken):
             return node

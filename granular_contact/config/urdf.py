@@ -26,8 +26,11 @@ def is_of_robot(node: Node) -> bool:
     return isinstance(node, Mapping) and URDF in node.nodes
 
 
-def mechanism(node: Mapping, faults: list[Fault]) -> Node:
-    """The mechanism in the robot file that a model names; with faults, one whose parts are `Broken`."""
+def mechanism(node: Mapping, faults: list[Fault], notices: list[Fault]) -> Node:
+    """The mechanism in the robot file that a model names; with faults, one whose parts are `Broken`.
+
+    notices: what was passed over in the file is appended.
+    """
     before = len(faults)
     asked = _asked(node, faults)
     if asked is None:
@@ -35,7 +38,7 @@ def mechanism(node: Mapping, faults: list[Fault]) -> Node:
     at = node.nodes[URDF].position
     folder = Path(at.file).parent if at.line is not None else Path()
     try:
-        found = _translated(node, asked, folder, faults)
+        found = _translated(node, asked, folder, faults, notices)
     except ConfigError as error:  # of the file as a whole; without a line of its own it is a fault of its name
         shown = error.faults[0].file
         own_faults = [at.fault(("model", URDF), f"{shown} {one.message}") for one in error.faults]
@@ -70,7 +73,9 @@ def _asked(node: Mapping, faults: list[Fault]) -> RobotFile | None:
     return asked
 
 
-def _translated(node: Mapping, asked: RobotFile, folder: Path, faults: list[Fault]) -> Node | None:
+def _translated(
+    node: Mapping, asked: RobotFile, folder: Path, faults: list[Fault], notices: list[Fault]
+) -> Node | None:
     """Raises ConfigError if the file can't be read as XML."""
     from granular_contact.config.references import shown
     from granular_contact.robot.massless import has_world, merged
@@ -89,6 +94,7 @@ def _translated(node: Mapping, asked: RobotFile, folder: Path, faults: list[Faul
     if not reader.faults:
         said = mechanism_of(bodies, reader, _wishes(asked, robot, folder))
     faults += reader.faults
+    notices += reader.notices
     return None if reader.faults else _placed(said, Position(robot.file, 1))
 
 

@@ -1,6 +1,7 @@
 """Robot files (URDF): read with the lines of their elements, checked, mended.
 
 source      the file -> XML, without entities or network
+tolerant_xml   text -> XML that other readers of robot files take, with notices
 elements    numbers and texts of XML elements, with their faults
 types       what a robot is made of
 links, joints, urdf   XML -> a robot

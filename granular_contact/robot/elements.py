@@ -13,10 +13,11 @@ from granular_contact.robot.types import Pose, Vector
 
 
 class Reader:
-    """Reads elements of one file, and collects faults."""
+    """Reads elements of one file, and collects faults; notices: what was passed over."""
 
     def __init__(self, file: str) -> None:
         self.file = file
+        self.notices: list[Fault] = []
         self.faults: list[Fault] = []
         self.of_shapes: dict[str, list[Fault]] = {"collision": [], "visual": []}
 

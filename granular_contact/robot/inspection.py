@@ -84,6 +84,7 @@ def inspect(
     _note_shapeless(notes, robot, which)
     if not reader.faults:
         _check_bodies(reader, notes, robot, shapes)
+    notes.faults += reader.notices
     in_order = [tuple(sorted(one.faults, key=lambda fault: fault.line or 0)) for one in (reader, notes)]
     return Inspection(robot, which, tuple(shapes), *in_order)
 

@@ -56,7 +56,7 @@ def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None 
                 names[key] = _file_name(one.path, set(names.values()))
                 done.append(f"{names[key]}: {_write(one, surfaces, out / 'meshes' / names[key])}")
         target = out / source.name
-        root = parse(source)
+        root = parse(source).root
         done += mend_inertias(root, inspection)
         _rename(root, inspection.which, source, names, out, packages or {})
         root.getroottree().write(target, xml_declaration=True, encoding="utf-8")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from granular_contact.errors import ConfigError, Fault
+from granular_contact.robot.tolerant_xml import DamagedXML, decoded, root_of
 
 MOST_BYTES = 20_000_000
 Element = Any  # of lxml, which has no types
@@ -18,8 +19,15 @@ _DOCTYPE = "has a DOCTYPE; allowed is a URDF without one, as entities are not ex
 _XACRO = "is written in xacro; expand it first: xacro FILE > robot.urdf"
 
 
-def parse(path: Path) -> Element:
-    """The root element `<robot>` of a file.
+class Parsed(NamedTuple):
+    """The root element `<robot>` of a file, and notices on what was passed over in it."""
+
+    root: Element
+    notices: list[Fault]
+
+
+def parse(path: Path) -> Parsed:
+    """The root element of a file.
 
     Raises
     ------
@@ -42,37 +50,41 @@ def parse(path: Path) -> Element:
     return _checked(path, raw)
 
 
-def _checked(path: Path, raw: bytes) -> Element:
+def _checked(path: Path, raw: bytes) -> Parsed:
+    text, notices = decoded(raw)
+    if (start := text.find("<!DOCTYPE")) >= 0:
+        raise refused(path, _DOCTYPE, text.count("\n", 0, start) + 1)
     try:
-        from lxml import etree
+        root, more = root_of(text)
     except ImportError:
         raise refused(path, "robot files are read by lxml: pip install 'granular-contact[robot]'") from None
-    if (start := raw.find(b"<!DOCTYPE")) >= 0:
-        raise refused(path, _DOCTYPE, raw.count(b"\n", 0, start) + 1)
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
-    try:
-        root = etree.fromstring(raw, parser)
-    except (etree.XMLSyntaxError, ValueError) as error:
-        line = getattr(error, "lineno", None) or None
-        words = " ".join(str(getattr(error, "msg", error)).split())[:160]
-        raise refused(path, f"is not valid XML: {words}", line) from None
-    if root.getroottree().docinfo.internalDTD is not None:  # in an encoding that hid it
-        raise refused(path, _DOCTYPE, 1)
-    return _robot(path, root)
+    except DamagedXML as error:
+        raise refused(path, f"is not valid XML: {' '.join(str(error).split())[:160]}", error.line) from None
+    found = [Fault(str(path), line, "", words) for line, words in (*notices, *more)]
+    return Parsed(_robot(path, root), found)
 
 
 def _robot(path: Path, root: Element) -> Element:
-    from lxml import etree
-
-    tag = etree.QName(root).localname
+    _, tag = _space_and_tag(root)
     if tag != "robot":
         raise refused(
             path, _OTHERS.get(tag, f"is not a URDF: its root is <{tag[:40]}>, allowed is <robot>"), root.sourceline
         )
-    for element in root.iter(etree.Element):
-        if "xacro" in (etree.QName(element).namespace or "") or "${" in "".join(element.attrib.values()):
+    for element in root.iter():
+        if not isinstance(element.tag, str):  # a comment
+            continue
+        if "xacro" in _space_and_tag(element)[0] or "${" in "".join(element.attrib.values()):
             raise refused(path, _XACRO, element.sourceline)
     return root
+
+
+def _space_and_tag(element: Element) -> tuple[str, str]:
+    """Namespace of an element, or its prefix if that is not declared, and its name there."""
+    if element.tag.startswith("{"):
+        space, _, tag = element.tag[1:].partition("}")
+    else:
+        space, _, tag = element.tag.rpartition(":")
+    return space, tag
 
 
 def refused(path: Path, message: str, line: int | None = None) -> ConfigError:

@@ -41,8 +41,9 @@ def read_all(path: str | PathLike[str]) -> tuple[Robot, Reader]:
     ConfigError
         The file can't be read as XML.
     """
-    root = parse(Path(path))
+    root, notices = parse(Path(path))
     reader = Reader(str(path))
+    reader.notices += notices
     named = dict[str, dict[str, Element]]()
     for tag in _TAGS:
         named[tag] = dict(_named(reader, root, tag))
