@@ -84,7 +84,8 @@ def _translated(
     from granular_contact.robot.urdf import read_all
 
     robot, reader = read_all(shown(folder / asked.urdf))
-    reader.use(asked.shapes)
+    sand = _sand(asked, robot)
+    reader.use(asked.shapes, sand)
     if not reader.faults:
         faults += _unmatched(node, asked, robot)
         if has_world(robot) and asked.base is not None:
@@ -92,19 +93,24 @@ def _translated(
             faults.append(node.keys["base"].fault(("model", "base"), words))
         bodies = merged(held(robot, asked.fix), reader, asked.base == "fixed")
     if not reader.faults:
-        said = mechanism_of(bodies, reader, _wishes(asked, robot, folder))
+        said = mechanism_of(bodies, reader, _wishes(asked, sand, folder))
     faults += reader.faults
     notices += reader.notices
     return None if reader.faults else _placed(said, Position(robot.file, 1))
 
 
-def _wishes(asked: RobotFile, robot: Robot, folder: Path) -> Wishes:
-    from granular_contact.robot.mechanism import Wishes
+def _sand(asked: RobotFile, robot: Robot) -> frozenset[str] | None:
+    """Links on whose shapes the medium acts; None: on all."""
     from granular_contact.robot.support import matching
 
-    sand = None
-    if asked.in_sand is not None:
-        sand = frozenset(name for pattern in asked.in_sand for name in matching(pattern, robot.links))
+    if asked.in_sand is None:
+        return None
+    return frozenset(name for pattern in asked.in_sand for name in matching(pattern, robot.links))
+
+
+def _wishes(asked: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wishes:
+    from granular_contact.robot.mechanism import Wishes
+
     return Wishes(
         which=asked.shapes,
         sand=sand,

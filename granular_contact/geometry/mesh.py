@@ -32,13 +32,30 @@ def joined(vertices: Vector, faces: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(numbers.reshape(-1)[faces], dtype=np.int64)
 
 
+def without_area(vertices: Vector, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which faces (n,) have no area, so that no medium acts on them."""
+    found: NDArray[np.bool_] = np.linalg.norm(areas(vertices[faces]), axis=1) <= NO_AREA * extent(vertices) ** 2
+    return found
+
+
+def empty_note(empty: NDArray[np.bool_]) -> tuple[str, ...]:
+    """What is said of faces (n,) without area: a sentence, or nothing if there are none."""
+    if not empty.any():
+        return ()
+    first = int(np.argmax(empty)) + 1
+    return (f"{int(empty.sum())} of its {len(empty)} triangles have no area and are left out, the first is {first}",)
+
+
 def faults(vertices: Vector, faces: NDArray[np.int64], thin: bool) -> Iterator[str]:
-    """What is wrong with a mesh, one sentence each; thin: it is a sheet, and need not enclose anything."""
+    """What is wrong with a mesh, one sentence each; thin: it is a sheet, and need not enclose anything.
+
+    Triangles without area count for whether it is closed, as they close what is open between their corners.
+    """
+    if without_area(vertices, faces).all():
+        yield f"none of its {len(faces)} triangles has an area"
+        return
     corners = vertices[faces]
     cross = areas(corners)
-    empty = np.flatnonzero(np.linalg.norm(cross, axis=1) <= NO_AREA * extent(vertices) ** 2)
-    if len(empty):
-        yield f"{len(empty)} of its {len(faces)} triangles have no area, the first is number {empty[0] + 1}"
     if thin:
         return
     loose, turned = _edges(joined(vertices, faces))

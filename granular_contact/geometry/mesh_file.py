@@ -43,7 +43,7 @@ def _read(path: Path, changed: int) -> tuple[NDArray[np.float64], NDArray[np.int
     points, faces = _binary_stl(path) or _by_trimesh(path)
     if len(faces) == 0 or not np.isfinite(points).all():
         what = "has no triangles" if len(faces) == 0 else "has vertices that are not finite numbers"
-        raise scene_error(str(path), f"can't be read: it {what}")
+        raise scene_error(str(path), _unread(path, f"it {what}"))
     points.setflags(write=False)
     faces.setflags(write=False)
     return points, faces
@@ -71,15 +71,16 @@ def _by_trimesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         found = trimesh.load_mesh(path, process=False)
         return np.asarray(found.vertices, float) * _unit(found), np.array(found.faces, np.int64)
     except Exception as error:  # whatever its readers raise on a broken file
-        raise scene_error(str(path), _unread(path, error)) from None
+        words = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
+        raise scene_error(str(path), _unread(path, words)) from None
 
 
-def _unread(path: Path, error: Exception) -> str:
+def _unread(path: Path, words: str) -> str:
     """Why a file can't be read, in one line; a repository may hold pointers of Git LFS in place of its files."""
     with path.open("rb") as file:
         if file.read(40).startswith(b"version https://git-lfs"):
             return "is a pointer of Git LFS in place of a mesh; fetch the file with `git lfs pull`"
-    return f"can't be read: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
+    return f"can't be read: {words}"
 
 
 def _unit(found: Any) -> float:

@@ -50,20 +50,24 @@ class Quality:
 
 def quality(vertices: Vector, faces: Faces) -> Quality:
     """Quality of a mesh, vertices (n, 3) m and faces (m, 3)."""
+    size = np.ptp(vertices[faces].reshape(-1, 3), axis=0)
+    faults = list(mesh.faults(vertices, faces, thin=False))
+    empty = mesh.without_area(vertices, faces)
+    if empty.all():
+        return Quality(len(faces), size, 0.0, 0.0, 0, 0.0, tuple(faults), ())
+    given, faces = len(faces), faces[~empty]
     corners = vertices[faces]
     cross = mesh.areas(corners)
     area = np.linalg.norm(cross, axis=1)
     volumes = np.einsum("ij,ij->i", corners.mean(axis=1) - corners[0, 0], cross) / 3.0
     joined = mesh.joined(vertices, faces)
     piece, parts = _pieces(joined)
-    size = np.ptp(corners.reshape(-1, 3), axis=0)
-    faults = list(mesh.faults(vertices, faces, thin=False))
     inner = _inner(corners, cross, area, _each(piece, volumes), max(16, min(256, _WORK // len(corners))))
-    notes = list(_notes(size, parts, inner, joined))
+    notes = [*mesh.empty_note(empty), *_notes(size, parts, inner, joined)]
     if size.max() > LARGEST:
         faults.append(f"it is {sides(size)} m large: if it is in millimetres, give it the scale 0.001")
     return Quality(
-        len(faces), size, float(area.sum()), float(volumes.sum()), parts, inner, tuple(faults), tuple(notes)
+        given, size, float(area.sum()), float(volumes.sum()), parts, inner, tuple(faults), tuple(notes)
     )  # fmt: skip
 
 

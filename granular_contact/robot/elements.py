@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,11 +20,18 @@ class Reader:
         self.file = file
         self.notices: list[Fault] = []
         self.faults: list[Fault] = []
-        self.of_shapes: dict[str, list[Fault]] = {"collision": [], "visual": []}
+        self.of_shapes: dict[str, list[tuple[str, Fault]]] = {"collision": [], "visual": []}
 
-    def use(self, which: str) -> None:
-        """Count the faults of shapes of one kind, "collision" or "visual", as the others are not used."""
-        self.faults += self.of_shapes[which]
+    def use(self, which: str, sand: Collection[str] | None = None) -> None:
+        """Count the faults of shapes of one kind, "collision" or "visual", as the others are not used.
+
+        sand: links on whose shapes a medium acts, None: on all; a faulty shape of others is left out, with a notice.
+        """
+        for link, fault in self.of_shapes[which]:
+            if sand is None or link in sand:
+                self.faults.append(fault)
+            else:
+                self.notices.append(without_shape(fault))
         self.of_shapes[which] = []
 
     def fault(self, at: Element | int | None, key: str, message: str) -> None:
@@ -94,6 +102,11 @@ class Reader:
         if len(found) > 1:
             self.fault(found[1], _dotted(key, tag), f"got {len(found)} elements <{tag}>; allowed is one")
         return found[0] if found else None
+
+
+def without_shape(fault: Fault) -> Fault:
+    """What is said of a faulty shape of a link that is not in the sand, which is left out."""
+    return replace(fault, message=f"{fault.message}; not in the sand, it is not drawn")
 
 
 def _number(text: str) -> float | None:

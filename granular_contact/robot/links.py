@@ -26,12 +26,13 @@ def read_link(reader: Reader, element: Element, name: str) -> Link:
 
 def _shapes(reader: Reader, link: Element, which: str, name: str) -> Iterator[Shape]:
     """Shapes of a kind; their faults are kept apart, as only one kind is used."""
-    apart, found = Reader(reader.file), link.findall(which)
+    found = link.findall(which)
     for index, one in enumerate(found):
+        apart = Reader(reader.file)
         shape = _shape(apart, one, _numbered(f"link.{name}.{which}", index, len(found)), name)
-        if shape is not None:
+        reader.of_shapes[which] += [(name, fault) for fault in apart.faults]
+        if shape is not None and not apart.faults:
             yield shape
-    reader.of_shapes[which] += apart.faults
 
 
 def _numbered(key: str, index: int, count: int) -> str:

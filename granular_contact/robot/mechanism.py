@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.robot.elements import Reader
+from granular_contact.errors import Fault
+from granular_contact.robot.elements import Reader, without_shape
 from granular_contact.robot.files import find
 from granular_contact.robot.massless import has_world
 from granular_contact.robot.support import mimicking, unsupported
@@ -116,11 +117,12 @@ def _mass(inertial: Inertial | None) -> dict[str, Said]:
 
 
 def _shape(shape: Shape, reader: Reader, wishes: Wishes) -> Said | None:
-    made = _form(shape, reader, wishes.packages)
-    if made is None:
+    made, in_sand = _form(shape, reader, wishes.packages), wishes.sand is None or shape.link in wishes.sand
+    if isinstance(made, Fault):
+        (reader.faults if in_sand else reader.notices).append(made if in_sand else without_shape(made))
         return None
     made |= {"center_m": _three(shape.pose.xyz), "rpy_deg": _degrees(shape.pose.rpy)}
-    if wishes.sand is not None and shape.link not in wishes.sand:
+    if not in_sand:
         made["in_sand"] = False
         if made["type"] == "mesh":
             made["thin"] = True  # what is drawn alone need not be closed
@@ -129,13 +131,12 @@ def _shape(shape: Shape, reader: Reader, wishes: Wishes) -> Said | None:
     return Said(made, shape.line)
 
 
-def _form(shape: Shape, reader: Reader, packages: Mapping[str, Path]) -> dict[str, Any] | None:
+def _form(shape: Shape, reader: Reader, packages: Mapping[str, Path]) -> dict[str, Any] | Fault:
     geometry = shape.geometry
     if geometry.kind == "mesh":
         path = find(geometry.file, Path(reader.file), packages)
         if isinstance(path, str):
-            reader.fault(shape.line, f"{shape.key}.geometry.mesh.filename", path)
-            return None
+            return Fault(reader.file, shape.line, f"{shape.key}.geometry.mesh.filename", path)
         return {"type": "mesh", "file": str(path.resolve()), **_scale(geometry)}
     if geometry.kind == "box":
         return {"type": "box", "size_m": list(geometry.size)}

@@ -257,7 +257,11 @@ class Mesh(Shape):
     Raises
     ------
     SceneError
-        The mesh is open, inside out or has triangles without area; or it is too large to be in metres.
+        The mesh is open, inside out or without any area; or it is too large to be in metres.
+
+    Notes
+    -----
+    Triangles without area carry no force, and are left out; `notes` says how many.
     """
 
     def __init__(
@@ -283,6 +287,8 @@ class Mesh(Shape):
             found.append(f"it is {got} m: if it is in millimetres, give the scale 0.001; if it is in metres, 1")
         if found:
             raise _refused(name, found)
+        empty = mesh.without_area(self.vertices, self.faces)
+        self.notes, self.faces = mesh.empty_note(empty), self.faces[~empty]
 
     @classmethod
     def read(cls, path: str | Path, *, scale: float | ArrayLike | None = None, thin: bool = False) -> Mesh:

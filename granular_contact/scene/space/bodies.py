@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from granular_contact.config.schema import space as schema
+from granular_contact.config.schema.space.shapes import SpatialMesh
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.space.layout import Pose
 from granular_contact.scene.space.shapes import Mass, merged, moved, part_of
@@ -39,7 +41,11 @@ def bodies_of(
             try:
                 part, properties = part_of(name, spec, media, strips)
             except SceneError as error:
-                faults += [scene_fault(place, one.message) for one in error.faults]
+                told = [scene_fault(place, one.message) for one in error.faults]
+                if _is_drawn_alone(body, spec):
+                    notes += [replace(one, message=f"{one.message}; not in the sand, it is not drawn") for one in told]
+                else:
+                    faults += told
                 continue
             parts.append(part)
             notes += [scene_fault(place, words) for words in part.notes]
@@ -50,6 +56,11 @@ def bodies_of(
         if len(faults) == before:
             found[name] = _made(body, parts, own)
     return found if len(faults) == before else None
+
+
+def _is_drawn_alone(body: schema.SpatialBody, spec: Any) -> bool:
+    """Whether a mesh gives neither forces nor mass: a run can do without it."""
+    return isinstance(spec, SpatialMesh) and not spec.in_sand and body.density_kg_m3 is None
 
 
 def _made(body: schema.SpatialBody, parts: list[Part], own: list[Mass]) -> Made:

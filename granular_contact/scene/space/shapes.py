@@ -74,8 +74,9 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     if isinstance(shape, made.Sphere):
         meets = tuple(kind for kind in ("surface", "ball") if kind in media) or ("surface", "ball")
     part = _part(name, shape, meets, position, turn, spec.in_sand, spec.facet_size_m)
-    if isinstance(spec, shapes_schema.SpatialMesh) and spec.in_sand and not spec.thin:
-        part = replace(part, notes=quality_notes(shape.vertices, shape.faces))
+    if isinstance(spec, shapes_schema.SpatialMesh):
+        doubts = quality_notes(shape.vertices, shape.faces) if spec.in_sand and not spec.thin else ()
+        part = replace(part, notes=(*shape.notes, *doubts))
     return part, own.placed(position, turn)
 
 
