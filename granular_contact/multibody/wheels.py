@@ -1,4 +1,8 @@
-"""What wheels have in their results: slip, sinkage, drawbar pull, load, torque and efficiency."""
+"""What wheels have in their results: slip, sinkage, drawbar pull, load, torque and efficiency.
+
+Slip and pull are along the surface below the axle, load and sinkage at right angles to it, as if the surface went on
+straight from there.
+"""
 
 from __future__ import annotations
 
@@ -28,31 +32,44 @@ def _wheels(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
 def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
     """Histories (n,) of each wheel that the medium acts on, by its label.
 
-    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m, counter-clockwise). x, v, rim:
-    path (m) and speed (m/s) of the axle and speed of the rim, to the right or as it rolls to the right.
+    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m, counter-clockwise). v: speed (m/s)
+    of the axle along the surface, to the right; omega: rate (rad/s) of the wheel, as it rolls to the right.
     """
     found, bed = {}, motion.scene.bed
     for name, wheel in _wheels(motion):
         if name not in forces or bed is None:
             continue
         (p, v), spin = motion.position(name, wheel.axle), motion.angle(name, wheel.axle)[1]
-        speed, rim = v[:, 0], -wheel.radius * spin
+        tangent = tangents(bed.slope_at(p[:, 0]))
+        speed, rim = np.sum(v * tangent, axis=1), -wheel.radius * spin
         faster = np.maximum(np.abs(speed), np.abs(rim))
         moves = faster > STANDS
         slip = np.divide(rim - speed, faster, out=np.zeros_like(rim), where=moves)
         backward = moves & (np.where(np.abs(rim) > np.abs(speed), rim, speed) < 0.0)
-        fx, fy, _about_origin = forces[name].T
+        (ahead, upward), cosine = components(forces[name], tangent), tangent[:, 0]
         found[label(name)] = {
-            "x": p[:, 0],
             "v": speed,
             "omega": -spin,
             "slip": np.where(backward, -slip, slip),
-            "sinkage_m": bed.height(p[:, 0]) - p[:, 1] + wheel.rim,
-            "drawbar_pull_N": np.where(backward, -fx, fx),
-            "load_N": fy,
+            "sinkage_m": wheel.rim - (p[:, 1] - bed.height(p[:, 0])) * cosine,
+            "drawbar_pull_N": np.where(backward, -ahead, ahead),
+            "load_N": upward,
             "torque_Nm": -series.clockwise_moment(forces[name], p),
         }
     return found
+
+
+def tangents(slope: Vector) -> Vector:
+    """Unit vectors (n, 2) along a surface with slopes (n,), to the right."""
+    along = np.column_stack([np.ones_like(slope), slope])
+    found: Vector = along / np.hypot(1.0, slope)[:, None]
+    return found
+
+
+def components(force: Vector, tangent: Vector) -> tuple[Vector, Vector]:
+    """Parts (n,) of forces (n, 2 or more), x and y first, along unit tangents (n, 2) and along the normals upward."""
+    (x, y), (tx, ty) = force[:, :2].T, tangent.T
+    return x * tx + y * ty, y * tx - x * ty
 
 
 def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Series:
@@ -61,9 +78,9 @@ def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Serie
     for name, one in histories.items():
         words = {
             "slip": f"slip of {name}: 1 - v / (r omega) where its rim is faster than its axle, else r omega / v - 1",
-            "sinkage_m": f"depth of the lowest point of the rim of {name} below the surface",
-            "drawbar_pull_N": f"force of the medium on {name}, ahead in the direction of travel",
-            "load_N": f"force of the medium on {name}, upward",
+            "sinkage_m": f"depth of the rim of {name} below the surface, at right angles to it",
+            "drawbar_pull_N": f"force of the medium on {name} along the surface, ahead in the direction of travel",
+            "load_N": f"force of the medium on {name} at right angles to the surface, upward",
             "torque_Nm": f"torque about its axle that the medium takes from {name}, clockwise positive",
         }
         columns |= {f"{name}_{key}": (text, one[key]) for key, text in words.items()}

@@ -209,3 +209,39 @@ def test_no_scatter_is_none_bit_by_bit() -> None:
     some = simulate("pendulum", "medium.scatter={relative: 0.2, length_m: 0.003}")
     assert some.summary["energy"]["imbalance_relative"] < 1e-4
     assert abs(some.summary["stopping_time_s"] - plain.summary["stopping_time_s"]) > 1e-5
+
+
+UPHILL = """
+model:
+  name: uphill
+  bodies:
+    carriage: {{type: rigid, mass_kg: 0.5, inertia_kg_m2: 1.0e-3}}
+    hub: {{type: rigid, mass_kg: 0.5, inertia_kg_m2: 1.0e-3}}
+    disc: {{type: rigid, mass_kg: 1, inertia_kg_m2: 2.0e-3, shapes: [{{type: wheel, radius_m: 0.06, width_m: 0.05}}]}}
+  joints:
+    rail: {{type: slider, parent: ground, child: carriage, axis: [{c}, {s}]}}
+    post: {{type: slider, parent: carriage, child: hub, axis: [{minus_s}, {c}]}}
+    axle: {{type: hinge, parent: hub, child: disc}}
+medium: cmu_dry_sand
+bed: {{slope_deg: {slope}, height_m: {height}}}
+drives:
+  rail: {{type: motion, position_m: {{type: table, interpolation: linear, time_s: [0, 10], values: [0, {way}]}}}}
+  post: {{type: motion, position_m: {{type: constant, value: 0}}}}
+  axle: {{type: motion, angle_deg: {{type: table, interpolation: linear, time_s: [0, 10], values: [0, 572.9578]}}}}
+solver: {{end_time_s: 0.2, step_s: 5.0e-3}}
+"""
+
+
+@pytest.mark.parametrize(("slope", "slip"), [(25.0, 0.2), (-18.0, 0.6), (25.0, -0.4)])
+def test_slip_pull_load_and_sinkage_are_along_and_across_a_slope(slope: float, slip: float) -> None:
+    c, s = math.cos(math.radians(slope)), math.sin(math.radians(slope))
+    way = 0.6 * (1.0 - slip) if slip >= 0.0 else 0.6 / (1.0 + slip)  # in the time in which the rim goes 0.6 m
+    sunk = 0.015
+    run = simulate(UPHILL.format(c=c, s=s, minus_s=-s, slope=slope, way=way, height=(sunk - 0.06) / c))
+    told = run.summary["wheel"]
+    assert told["slip"] == pytest.approx(slip, abs=1e-6)  # the digits of its angle
+    assert told["sinkage_m"] == pytest.approx(sunk, abs=1e-9)
+    # What holds it bears the rest of its weight: 2 kg along the slope, 1.5 kg across. Nothing is accelerated.
+    weight = 9.81
+    np.testing.assert_allclose(run["disc_drawbar_pull_N"][10:], -run["rail_force_N"][10:] + 2.0 * weight * s, atol=1e-3)
+    np.testing.assert_allclose(run["disc_load_N"][10:], -run["post_force_N"][10:] + 1.5 * weight * c, atol=1e-3)
