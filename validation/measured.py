@@ -122,7 +122,7 @@ def rolling_media(quick: bool) -> dict[str, Law]:
     found = dict(list(cmu.models().items())[:2])
     if not quick:
         sinkage = cmu.models()["k z^n of the 60 mm plate"]
-        found["k z^n, shear over 21 mm"] = sinkage.model_copy(update={"shear_modulus": cmu.SHEAR_MODULUS})
+        found["k z^n, shear over 21 mm"] = sinkage.model_copy(update={"shear_deformation_modulus": cmu.SHEAR_MODULUS})
     return found
 
 

@@ -149,7 +149,7 @@ def _mobilised(layer: Layer, scatter: Scatter | None) -> Layer:
     medium = layer.medium
     plain: dict[str, object] = {"scatter": scatter} if scatter is not medium.scatter else {}
     if medium.shear_grows:
-        plain["shear_modulus"] = 0.0
+        plain["shear_deformation_modulus"] = 0.0
     return replace(layer, medium=medium.model_copy(update=plain)) if plain else layer
 
 

@@ -10,6 +10,12 @@ start; LAST and the two after it, where it was at the end of the last step (m); 
 the grain that its path was in when forces were last asked for, and s r of `scatter` at both ends of that grain. These
 change once a grain only, and to find them costs more than all the rest; none is taken for another grain, so that they
 are no part of any state.
+
+Where a medium shears their last three columns are the displacement S (m) of the anchor along the surface, in the
+direction in which it moved last and as long as its path since the middle got into the medium, or since the shear turned
+back: with the displacement d (m) of the middle from its anchor along the surface, whose direction is e,
+
+    j = max(0, S . e) + |d|,    S <- (max(0, S . e) + |d|) e    with the d of the anchor, where it is dragged.
 """
 
 from __future__ import annotations
@@ -23,7 +29,7 @@ from granular_contact.kernels.facets import FIRST, NOTED, ROW, SHEAR, E, N
 from granular_contact.kernels.scatter import value
 
 PATH, LAST, KEPT = 3, 4, 7
-COLUMNS = 10  # of anchors, without that of the shear displacement
+COLUMNS, SHEARED = 10, 3  # of anchors, without those of the shear displacement; of it
 ALONG, ACROSS, UPWARD, BODY = 73856093, 19349663, 83492791, 49979687  # primes: cubes nearby have numbers of their own
 
 
@@ -35,8 +41,8 @@ def scatters(anchors):
 
 @part
 def shears(anchors):
-    """Whether the last column of anchors is the shear displacement (m) of `path_length`."""
-    return anchors.shape[1] == 4 or anchors.shape[1] > COLUMNS
+    """Whether the last three columns of anchors are the shear displacement (m)."""
+    return anchors.shape[1] == 3 + SHEARED or anchors.shape[1] > COLUMNS
 
 
 @part
@@ -44,7 +50,8 @@ def begin(anchors, first, last, anew):
     """Begin the shear displacements of facets where their anchors are; anew: their paths, too."""
     for i in range(first, last):
         if shears(anchors):
-            anchors[i, anchors.shape[1] - 1] = 0.0
+            for k in range(1, 1 + SHEARED):
+                anchors[i, anchors.shape[1] - k] = 0.0
         if anew and scatters(anchors):
             anchors[i, PATH], anchors[i, KEPT] = 0.0, np.nan
             for k in range(3):
@@ -52,10 +59,16 @@ def begin(anchors, first, last, anew):
 
 
 @part
-def along(x, y, z, nx, ny, nz):
-    """Length of the part of a vector along the surface with the normal n."""
-    across = nx * x + ny * y + nz * z
-    return math.sqrt(max(0.0, x * x + y * y + z * z - across * across))
+def slid(anchors, i, x, y, z, nx, ny, nz):
+    """Shear displacement j (m) of a facet with the normal n after (x, y, z) m from its anchor, and its direction."""
+    across, first = nx * x + ny * y + nz * z, anchors.shape[1] - SHEARED
+    x, y, z = x - across * nx, y - across * ny, z - across * nz
+    d = math.sqrt(x * x + y * y + z * z)
+    if d == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    x, y, z = x / d, y / d, z / d
+    before = anchors[i, first] * x + anchors[i, first + 1] * y + anchors[i, first + 2] * z
+    return max(0.0, before) + d, x, y, z
 
 
 @part
@@ -66,9 +79,12 @@ def count(anchors, i, x, y, z, ax, ay, az, nx, ny, nz, immersed):
         anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
         anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = x, y, z
     if shears(anchors):
-        slid = along(ax - anchors[i, 0], ay - anchors[i, 1], az - anchors[i, 2], nx, ny, nz)
-        column = anchors.shape[1] - 1
-        anchors[i, column] = anchors[i, column] + slid if immersed else 0.0
+        dx, dy, dz, first = ax - anchors[i, 0], ay - anchors[i, 1], az - anchors[i, 2], anchors.shape[1] - SHEARED
+        j, ex, ey, ez = slid(anchors, i, dx, dy, dz, nx, ny, nz)
+        if not immersed:
+            j, ex = 0.0, 1.0
+        if j > 0.0 or not immersed:  # else the anchor has not moved
+            anchors[i, first], anchors[i, first + 1], anchors[i, first + 2] = j * ex, j * ey, j * ez
 
 
 @part
@@ -88,8 +104,9 @@ def note(B, n, elements, anchors, cluster):
     """Set in a block of n facets what depends on their paths: shear displacements, and by how much terms scatter."""
     if shears(anchors):
         for k in range(n):
-            slid = along(B[E, k], B[E + 1, k], B[E + 2, k], B[N, k], B[N + 1, k], B[N + 2, k])
-            B[SHEAR, k] = anchors[int(B[ROW, k]), anchors.shape[1] - 1] + slid
+            B[SHEAR, k] = slid(
+                anchors, int(B[ROW, k]), B[E, k], B[E + 1, k], B[E + 2, k], B[N, k], B[N + 1, k], B[N + 2, k]
+            )[0]
     if scatters(anchors):
         for k in range(n):
             i = int(B[ROW, k])

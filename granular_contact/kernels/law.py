@@ -33,15 +33,17 @@ TERMS = 3
 # direction. turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 where they are
 # straight, else they are chords of one circle. drop (m): how far below its stations it reaches, the radius of a ball;
 # beside (m): how far to their sides in the plane, half the width of a round section or a ball; mass (kg): of a ball.
-# layered: the medium lies between the depths top and bottom (m) only. j0, j1 (m): shear displacement of the medium at
-# the ends of the strip that is in work, infinite where nothing keeps count of it, see `path_length`. Of a wheel radius
+# layered: the medium lies between the depths top and bottom (m) only. ahead and back (m): shear displacements of the
+# medium at the ends 0 and 1 of the strip that is in work, of what moves along it and against it, infinite where nothing
+# keeps count of them, see `path_length`. Of a wheel radius
 # (m) is that of its rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first
 # strip and to its left, and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a
 # medium that scatters (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the
 # length, place (m) where the line begins, seed a whole number, and static has the bits of the terms that scatter.
 LINE = np.dtype(
     [
-        *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom", "j0", "j1"),
+        *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom"),
+        *fields("f8", "ahead0", "ahead1", "back0", "back1"),
         *fields("f8", "radius", "hub_along", "hub_left", "behind", "scatter", "grain", "place", "seed"),
         ("static", "i8"),
         *fields("?", "layered", "cap", "resultant"),

@@ -131,7 +131,8 @@ def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y,
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue
-            j = (1.0 - xi) * line.j0 + xi * line.j1
+            j0, j1 = (line.ahead0, line.ahead1) if sx * qx + sy * qy > 0.0 else (line.back0, line.back1)
+            j = (1.0 - xi) * j0 + xi * j1
             px, py, sx, sy = traction(z, sx, sy, ux, uy, line.width, line.side, j, m)
             k = weight * (end - start) * line.width * length * share
             for e, n in ((0, (1.0 - xi) * k), (1, xi * k)):

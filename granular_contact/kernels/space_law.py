@@ -6,8 +6,8 @@ Kernels work in the frame of the bed, with z up: its origin is that of the world
 pose (6, 3): the rotation R of a body, row by row, then the position of its reference point (m), its velocity (m/s) and
 angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
 and by how much a depth may grow with a distance, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the
-moment about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; (n, 4) with the
-shear displacement of `path_length`, (n, 10) with what `facet_paths` keeps, (n, 11) with both.
+moment about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; more columns
+where `facet_paths` keeps paths: (n, 6) with those of the shear displacement, (n, 10) of scatter, (n, 13) of both.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
     f, length = room3(TERMS, 2, 2), 0.0
     clear(F)
     last = P.shape[0] - 1
-    line.j0, line.j1, place = np.inf, np.inf, line.place
+    line.ahead0, line.ahead1, line.back0, line.back1, place = np.inf, np.inf, np.inf, np.inf, line.place
     z1 = depth(profile, P[0, 0], P[0, 1])
     if line.behind > 0.0:
         z1 -= law.lowering(P, V, 0, line, medium)

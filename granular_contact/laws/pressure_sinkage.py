@@ -30,7 +30,7 @@ class PressureSinkage(SurfacePressure):
         Pressure at the reference depth that is added by a plate's edges, times b (N/m).
     reference_depth : float
         z_0 (m), above 0.
-    friction_angle, cohesion, shear_modulus, plate_width : float
+    friction_angle, cohesion, shear_deformation_modulus, plate_width : float
         As of `SurfacePressure`.
     """
 

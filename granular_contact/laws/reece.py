@@ -29,7 +29,7 @@ class Reece(SurfacePressure):
         n, above 0, at most 5.
     k_c : float
         Number of the cohesion, 0 or more: without effect where there is none.
-    friction_angle, cohesion, shear_modulus, plate_width : float
+    friction_angle, cohesion, shear_deformation_modulus, plate_width : float
         As of `SurfacePressure`.
     """
 

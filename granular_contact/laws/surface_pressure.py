@@ -5,9 +5,10 @@
 on what goes into the medium: the outside of an outline where n . u > 0, either face of a thin plate. The pressure acts
 against n, the shear against the part of the motion along the surface, no more than Mohr and Coulomb allow. Bekker and
 Wong put these stresses on the rim of a wheel. The shear displacement j of Janosi and Hanamoto is the path that the
-bristles of a surface were dragged along it since it got into the medium (`kernels.path_length`). They give no law for a
-surface that turns back: here all paths add up and the shear opposes the motion, whatever its direction [ours], so that
-nothing is given back.
+bristles of a surface were dragged along it since it got into the medium. They give no law for a surface that turns
+back, as the rim of a braked wheel does: j is counted anew from there, as in Wong and Reece's towed wheel, and the shear
+opposes the motion (`kernels.path_length`). So nothing is given back, and the pull goes over from driving to braking
+without a jump, though steeply: by the root of the slip.
 
 The stresses do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface: there both
 are faded, over the angle FADE [ours]. The laws are of what presses down: on what leads with a normal that looks up the
@@ -25,7 +26,7 @@ from pydantic import Field
 from granular_contact.laws.law import ABOUT, Law
 from granular_contact.values.strict import NotNegative, Positive
 
-SHEAR = ("friction_angle", "cohesion", "shear_modulus", "plate_width")
+SHEAR = ("friction_angle", "cohesion", "shear_deformation_modulus", "plate_width")
 SHALLOW = 1e-2  # of b
 FADE = 0.05  # sine: 2.9 degrees
 Exponent = Annotated[float, Field(gt=0, le=5)]
@@ -41,8 +42,9 @@ class SurfacePressure(Law):
         phi (deg), 0 to below 90; 0: no shear but that of the cohesion.
     cohesion : float
         c (Pa), 0 or more.
-    shear_modulus : float
-        K (m) of Janosi and Hanamoto; 0: all of the shear from the first motion on.
+    shear_deformation_modulus : float
+        K (m) of Janosi and Hanamoto, also called shear displacement modulus; 0: all of the shear from the first motion
+        on.
     plate_width : float, optional
         b (m); null: the width of a shape normal to the plane, the diameter of a bar. In space b has to be
         given.
@@ -50,7 +52,7 @@ class SurfacePressure(Law):
 
     friction_angle: Angle = Field(alias="friction_angle_deg")
     cohesion: NotNegative = Field(0.0, alias="cohesion_Pa")
-    shear_modulus: NotNegative = Field(0.0, alias="shear_modulus_m")
+    shear_deformation_modulus: NotNegative = Field(0.0, alias="shear_deformation_modulus_m")
     plate_width: Positive | None = Field(None, alias="plate_width_m")
 
     terms = ("pressure", "shear")
@@ -77,7 +79,7 @@ class SurfacePressure(Law):
     @property
     def shear_grows(self) -> bool:
         """As of `Law`."""
-        return self.shear_modulus > 0.0
+        return self.shear_deformation_modulus > 0.0
 
     @property
     def lacking_in_space(self) -> list[str]:
@@ -89,7 +91,7 @@ class SurfacePressure(Law):
         return {
             "cohesion": self.cohesion,
             "tan_phi": math.tan(math.radians(self.friction_angle)),
-            "K": self.shear_modulus,
+            "K": self.shear_deformation_modulus,
             "b": self.plate_width or 0.0,
             **self.pressure(gravity),
         }

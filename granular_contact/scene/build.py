@@ -32,7 +32,7 @@ from granular_contact.scene.types import (
     Vector,
     turned,
 )
-from granular_contact.scene.wheels import wheel_drives
+from granular_contact.scene.wheels import wheel_drives, wheel_notes
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
@@ -125,6 +125,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         drives=driven,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
+        notes=tuple(wheel_notes(scenario)),
     )
     if stiff := verified(scene, scenario):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)

@@ -1,15 +1,20 @@
-"""The run of a wheel -> drives of its rig, and which bodies are wheels."""
+"""The run of a wheel -> drives of its rig, and what is doubtful about it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from granular_contact.config import schema
+from granular_contact.config.schema.mechanism import Rigid
+from granular_contact.config.schema.shapes import WheelShape
 from granular_contact.config.schema.wheel import rig_of
 from granular_contact.errors import Fault, scene_fault
+from granular_contact.laws.surface_pressure import SurfacePressure
 from granular_contact.scene import signals
+from granular_contact.scene.bed import places
 from granular_contact.scene.bodies import mass_of
 from granular_contact.scene.types import Drive
 
@@ -38,6 +43,26 @@ def wheel_drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive,
         steady = signals.piecewise(np.array([0.0, beyond]), np.array([0.0, speed * beyond]), False)
         made.append(Drive(joint, "motion", steady))
     return tuple(made)
+
+
+def wheel_notes(scenario: schema.Scenario) -> Iterator[Fault]:
+    """Media whose shear is there at once, where a wheel is driven."""
+    if not _drives_a_wheel(scenario):
+        return
+    for medium, key, *_ in places(scenario):
+        if isinstance(medium, SurfacePressure) and not medium.shear_grows:
+            words = "is 0, so that all of the shear is there at once, and the pull of a wheel hardly depends on its "
+            words += "slip; give K (m), as cmu_dry_sand_bekker has it"
+            yield scene_fault(f"{key}.shear_deformation_modulus_m", words)
+
+
+def _drives_a_wheel(scenario: schema.Scenario) -> bool:
+    """Whether the rim of a wheel is driven: by a torque, a positive slip, or a drive of its axle."""
+    run, bodies = scenario.wheel, scenario.model.all_bodies
+    if run is not None:
+        return bool(run.torque_Nm) or (run.slip or 0.0) > 0.0
+    driven = (bodies[joint.child] for name, joint in scenario.model.all_joints.items() if name in scenario.drives)
+    return any(isinstance(s, WheelShape) for body in driven if isinstance(body, Rigid) for s in body.shapes)
 
 
 def _carried(model: schema.Model, joint: str) -> float:

@@ -98,7 +98,7 @@ def test_torque_resists_the_turning_and_a_wheel_that_spins_pulls() -> None:
 def test_a_steady_force_is_the_mean_of_what_scatters_and_all_of_what_builds_up() -> None:
     sand = "law: pressure_sinkage, k_phi_Pa: 2e+4, exponent: 1, friction_angle_deg: 29"
     plain = forces(PLATE, [f"medium={{{sand}}}"], DEPTH, 0.01, 30.0)
-    other = f"{sand}, shear_modulus_m: 0.02, scatter: {{relative: 0.3, length_m: 0.003}}"
+    other = f"{sand}, shear_deformation_modulus_m: 0.02, scatter: {{relative: 0.3, length_m: 0.003}}"
     for name, values in forces(PLATE, [f"medium={{{other}}}"], DEPTH, 0.01, 30.0).items():
         np.testing.assert_array_equal(values, plain[name])
     assert plain["horizontal_force_N"][-1] < -0.5  # the shear

@@ -40,7 +40,7 @@ SAND = Rft3d(1617.0, 1.07, 0.1806)
 # So rough that the friction of the surface never limits: S / xi_n is then alpha, but for what would drive.
 ROUGH = Rft3d(1617.0, 1.07, 1e9)
 
-BEKKER = PressureSinkage(9e5, 1.3, 29.0, k_c=2e3, cohesion=300.0, shear_modulus=0.02)
+BEKKER = PressureSinkage(9e5, 1.3, 29.0, k_c=2e3, cohesion=300.0, shear_deformation_modulus=0.02)
 REECE = Reece(1330.0, 20.0, 1.2, 29.0, k_c=3.0, cohesion=300.0)
 SURFACE_LAWS = (Rft(GENERIC, 0.3), Rft(LOOSE), Rft(CLOSE), Drft(LOOSE, 1500.0, 1.1), SAND, ROUGH, BEKKER, REECE)
 BAR_LAWS = (
@@ -84,7 +84,8 @@ class Strip:
 def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0) -> NDArray[np.void]:
     run = np.zeros(1, law.LINE)
     run["width"], run["side"], run["mass"], run["turn"] = width, side, mass, turn
-    run["j0"], run["j1"] = np.inf, np.inf  # the medium is sheared as far as it can be
+    for name in ("ahead0", "ahead1", "back0", "back1"):
+        run[name] = np.inf  # the medium is sheared as far as it can be
     return run
 
 

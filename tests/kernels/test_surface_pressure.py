@@ -55,7 +55,7 @@ def pushed(load: Any, place: np.ndarray, way: float, steps: int = 1) -> np.ndarr
 
 def test_the_shear_grows_with_the_way_in_the_plane_and_in_space() -> None:
     # A plate that is dragged with its front end up, so that the shear is along it, and a box likewise.
-    medium = PressureSinkage(9e5, 1.2, 30.0, shear_modulus=0.01, plate_width=0.04)
+    medium = PressureSinkage(9e5, 1.2, 30.0, shear_deformation_modulus=0.01, plate_width=0.04)
     static = Elastoplastic(1e-6, 1e-3)
     plane, tilt = GranularLoad(medium, 0.0, static=static), math.radians(10.0)
     plane.add(polyline(Body("plate", [0, 1, 2]), [[-0.05, 0.0], [0.05, 0.0]], width=0.04, strips=8))
@@ -73,7 +73,7 @@ def test_the_shear_grows_with_the_way_in_the_plane_and_in_space() -> None:
 
 
 def test_what_gets_out_of_the_medium_starts_anew() -> None:
-    medium = PressureSinkage(9e5, 1.2, 30.0, shear_modulus=0.01)
+    medium = PressureSinkage(9e5, 1.2, 30.0, shear_deformation_modulus=0.01)
     load = GranularLoad(medium, 0.0)
     load.add(polyline(Body("plate", [0, 1, 2]), [[-0.05, 0.0], [0.05, 0.0]], width=0.04, strips=2))
     ways = []

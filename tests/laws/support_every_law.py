@@ -34,7 +34,7 @@ UNITS: dict[str, tuple[tuple[int, int, int], float]] = {
 }
 NONE = (0, 0, 0)
 # Of two lengths one has to be given; what has a default is to count, too.
-SHEAR = {"cohesion": 300.0, "shear_modulus": 0.02, "plate_width": 0.03}
+SHEAR = {"cohesion": 300.0, "shear_deformation_modulus": 0.02, "plate_width": 0.03}
 MORE: dict[str, dict[str, float]] = {
     "katsuragi_durian": {"drag_length": 0.09},
     "pressure_sinkage": {"k_c": 90.0, "reference_depth": 0.02, **SHEAR},

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from support_runs import order, scenario_of, simulate
+from support_runs import order, scenario_of, scene_of, simulate
 
 from granular_contact.bed.contact_lines import Body, outline
 from granular_contact.bed.load import GranularLoad
@@ -245,3 +245,16 @@ def test_slip_pull_load_and_sinkage_are_along_and_across_a_slope(slope: float, s
     weight = 9.81
     np.testing.assert_allclose(run["disc_drawbar_pull_N"][10:], -run["rail_force_N"][10:] + 2.0 * weight * s, atol=1e-3)
     np.testing.assert_allclose(run["disc_load_N"][10:], -run["post_force_N"][10:] + 1.5 * weight * c, atol=1e-3)
+
+
+def test_shear_that_is_there_at_once_is_told_of_a_driven_wheel() -> None:
+    def told(*overrides: str) -> bool:
+        return any("shear_deformation_modulus_m: is 0" in str(note) for note in scene_of(*overrides).notes)
+
+    assert told("wheel", "medium=cmu_dry_sand_plate")
+    assert told("wheel", "medium=cmu_dry_sand_plate", "wheel={torque_Nm: 0.2, load_N: 24}")
+    assert not told("wheel", "medium=cmu_dry_sand_plate", "wheel.slip=-0.2")
+    assert not told("wheel", "medium=cmu_dry_sand_bekker")
+    assert not told("wheel")
+    uphill = UPHILL.format(c=1.0, s=0.0, minus_s=0.0, slope=0.0, way=0.1, height=0.0)
+    assert told(uphill, "medium=cmu_dry_sand_plate")

@@ -82,7 +82,11 @@ def _rft(rng: Random) -> Tree:
 
 
 def _shear(rng: Random) -> Tree:
-    more = {"cohesion_Pa": _some(rng, 1e4), "shear_modulus_m": _some(rng, 0.1), "plate_width_m": rng.uniform(0.01, 0.2)}
+    more = {
+        "cohesion_Pa": _some(rng, 1e4),
+        "shear_deformation_modulus_m": _some(rng, 0.1),
+        "plate_width_m": rng.uniform(0.01, 0.2),
+    }
     some = {key: value for key, value in more.items() if rng.random() < 0.5}
     return {"exponent": rng.uniform(0.5, 2.5), "friction_angle_deg": rng.choice((0.0, rng.uniform(0.0, 60.0)))} | some
 

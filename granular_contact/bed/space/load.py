@@ -154,7 +154,8 @@ class SpatialLoad(GranularLoad):
             for kind in kinds(medium):
                 paths = 0
                 if kind == "surface":
-                    paths = (facet_paths.COLUMNS - 3 if medium.scatters else 0) + int(medium.shear_grows)
+                    paths = facet_paths.COLUMNS - 3 if medium.scatters else 0
+                    paths += facet_paths.SHEARED if medium.shear_grows else 0
                 sets = [one for one in self.lines if one.meets == kind]
                 self._form(index, medium, sets, (owner_of(type(medium)), record, ground), paths=paths, layer=between)
         self.room_for_tangents = np.zeros((sum(batch.entries for batch in self.batches), 3))
