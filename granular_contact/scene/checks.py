@@ -12,14 +12,22 @@ from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.types import FASTEST
 
+FARTHEST = 1e6  # m: no mechanism in sand, and from some 1e8 on round-off of positions is as large as depths
+
 
 def beyond_numbers(scene: Any) -> Iterator[Fault]:
-    """Faults of forces that overflow, and of bodies that start too fast."""
+    """Faults of forces that overflow, and of bodies that are too large, start too far away or too fast."""
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
         yield scene_fault("initial", f"got {moved} and a gravity of {scene.gravity:.3g} m/s2: forces overflow")
         return
     for body in scene.bodies:
+        size = body.length if hasattr(body, "length") else scene.radius(body)
+        far = math.hypot(*body.motion.position)
+        if not max(size, far) < FARTHEST:
+            what = f"reaches {size:.3g} m" if not size < FARTHEST else f"starts at a distance of {far:.3g} m"
+            words = f"{what}; allowed is less than {FARTHEST:g} m: is it in another unit than m?"
+            yield scene_fault(f"model.bodies.{body.name.split('+')[0]}", words)
         speed, rate = math.hypot(*body.motion.velocity), math.hypot(*np.atleast_1d(body.motion.rate))
         for got, unit in ((speed, "m/s"), (rate, "rad/s")):
             if not got < FASTEST:

@@ -18,6 +18,7 @@ from granular_contact.bed.space import elements
 from granular_contact.bed.space.batch import SpatialBatch
 from granular_contact.bed.space.heights import Heights
 from granular_contact.bed.space.shapes import Bar, Shape, Sphere
+from granular_contact.bed.space.triangles import COST, FACET_SIZE, MOST_FACETS
 from granular_contact.errors import scene_error
 from granular_contact.kernels import facet_paths
 from granular_contact.kernels.facets import SIDE
@@ -122,6 +123,10 @@ class SpatialLoad(GranularLoad):
                 made[-1].clusters["cap"] &= self.end_cap
             elif isinstance(shape, Sphere):
                 made.append(elements.ball(body, shape, place, mass))
+        count = sum(len(one.rows) for one in (*self.lines, *made) if one.meets == "surface")
+        if count > MOST_FACETS:
+            words = f"got {count:,} facets in all; allowed are {MOST_FACETS:,}, which take {COST}: larger facets, or"
+            raise scene_error(FACET_SIZE, f"{words} fewer shapes in the sand (in_sand: false)")
         self.lines += [replace(one, again=i > 0) for i, one in enumerate(made)]
         self.table = self._new_table()
 

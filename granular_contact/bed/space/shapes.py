@@ -20,6 +20,7 @@ from granular_contact.geometry import mesh
 
 Vector = NDArray[np.float64]
 METRES = 3.0  # above it a mesh without a stated scale is taken for one in another unit
+MOST_CHORDS = 10_000  # of a profile: with as many facets around it there are too many in any case
 PARTS = 8  # facets along the diagonal of a shape, unless their size is given
 
 
@@ -39,6 +40,11 @@ class Shape(ABC):
         ----------
         size : float, optional
             Greatest edge (m); an eighth of the diagonal unless given.
+
+        Raises
+        ------
+        SceneError
+            There would be more than `triangles.MOST_FACETS`.
 
         Returns
         -------
@@ -339,7 +345,7 @@ def _cut(corners: Vector, size: float | None) -> Vector:
 
 def _arc(radius: float, start: float, end: float, size: float) -> list[tuple[float, float]]:
     """Points r, z (m) on a circle about the origin between two elevations (rad), of chords of about `size` (m)."""
-    count = max(2, int(np.ceil((end - start) * radius / size)))
+    count = max(2, int(np.ceil(min((end - start) * radius / size, MOST_CHORDS))))
     step = (end - start) / count
     rho = radius * np.sqrt(step / np.sin(step))  # as much area below the chords as below the arc
     angles = start + step * np.arange(count + 1)
@@ -353,7 +359,9 @@ def _turned(profile: list[tuple[float, float]], size: float | None) -> Vector:
     line = np.array(profile)
     widest = float(line[:, 0].max())
     edge = _size(float(np.hypot(np.sqrt(8.0) * widest, np.ptp(line[:, 1]))), size)
-    around = max(12, int(np.ceil(2.0 * np.pi * widest / edge)))
+    around = max(12, int(np.ceil(min(2.0 * np.pi * widest / edge, triangles.MOST_FACETS))))
+    if around * (len(line) - 1) > triangles.MOST_FACETS:
+        raise triangles.too_many(edge, _turned(profile[:: len(profile) // 50 + 1], np.inf))
     turn = 2.0 * np.pi / around
     angles = turn * np.arange(around + 1)
     ring = np.sqrt(turn / np.sin(turn)) * np.column_stack([np.cos(angles), np.sin(angles)])

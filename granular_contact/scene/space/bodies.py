@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.bed.space.triangles import FACET_SIZE
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.shapes import SpatialMesh
 from granular_contact.errors import Fault, SceneError, scene_fault
@@ -41,7 +42,8 @@ def bodies_of(
             try:
                 part, properties = part_of(name, spec, media, strips)
             except SceneError as error:
-                told = [scene_fault(place, one.message) for one in error.faults]
+                keys = (f"{key}.facet_size_m" if one.key == FACET_SIZE else place for one in error.faults)
+                told = [scene_fault(at, one.message) for at, one in zip(keys, error.faults, strict=True)]
                 if _is_drawn_alone(body, spec):
                     notes += [replace(one, message=f"{one.message}; not in the sand, it is not drawn") for one in told]
                 else:

@@ -85,7 +85,10 @@ def _part(
 ) -> Part:
     flat = _has_flat_faces(shape)
     drawn = shape.corners(NOT_CUT if flat else None) @ turn.T + position
-    met = drawn if flat or size is None else shape.corners(size) @ turn.T + position
+    met = drawn
+    if size is not None and in_sand:
+        fine = shape.corners(size)  # or there are too many
+        met = drawn if flat else fine @ turn.T + position
     if meets == ("ball",):
         return Part(name, shape, meets, position, turn, in_sand, size, drawn, position[None], 0.5 * shape.diameter)
     return Part(name, shape, meets, position, turn, in_sand, size, drawn, outermost(met.reshape(-1, 3)))
