@@ -3,7 +3,7 @@
 reading    yaml_source, compose, tree           text -> tree with positions
            file_kind                            whether it is a run, a sweep, a search or a fit
 resolving  references, overrides, given         names and `from`; --set and values from Python -> one tree
-           urdf, in_space                       robot files; the class of scenarios in space
+           urdf, urdf_corrections, in_space     robot files, what is put right of them; the class of scenarios in space
            columns, stress_table, csv_table     CSV files that a config names
            deprecated, provenance               old keys; what a changed medium rests on
 checking   schema, load                         one tree -> Scenario

@@ -44,9 +44,7 @@ def mechanism(node: Mapping, faults: list[Fault], notices: list[Fault]) -> Node:
         own_faults = [at.fault(("model", URDF), f"{shown} {one.message}") for one in error.faults]
         faults += [one if one.line is not None else new for one, new in zip(error.faults, own_faults, strict=True)]
         found = None
-    if found is None or len(faults) > before:
-        return _lost(node)
-    return merge(found, _part(node, _OVER))
+    return _lost(node) if found is None or len(faults) > before else found
 
 
 def _lost(node: Mapping) -> Node:
@@ -76,9 +74,10 @@ def _asked(node: Mapping, faults: list[Fault]) -> RobotFile | None:
 def _translated(
     node: Mapping, asked: RobotFile, folder: Path, faults: list[Fault], notices: list[Fault]
 ) -> Node | None:
-    """Raises ConfigError if the file can't be read as XML."""
+    """The mechanism with the keys beside `urdf` put over it; raises ConfigError if the file can't be read as XML."""
     from granular_contact.config.references import shown
-    from granular_contact.robot.massless import has_world, merged
+    from granular_contact.config.urdf_corrections import masses, put_right, without_used
+    from granular_contact.robot.massless import completed, has_world, merged
     from granular_contact.robot.mechanism import mechanism_of
     from granular_contact.robot.support import held
     from granular_contact.robot.urdf import read_all
@@ -86,17 +85,24 @@ def _translated(
     robot, reader = read_all(shown(folder / asked.urdf))
     sand = _sand(asked, robot)
     reader.use(asked.shapes, sand)
+    put_right(node, robot, reader)
     if not reader.faults:
         faults += _unmatched(node, asked, robot)
         if has_world(robot) and asked.base is not None:
             words = f"got {asked.base}, but the root link {robot.root} of {robot.file} is the ground; leave it out"
             faults.append(node.keys["base"].fault(("model", "base"), words))
-        bodies = merged(held(robot, asked.fix), reader, asked.base == "fixed")
+        fixed = asked.base == "fixed"
+        whole = completed(held(robot, asked.fix), reader, masses(node, robot, faults), fixed)
+        bodies = merged(whole, reader, fixed)
     if not reader.faults:
         said = mechanism_of(bodies, reader, _wishes(asked, sand, folder))
+        put_right(node, robot, reader)  # of meshes that are not there
     faults += reader.faults
     notices += reader.notices
-    return None if reader.faults else _placed(said, Position(robot.file, 1))
+    if reader.faults:
+        return None
+    made = _placed(said, Position(robot.file, 1))
+    return merge(made, without_used(_part(node, _OVER), made, robot, faults))
 
 
 def _sand(asked: RobotFile, robot: Robot) -> frozenset[str] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,12 +13,26 @@ from granular_contact.robot.source import Element
 from granular_contact.robot.types import Pose, Vector
 
 
+@dataclass(frozen=True)
+class Incomplete:
+    """What could be read of a link's mass properties, in its frame: as of `types.Inertial`, None where it is faulty."""
+
+    mass: float | None
+    center: Vector
+    tensor: Vector | None
+    line: int
+
+
 class Reader:
-    """Reads elements of one file, and collects faults; notices: what was passed over."""
+    """Reads elements of one file, and collects faults.
+
+    notices: what was passed over; incomplete: faulty mass properties by link.
+    """
 
     def __init__(self, file: str) -> None:
         self.file = file
         self.notices: list[Fault] = []
+        self.incomplete: dict[str, Incomplete] = {}
         self.faults: list[Fault] = []
         self.of_shapes: dict[str, list[tuple[str, Fault]]] = {"collision": [], "visual": []}
 

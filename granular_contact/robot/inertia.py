@@ -9,6 +9,7 @@ import numpy as np
 from granular_contact.robot.types import Inertial, Pose, Vector
 
 ROUNDING = 2e-3  # of the largest moment: URDF files give three or four digits
+NEGLIGIBLE = 1e-6  # of the largest moment
 
 
 def impossible(tensor: Vector) -> str | None:
@@ -23,6 +24,26 @@ def impossible(tensor: Vector) -> str | None:
             f"the two smaller add to {low + middle:.4g}, and must reach the largest"
         )
     return None
+
+
+def raised(tensor: Vector) -> Vector:
+    """The tensor (3, 3) with its two smaller principal moments raised until they reach the largest, where they do not.
+
+    Both are multiplied by the same number; where one is not above 0 it gets what the other lacks, and where both are
+    nothing each gets half, as of a thin plate. Its axes stay, and a tensor that a body can have stays as it is.
+    """
+    moments, axes = np.linalg.eigh(tensor)
+    low, middle, high = moments
+    if low > 0.0 and low + middle >= high:
+        return tensor
+    if low > NEGLIGIBLE * high:
+        moments[:2] *= high / (low + middle)
+    elif middle > NEGLIGIBLE * high:
+        moments[0] = max(high - middle, NEGLIGIBLE * high)
+    else:
+        moments[:2] = 0.5 * high
+    found: Vector = (axes * moments) @ axes.T
+    return 0.5 * (found + found.T)
 
 
 def turned(tensor: Vector, rotation: Vector) -> Vector:

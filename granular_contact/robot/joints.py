@@ -67,9 +67,11 @@ def _numbers(reader: Reader, joint: Element, kind: str, key: str) -> dict[str, A
         found["effort"] = reader.number(limit, "effort", f"{key}.limit", 0.0)
         if kind in _LIMITED:
             _check_range(reader, limit, found, f"{key}.limit")
+            found |= {name: found[name] or 0.0 for name in ("lower", "upper")}
     elif kind in _LIMITED:
         words = 'is missing; allowed is <limit lower="..." upper="..." effort="..." velocity="..."/>'
         reader.fault(joint, f"{key}.limit", f"{words}, or the type continuous" if kind == "revolute" else words)
+        found |= {"lower": 0.0, "upper": 0.0}  # where stops are given beside the file
     if dynamics is not None:
         found |= {name: reader.number(dynamics, name, f"{key}.dynamics", 0.0) for name in ("damping", "friction")}
     return found

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from granular_contact.robot.elements import Reader
-from granular_contact.robot.inertia import impossible, turned
+from granular_contact.robot.elements import Incomplete, Reader
+from granular_contact.robot.inertia import impossible, raised, turned
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Geometry, Inertial, Link, Shape
 
@@ -19,9 +19,8 @@ KINDS = ("box", *_PRIMITIVES, "mesh")
 
 def read_link(reader: Reader, element: Element, name: str) -> Link:
     """A link of this name; what is faulty in it is left out."""
-    key = f"link.{name}"
     shapes = {which: tuple(_shapes(reader, element, which, name)) for which in reader.of_shapes}
-    return Link(name, element.sourceline, _inertial(reader, element, key), shapes["visual"], shapes["collision"])
+    return Link(name, element.sourceline, _inertial(reader, element, name), shapes["visual"], shapes["collision"])
 
 
 def _shapes(reader: Reader, link: Element, which: str, name: str) -> Iterator[Shape]:
@@ -39,26 +38,38 @@ def _numbered(key: str, index: int, count: int) -> str:
     return f"{key}.{index}" if count > 1 else key
 
 
-def _inertial(reader: Reader, link: Element, key: str) -> Inertial | None:
+def _inertial(reader: Reader, link: Element, name: str) -> Inertial | None:
     """Mass properties in the frame of the link; None of one without mass, or with faults."""
+    key = f"link.{name}"
     element = reader.only(link, "inertial", key)
     if element is None:
         return None
     key += ".inertial"
-    held = reader.only(element, "mass", key)
-    if held is None:
-        reader.fault(element, f"{key}.mass", 'is missing; allowed is <mass value="..."/> (kg)')
-        return None
-    mass = reader.needed(held, "value", f"{key}.mass", 0.0)
+    before = len(reader.faults)
     pose = reader.pose(element, key)
+    mass = _mass(reader, element, f"{key}.mass")
     tensor = tensor_of(reader, element, key, mass)
-    if mass is None or tensor is None or mass == 0.0:
-        return None
     # A mass in a point may be part of a body.
-    if (why := impossible(tensor)) is not None and tensor.any():
-        reader.fault(element.find("inertia"), f"{key}.inertia", why)
+    if mass != 0.0 and tensor is not None and tensor.any():
+        if (why := impossible(tensor)) is not None:
+            reader.fault(element.find("inertia"), f"{key}.inertia", why)
+            tensor = None
+        else:
+            tensor = raised(tensor)
+    own = None if tensor is None else turned(tensor, pose.rotation)
+    if len(reader.faults) > before:
+        reader.incomplete[name] = Incomplete(mass, pose.xyz, own, element.sourceline)
+    if mass is None or own is None or mass == 0.0:
         return None
-    return Inertial(mass, pose.xyz, turned(tensor, pose.rotation), element.sourceline)
+    return Inertial(mass, pose.xyz, own, element.sourceline)
+
+
+def _mass(reader: Reader, inertial: Element, key: str) -> float | None:
+    held = reader.only(inertial, "mass", key.removesuffix(".mass"))
+    if held is None:
+        reader.fault(inertial, key, 'is missing; allowed is <mass value="..."/> (kg)')
+        return None
+    return reader.needed(held, "value", key, 0.0)
 
 
 def tensor_of(reader: Reader, element: Element, key: str, mass: float | None) -> np.ndarray | None:

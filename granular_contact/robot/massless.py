@@ -5,12 +5,14 @@ Robot files have them as roots, sensors, tool points. Their shapes and joints go
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
-from granular_contact.robot.elements import Reader
+import numpy as np
+
+from granular_contact.robot.elements import Incomplete, Reader
 from granular_contact.robot.inertia import added, moved
-from granular_contact.robot.types import Joint, Link, Pose, Robot, Shape
+from granular_contact.robot.types import Inertial, Joint, Link, Pose, Robot, Shape, Vector
 
 WORLDS = ("world", "ground")
 
@@ -19,6 +21,42 @@ def has_world(robot: Robot) -> bool:
     """Whether the root stands for the ground."""
     root = robot.links[robot.root]
     return robot.root in WORLDS and root.inertial is None
+
+
+@dataclass(frozen=True)
+class GivenMass:
+    """Mass properties in the frame of a link that are given beside the file: as of `Inertial`, None what is not."""
+
+    mass: float | None
+    center: Vector | None
+    tensor: Vector | None
+
+
+def completed(robot: Robot, reader: Reader, given: Mapping[str, GivenMass], fixed_base: bool) -> Robot:
+    """The robot with mass properties by the names of links, where those of the file are faulty or must not lack.
+
+    Links that are whole in the file, or can be part of another, stay as they are.
+    """
+    links = dict(robot.links)
+    for name in given.keys() & reader.incomplete.keys():
+        read = reader.incomplete[name]
+        links[name] = _with_mass(links[name], given[name], read)
+    trial = Reader(reader.file)
+    merged(replace(robot, links=links), trial, fixed_base)
+    moving = {name for name in given for fault in trial.faults if fault.key == f"link.{name}"}
+    for name in moving:
+        links[name] = _with_mass(links[name], given[name], Incomplete(None, np.zeros(3), None, links[name].line))
+    return replace(robot, links=links)
+
+
+def _with_mass(link: Link, given: GivenMass, read: Incomplete) -> Link:
+    """A link with what is given, else with what could be read; as it was where that is not all."""
+    mass = read.mass if given.mass is None else given.mass
+    tensor = read.tensor if given.tensor is None else given.tensor
+    if not mass or tensor is None:
+        return link
+    center = read.center if given.center is None else given.center
+    return replace(link, inertial=Inertial(mass, center, tensor, read.line))
 
 
 def merged(robot: Robot, reader: Reader, fixed_base: bool = False) -> Robot:

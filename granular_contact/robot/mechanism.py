@@ -18,7 +18,7 @@ from granular_contact.robot.support import mimicking, unsupported
 from granular_contact.robot.types import Geometry, Inertial, Joint, Link, Pose, Robot, Shape, Vector
 
 GROUND = "ground"
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _TAKEN = {"bodies": ("ground", "tip_body"), "joints": ("mean",)}  # names that a mechanism has for itself
 _ENDLESS = 1e3  # rad or m: limits as far as this are none
 _ARM = 0.1  # m, at which a stop holds the weight of the robot, where the file gives no effort
@@ -82,13 +82,18 @@ def _names(kind: str, given: Iterable[str], reader: Reader) -> dict[str, str]:
     """Names in a mechanism by those in the file: with _ in place of what no name there may hold."""
     found: dict[str, str] = {}
     for name in given:
-        plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)
-        plain = plain if _NAME.fullmatch(plain) else f"_{plain}"
-        plain = f"{plain}_" if plain in _TAKEN[kind] else plain
+        plain = plain_name(kind, name)
         if plain in found.values():
             reader.fault(None, f"{kind}.{name}", f"is written as {plain} here, as another is; give it another name")
         found[name] = plain
     return found
+
+
+def plain_name(kind: str, name: str) -> str:
+    """Name of a link or joint among the "bodies" or "joints" of a mechanism, which the ground has not either."""
+    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)
+    plain = plain if _NAME.fullmatch(plain) else f"_{plain}"
+    return f"{plain}_" if plain in _TAKEN[kind] else plain
 
 
 def _base_name(root: str, joints: Mapping[str, Said]) -> str:

@@ -158,7 +158,7 @@ def test_bodies_that_do_not_hang_on_the_ground(faults, case):
 def test_names(faults):
     found = faults(GOOD.replace("arm:\n", "a b:\n").replace("child: arm", "child: a b"))
     assert [(f.line, f.key) for f in found] == [(11, "model.bodies.a b")]
-    assert "a letter or _" in found[0].message
+    assert "letters, digits, _ and - are allowed" in found[0].message
     found = faults(GOOD.replace("    arm:\n", "    ground:\n").replace("child: arm", "child: hub"))
     assert (11, "model.bodies.ground", "the name ground is that of the fixed frame; give the body another") in [
         (f.line, f.key, f.message) for f in found

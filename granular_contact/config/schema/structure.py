@@ -13,8 +13,8 @@ from granular_contact.config.schema.chain import names
 from granular_contact.values.strict import Faults, LocalFault, no_such
 
 GROUND = "ground"
-_ALLOWED = "a letter or _, then letters, digits, _ and -, are allowed"
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+_ALLOWED = "letters, digits, _ and - are allowed, - not as the first"
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 
 
 # Of a chain: what it hangs on, and the names of its links and hinges.
