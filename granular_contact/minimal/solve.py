@@ -161,9 +161,11 @@ class Solve:
             return diverged(scene, t)
         if code == kernels.CROWD:
             return crowded(scene, t, self.march.last, step)
-        if code == kernels.PAUSE:
+        if code == kernels.REST:
+            return ended("rest", t, scene.solver)
+        if t < scene.solver.end_time_s:  # the kernels' END may be that of a part alone
             return ended("time_limit", t, scene.solver) if self._late(0.0) else paused(t, scene.solver)
-        return ended("rest" if code == kernels.REST else "end_time", t, scene.solver)
+        return ended("end_time", t, scene.solver)
 
 
 def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:

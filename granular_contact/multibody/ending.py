@@ -5,7 +5,7 @@ from __future__ import annotations
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.results import Status
-from granular_contact.results.ending import ended
+from granular_contact.results.ending import ended, paused
 from granular_contact.scene.types import Scene
 
 STIFF, SLOW = 1e-7, 0.1  # m, s: bristles a hundred times stiffer or slower than the default ones are what fails
@@ -23,7 +23,7 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
             return crowded(scene, t, recorder.rows - 1, step)
     if not success:
         return unsolved(scene, t, step, problem)
-    return ended("end_time", t, recorder.solver)
+    return ended("end_time", t, recorder.solver) if recorder.at_end(t) else paused(t, recorder.solver)
 
 
 def diverged(scene: Scene, t: float) -> Status:

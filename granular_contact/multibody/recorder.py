@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.multibody.stepping import StepControl
+from granular_contact.multibody.stepping import END, StepControl
 from granular_contact.multibody.system import System
 from granular_contact.results import Progress
 from granular_contact.scene.steps import Steps
@@ -140,11 +140,15 @@ class Recorder:
         if self.reason == "":
             if self._rests(t, v):
                 self.reason = "rest"
-            elif self.deadline < math.inf and time.perf_counter() > self.deadline:
+            elif self.deadline < math.inf and time.perf_counter() > self.deadline and not self.at_end(t):
                 self.reason = "time_limit"
             elif self.rows > self.most:
                 self.reason = "crowd"
         return self.reason != ""
+
+    def at_end(self, t: float) -> bool:
+        """Whether a time (s) is the end of the run."""
+        return t >= self.solver.end_time_s - END
 
     def _rests(self, t: float, v: Vector) -> bool:
         if self._rest_time is None:

@@ -30,7 +30,7 @@ from granular_contact.multibody.settings import (
     unresolved,
 )
 from granular_contact.multibody.settle import settle
-from granular_contact.multibody.stepping import END, StepControl
+from granular_contact.multibody.stepping import StepControl
 from granular_contact.multibody.system import System, Trajectory, at_one
 from granular_contact.multibody.views import Views
 from granular_contact.results import Cost, Outline, Progress, Status
@@ -241,7 +241,7 @@ class Solve:
     @property
     def over(self) -> bool:
         """Whether there is nothing to come."""
-        return not self._success or self.recorder.reason != "" or self.recorder.time >= self._end - END
+        return not self._success or self.recorder.reason != "" or self.recorder.at_end(self.recorder.time)
 
     # ---- of a solve that pauses ----
 

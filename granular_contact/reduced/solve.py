@@ -16,7 +16,7 @@ from granular_contact.kernels.runge_kutta import PAIRS
 from granular_contact.reduced.marching import March, ScipyMarch
 from granular_contact.reduced.model import Model
 from granular_contact.results import Cost, Outline, Progress, Status
-from granular_contact.results.ending import ended
+from granular_contact.results.ending import ended, paused
 from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Vector
 
@@ -73,7 +73,11 @@ class Solve:
     def over(self) -> bool:
         """Whether there is nothing to come."""
         stopped = self._code in (kernels.REST, kernels.FAILED, kernels.CHATTERING, OVERTIME)
-        return self._interrupted or stopped or self.time >= self.model.scene.solver.end_time_s * (1.0 - 1e-14)
+        return self._interrupted or stopped or self._at_end
+
+    @property
+    def _at_end(self) -> bool:
+        return self.time >= self.model.scene.solver.end_time_s * (1.0 - 1e-14)
 
     def advance(self, until: float = math.inf) -> None:
         """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
@@ -93,10 +97,12 @@ class Solve:
         deadline = math.inf if solver.max_wall_s is None else began + solver.max_wall_s - self.seconds
         while True:
             code = march.go_on()
-            if code != kernels.PAUSE:
+            if code not in (kernels.PAUSE, kernels.END) or self._at_end:
                 return code
             if time.perf_counter() > deadline:
                 return OVERTIME
+            if code == kernels.END:  # of this part
+                return code
             if self.progress is not None:
                 self.progress(march.time, solver.end_time_s)
 
@@ -156,6 +162,8 @@ class Solve:
         """How it ended."""
         if self._interrupted:
             return ended("interrupted", self.time, self.model.scene.solver)
+        if self._code in (kernels.PAUSE, kernels.END) and not self._at_end:
+            return paused(self.time, self.model.scene.solver)
         return status(self.model, self._code, self.time, self.march.y, self.march.true_sign)
 
 
