@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ import granular_contact
 from granular_contact.config import Scenario, is_run, load, load_medium, scenario_to_dict
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.scene import build
+from granular_contact.scene.controls import controls_of
 
 SHORT = ("output.figures=false", "solver.end_time_s=0.002", "method={reduced: {modes: 0}}")
 CHANGES: tuple[tuple[str, object, str], ...] = (
@@ -25,12 +27,12 @@ CHANGES: tuple[tuple[str, object, str], ...] = (
     ("model.bodies.link.flexible", None, "null"),
     ("output.figures", False, "false"),
     ("solver.step_s", None, "null"),
+    ("solver.end_time_s", None, "null"),
 )
 FAULTY: tuple[tuple[str, object, str], ...] = (
     ("medium.eta_d", -5, "-5"),
     ("medium.eta_q", 5, "5"),
     ("initial.impact_angle_deg", 120, "120"),
-    ("solver.end_time_s", None, "null"),
     ("solver.step_s", "fast", "fast"),
     ("medium", "no_sand", "no_sand"),
     ("model.joints.pivot.parent", "nobody", "nobody"),
@@ -45,6 +47,55 @@ def pendulum(*overrides: str) -> Scenario:
 @pytest.mark.parametrize(("key", "value", "text"), CHANGES)
 def test_replace_is_as_set(key: str, value: object, text: str) -> None:
     assert pendulum().replace({key: value}) == pendulum(f"{key}={text}")
+
+
+# Keys of configs/stepping_leg.yaml, and what is there after None: nothing, the default, or a null that the key takes.
+GONE = object()
+NOTHING: tuple[tuple[str, object], ...] = (
+    ("drives.knee", GONE),
+    ("drives", {}),
+    ("initial.joints.swing", GONE),
+    ("initial.joints", None),
+    ("drives.knee.limit_Nm", None),
+    ("drives.knee.angle_deg.phase_deg", 0.0),
+    ("solver.end_time_s", 0.5),
+    ("solver.rest_time_s", None),
+    ("gravity_m_s2", 9.81),
+)
+
+
+@pytest.mark.parametrize(("key", "left"), NOTHING)
+def test_none_takes_a_key_away_at_every_depth(key: str, left: object) -> None:
+    leg = load("stepping_leg")
+    *above, last = key.split(".")
+    nested: object = {last: None}
+    for name in reversed(above):
+        nested = {name: nested}
+    made = [leg.scenario.replace({key: None}), leg.replace({key: None}).scenario, leg.replace(nested).scenario]  # type: ignore[arg-type]
+    for scenario in (*made, load("stepping_leg", [f"{key}=null"]).scenario):
+        held = scenario_to_dict(scenario)
+        for name in above:
+            held = held[name]
+        assert held.get(last, GONE) == left
+
+
+@pytest.mark.parametrize("key", ["drives.hip", "model", "model.bodies.thigh", "model.joints.knee.type", "solver.end_s"])
+def test_none_does_not_take_away_what_is_needed_or_unknown(key: str) -> None:
+    for scenario in (load("stepping_leg"), load("stepping_leg").scenario):
+        with pytest.raises(ConfigError):
+            scenario.replace({key: None})
+
+
+def test_drives_of_a_robot_with_a_clock_can_be_replaced() -> None:
+    """The clock that nobody follows any more is told of where keys have places, and taken away by None."""
+    robot = load("hexapod")
+    external = {name: {"type": "external", "torque_Nm": 0} for name in robot.scenario.drives}
+    changed = robot.replace(drives=external)
+    [notice] = changed.sources.notices
+    assert re.fullmatch(r"\S*hexapod.yaml:\d+: signals.stride: no drive uses it; .*", notice)
+    assert len(controls_of(build(robot.scenario.replace(drives=external)))) == len(external)
+    without = robot.replace(drives=external, signals=None)
+    assert (without.scenario.signals, without.sources.notices) == ({}, ())
 
 
 def test_several_values_at_once() -> None:

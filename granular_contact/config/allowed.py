@@ -14,7 +14,7 @@ from granular_contact.config.schema.optimise import OptimiseFile
 from granular_contact.config.schema.robot import RobotFile
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.sweep import SweepFile
-from granular_contact.config.tree import Path
+from granular_contact.config.tree import Items, Node, Path, child, plain
 from granular_contact.values.strict import ALLOWED
 
 Schema = dict[str, Any]
@@ -103,6 +103,37 @@ def default_tag(path: Sequence[str]) -> tuple[str, str] | None:
         schema = _below(schema, step)
     tag, default = tags(schema), schema.get("default")
     return (tag[0], default[tag[0]]) if tag and isinstance(default, dict) else None
+
+
+def may_go(path: Sequence[str], root: Node, model: type[BaseModel]) -> bool:
+    """Whether the key at a path of a file may be left out, and takes no null; not of one that is not known.
+
+    root: tree of the file, which says of what kinds its parts are and what names there are.
+    """
+    schema, holder = definitions()[model.__name__], Schema()
+    node: Node | None = root
+    above = node
+    for step in path:
+        holder, above = _chosen(schema, node), node
+        schema = _below(holder, int(step) if isinstance(node, Items) else step)
+        node = child(above, step) if above is not None else None
+        if node is None and step not in keys(holder):
+            return False
+    if isinstance(above, Items) or path[-1] in holder.get("required", ()):
+        return False
+    options = [_deref(option).get("type") for option in schema.get("anyOf", ())]
+    return bool(schema) and not schema.get("nullable") and "null" not in options
+
+
+def _chosen(schema: Schema, node: Node | None) -> Schema:
+    """Of a schema with alternatives the one that a node says it is; none where it says nothing."""
+    if _takes_forms(schema):
+        schema = _of_form(schema, "list" if isinstance(node, Items) else "mapping")
+    if (tag := tags(schema)) is None:
+        return schema
+    said = None if node is None else child(node, tag[0])
+    kind = None if said is None else plain(said)
+    return _deref(schema["discriminator"]["mapping"].get(kind, {})) if isinstance(kind, str) else {}
 
 
 def keys(schema: Schema) -> list[str]:

@@ -51,17 +51,17 @@ if TYPE_CHECKING:
         name: str | None
         model: Named
         medium: Named | Sequence[Named] | None
-        gravity_m_s2: float
+        gravity_m_s2: float | None
         surface_height_m: float | None
         bed: Section | None
         wheel: Section | None
-        initial: Section
-        drives: Section
-        signals: Section
-        load: LoadChanges
-        solver: SolverChanges
-        method: str | Section
-        output: OutputChanges
+        initial: Section | None
+        drives: Section | None
+        signals: Section | None
+        load: LoadChanges | None
+        solver: SolverChanges | None
+        method: str | Section | None
+        output: OutputChanges | None
 
 
 # A mapping with one of these says what kind of thing it is, and takes the place of another one as a whole.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
@@ -25,6 +25,7 @@ from granular_contact.config.messages import by_place, faults_of, of_file
 from granular_contact.config.provenance import restated_each
 from granular_contact.config.references import MEDIA, MODELS, Resolver, shown
 from granular_contact.config.schema import Medium, Scenario
+from granular_contact.config.schema.fitting import unused_signals
 from granular_contact.config.sizes import too_large
 from granular_contact.config.stress_table import with_tables
 from granular_contact.config.structure_errors import structure_errors
@@ -220,7 +221,7 @@ class Template:
         scenario = scenario_of(node, found, {key: one.value for key, one in parts.items() if one.value is not None})
         new = [key for key in _SHARED if key in parts and parts[key].value is None]
         self._parts = parts | {key: parts[key]._replace(value=getattr(scenario, key)) for key in new}
-        notices = [*notices, *(notice for one in parts.values() for notice in one.notices)]
+        notices = [*notices, *(notice for one in parts.values() for notice in one.notices), *_unused(node, scenario)]
         return Loaded(scenario, SourceMap(node, notices))
 
     def _is_small(self, read: tree.Node, overrides: Sequence[setting.Override]) -> bool:
@@ -289,6 +290,13 @@ def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Mapping[str, An
     if found or scenario is None:
         raise ConfigError(sorted(found, key=by_place))
     return scenario
+
+
+def _unused(node: tree.Node, scenario: Scenario) -> Iterator[str]:
+    """Notices on shared signals that no drive follows."""
+    for name in unused_signals(scenario.drives, scenario.signals):
+        at = tree.key_position(node, ("signals", name))
+        yield str(at.fault(("signals", name), "no drive uses it; a drive gives its name as the signal"))
 
 
 def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:

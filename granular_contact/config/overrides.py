@@ -8,8 +8,20 @@ from functools import lru_cache
 
 from granular_contact.config import allowed
 from granular_contact.config.compose import MAX_DEPTH
+from granular_contact.config.in_space import scenario_class
 from granular_contact.config.messages import got
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, index_of, set_key
+from granular_contact.config.tree import (
+    Broken,
+    Items,
+    Mapping,
+    Node,
+    Position,
+    Scalar,
+    drop_key,
+    index_of,
+    set_key,
+    under,
+)
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault
 
@@ -78,10 +90,28 @@ def _parse(text: str, faults: list[Fault]) -> Override | None:
 
 
 def apply(root: Node, overrides: Sequence[Override], faults: list[Fault]) -> Node:
-    """`root` with the overrides in it; one without a place is a fault."""
+    """`root` with the overrides in it; one without a place is a fault.
+
+    null takes out a key that may be left out and takes no null, so that its default holds.
+    """
     for override in overrides:
-        root = _placed(root, override, 0, faults)
+        if _is_nothing(override.value) and allowed.may_go(override.path, root, scenario_class(root)):
+            root = _without(root, override.path)
+        else:
+            root = _placed(root, override, 0, faults)
     return root
+
+
+def _without(node: Node, path: tuple[str, ...]) -> Node:
+    """A copy of a node without what stands at a path below it."""
+    key = path[0]
+    if isinstance(node, Items):
+        at = index_of(key, node)
+        items = (_without(one, path[1:]) if i == at else one for i, one in enumerate(node.nodes))
+        return Items(node.position, tuple(items))
+    if len(path) > 1:
+        return under(node, key, lambda below: _without(below, path[1:]))
+    return drop_key(node, key) if isinstance(node, Mapping) else node
 
 
 def _placed(node: Node | None, override: Override, depth: int, faults: list[Fault]) -> Node:

@@ -2,6 +2,8 @@
 
 import pytest
 
+from granular_contact.config import load
+
 HEAD = """\
 model:
   name: leg
@@ -199,11 +201,12 @@ def test_mechanism_fault(faults, case):
     assert len(found[0].message) < 250
 
 
-def test_a_signal_that_nobody_follows(faults):
+def test_a_signal_that_nobody_follows_is_told_of(tmp_path):
     text = HEAD + f"signals:\n  gait: {SINE}\n  idle: {SINE}\ndrives:\n  knee: {{type: motion, angle_deg: gait}}\n"
-    [fault] = faults(text)
-    assert (fault.line, fault.key) == (15, "signals.idle")
-    assert "no drive uses it" in fault.message
+    path = tmp_path / "idle.yaml"
+    path.write_text(text, encoding="utf-8")
+    told = f"{path}:15: signals.idle: no drive uses it; a drive gives its name as the signal"
+    assert [notice for notice in load(path).sources.notices if "signals" in notice] == [told]
 
 
 def test_the_phase_of_a_shared_signal_needs_a_period(faults):

@@ -56,12 +56,10 @@ def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal
     for name, signal in signals.items():
         if isinstance(signal, Shared):
             yield ("signals", name), f"got the name {signal.name!r}; allowed is a signal with a type"
-    used = set()
     for name, drive in drives.items():
         path, key = ("drives", name), target(drive)
         signal = getattr(drive, key)
         if isinstance(signal, Shared):
-            used.add(signal.name)
             yield from _shared_faults((*path, key), signal, signals)
         if name not in joints:
             yield path, no_such("joint", name, joints)
@@ -77,9 +75,13 @@ def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal
         elif kind != TARGETS[key]:
             allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)
             yield (*path, key), f"{name} is {SINGULAR[kind]}; a drive of {SINGULAR[kind]} has one of the keys {allowed}"
-    for name in signals:
-        if name not in used:
-            yield ("signals", name), "no drive uses it; a drive gives its name as the signal"
+
+
+def unused_signals(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal]) -> list[str]:
+    """Names of the shared signals that no drive follows."""
+    followed = (getattr(drive, target(drive)) for drive in drives.values())
+    used = {signal.name for signal in followed if isinstance(signal, Shared)}
+    return [name for name in signals if name not in used]
 
 
 def _shared_faults(path: tuple[str, ...], shared: Shared, signals: Mapping[str, AnySignal]) -> Iterator[LocalFault]:

@@ -115,6 +115,8 @@ class Scenario(Strict):
 
         Checked as `--set` is. A medium with a changed number no longer says that it is what its source published. Of a
         mapping only the keys that it names are changed, unless it says its kind (`type`, `law` or `from`).
+        None takes a key away: a name as `drives.hip` is gone, any other key has its default again, or is null where it
+        may be.
         Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
         are looked up, paths are from the working folder.
 
