@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
@@ -33,16 +34,22 @@ class Steered(Protocol):
     def fail(self, message: str) -> None:
         """End as failed."""
 
+    def run_out(self) -> None:
+        """End as its wall time is over."""
+
     def interrupt(self) -> None:
         """End as interrupted."""
 
 
-def steer(run: Steered, control: Controller, control_rate_Hz: float, end: float, progress: Progress | None) -> None:
+def steer(
+    run: Steered, control: Controller, rate: float, end: float, left: float, progress: Progress | None
+) -> Exception | None:
     """Go on to the end of a run (s), with controls from a controller that is called so many times a second.
 
-    Raises ControlError where the rate is no number above 0; what the controller raises ends the run.
+    left: wall time (s) that it may take, the controller's own included. What the controller raises ends the run, and is
+    given back; None where it raises nothing.
     """
-    rate = checked_rate(control_rate_Hz)
+    deadline = time.perf_counter() + left
     seen, calls = run.observe(), 0
     began = seen.time
     while run.ended is None:
@@ -53,15 +60,21 @@ def steer(run: Steered, control: Controller, control_rate_Hz: float, end: float,
             run.interrupt()
         except Exception as error:  # whatever the controller of a user raises
             run.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
+            return error
         if progress is not None:
             progress(seen.time, end)
+        if run.ended is None and time.perf_counter() > deadline:
+            run.run_out()
+    return None
 
 
-def checked_rate(control_rate_Hz: Any) -> float:
-    """A rate as a number; ControlError where it is none above 0."""
+def checked_rate(control_rate_Hz: Any, shortest: float = 0.0) -> float:
+    """A rate as a number; ControlError where it is none above 0, or has a period below the `shortest` (s)."""
     rate = finite(control_rate_Hz)
     if rate is None or rate <= 0.0:
         raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
+    if rate * shortest > 1.0:
+        raise ControlError(f"control_rate_Hz: got {rate:g}, allowed is at most {1.0 / shortest:g} in this run")
     return rate
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+MOST_NAMES = 12  # of what there is, in a message
 
 
 class GranularContactError(Exception):
@@ -56,6 +60,17 @@ class ControlError(GranularContactError):
     """Controls, a step or a state that a simulation can't take; it stays as it was."""
 
 
+class ControllerError(ControlError):
+    """The controller of a run raised, or gave what can't be set; its own exception is the cause.
+
+    results: what was reached by then, with the status failed.
+    """
+
+    def __init__(self, message: str, results: Any = None) -> None:
+        self.results = results
+        super().__init__(message)
+
+
 class OutOfTimeError(SolveError):
     """The time limit was reached before the first step: there is nothing to save."""
 
@@ -66,6 +81,15 @@ class ResultsError(GranularContactError):
 
 class MissingPackageError(GranularContactError, ImportError):
     """A package that only this call needs is not installed; the message is one line, with how to install it."""
+
+
+def unknown_name(what: str, name: Any, known: Iterable[str]) -> str:
+    """That there is no column, control, ... of a name, with the names nearest to it, or the first of all."""
+    names = [*known]
+    if near := get_close_matches(str(name), names, 3):
+        return f"no {what} {name!r}; did you mean {' or '.join(near)}?"
+    more = f", and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return f"no {what} {name!r}; there are: {', '.join(names[:MOST_NAMES]) or 'none'}{more}"
 
 
 def scene_fault(key: str, message: str) -> Fault:

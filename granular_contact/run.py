@@ -144,6 +144,10 @@ class Solving(Protocol):
         """Time reached (s)."""
 
     @property
+    def spent(self) -> float:
+        """Wall time (s) so far, of which `solver.max_wall_s` is the most."""
+
+    @property
     def over(self) -> bool:
         """Whether there is nothing to come."""
 

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
-from granular_contact.controllers import Controller, Controls, finite, steer
-from granular_contact.errors import ControlError
+from granular_contact.controllers import Controller, Controls, checked_rate, finite, steer
+from granular_contact.errors import MOST_NAMES, ControlError, ControllerError, unknown_name
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.ending import ended, paused
 from granular_contact.results.observation import results
@@ -209,14 +209,22 @@ class Simulation:
 
         Raises
         ------
+        ControllerError
+            The controller raised, or gave what can't be set; its `results` are what was reached.
         ControlError
-            The rate is no number above 0, or the run is over.
+            The rate is no number above 0 or too high, or the run is over.
         """
+        raised = None
         if control is None or self.ended is not None:
             self._go_on(None, math.inf)
         else:
-            steer(self, control, control_rate_Hz, self._end, progress)
-        return self.results(most_frames)
+            rate, wall = checked_rate(control_rate_Hz, self._shortest), self.scenario.solver.max_wall_s
+            left = math.inf if wall is None else wall - self._solving.spent
+            raised = steer(self, control, rate, self._end, left, progress)
+        found = self.results(most_frames)
+        if raised is not None:
+            raise ControllerError(found.status.message, found) from raised
+        return found
 
     def _go_on(self, controls: Controls, until: float) -> Observations:
         """`step` to a time (s)."""
@@ -250,7 +258,7 @@ class Simulation:
         for name, value in given.items():
             control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
             if control is None:
-                faults.append(f"no control {name!r}; there are: {', '.join(self.controls) or 'none'}")
+                faults.append(unknown_name("control", name, self.controls))
             elif (number := finite(value)) is None:
                 faults.append(f"{name}: got {value!r}, allowed is a finite number")
             else:
@@ -274,8 +282,9 @@ class Simulation:
         except ValueError:  # rows of different lengths
             raise ControlError(f"controls: got {controls!r:.80}, allowed is one number for each control") from None
         if values.shape != (len(self.controls),):
-            names = ", ".join(self.controls) or "none"
-            raise ControlError(f"controls: got the shape {values.shape}, allowed is ({len(self.controls)},): {names}")
+            count, names = len(self.controls), ", ".join(self.controls[:MOST_NAMES]) or "none"
+            names += ", ..." * (count > MOST_NAMES)
+            raise ControlError(f"controls: got the shape {values.shape}, allowed is ({count},): {names}")
         return dict(zip(self.controls, values.tolist(), strict=True))
 
     # ---- what is seen ----
@@ -391,6 +400,10 @@ class Simulation:
             Why, as the status of its results says it.
         """
         self._failed = Status("failed", message)
+
+    def run_out(self) -> None:
+        """End the run as its wall time is over."""
+        self._failed = ended("time_limit", self.time, self.scenario.solver)
 
     def interrupt(self) -> None:
         """End the run as interrupted."""

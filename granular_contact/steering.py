@@ -34,7 +34,7 @@ def simulate(
 ) -> Results:
     """Simulate a scene, steered by a controller if there is one.
 
-    However the run ends, what it reached is in the results; look at their status.
+    However the run ends, what it reached is in the results; look at their status. What a controller raises is raised.
 
     Parameters
     ----------
@@ -48,9 +48,8 @@ def simulate(
         Laws of your own that a config names by their tags, as of `load`.
     control : callable, optional
         `control(t, observations)` gives the controls from the time t (s) on, see `Simulation.step`. It is called at the
-        start and then at its rate. Where it raises, or gives what can't be set, the run ends as failed; its results
-        hold what was reached, and its status the message. Steps chosen by their error end where it is called, and
-        strips are those of the scene: the run is not repeated with shorter ones.
+        start and then at its rate. Steps chosen by their error end where it is called, and strips are those of the
+        scene: the run is not repeated with shorter ones.
     control_rate_Hz : float
         Calls in a second.
     most_frames, inspect, compiling
@@ -68,8 +67,11 @@ def simulate(
         The config is at fault, as of `load`.
     SceneError
         The scenario is another one than the scene was built from, or the scene was not built from any.
+    ControllerError
+        The controller raised, or gave what can't be set: a name that is not there, no finite number. What it raised is
+        the cause; `results` are what was reached, with the status failed.
     ControlError
-        The rate is no number above 0.
+        The rate is no number above 0, or too high for the run.
 
     Examples
     --------

@@ -30,7 +30,7 @@ MAY = {
     "scene": {"scene", "scene.space", "config", "laws", "errors", "geometry"},
     # Shapes and meshes are made by the bed, once.
     "scene.space": {"scene.space", "scene", "config", "config.csv_table", "bed.space", "laws", "errors", "geometry"},
-    "results": {"results", "scene", "laws", "geometry"},
+    "results": {"results", "scene", "laws", "geometry", "errors"},
     # Folders and figures by method calls of results: loaded when one is called.
     "results.methods": {"results", "report", "report.figures", "report.pages", "config", "scene", "errors"},
     "bed": {"bed", "kernels", "laws", "scene", "results", "geometry", "errors"},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import re
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +14,7 @@ from support_runs import scenario_of
 
 from granular_contact import Simulation, build, simulate
 from granular_contact.config import Scenario
-from granular_contact.errors import ConfigError, ControlError
+from granular_contact.errors import ConfigError, ControlError, ControllerError, unknown_name
 from granular_contact.run import run
 
 BAR = "type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 2700"
@@ -273,7 +274,7 @@ def test_the_energy_balance_holds_under_a_controller_that_switches() -> None:
 
 
 BAD: tuple[tuple[Any, Any, str], ...] = (
-    ({"hips_angle_deg": 1.0}, 0.01, r"no control 'hips_angle_deg'; there are: hip_angle_deg, knee_torque_Nm"),
+    ({"hips_angle_deg": 1.0}, 0.01, r"no control 'hips_angle_deg'; did you mean hip_angle_deg\?"),
     ({"hip_angle_m": 1.0}, 0.01, "no control 'hip_angle_m'"),
     ({"knee_torque_rad": 1.0}, 0.01, "no control 'knee_torque_rad'"),
     ({"knee_torque_Nm": 0.1, "hip_angle_deg": np.nan}, 0.01, "hip_angle_deg: got nan, allowed is a finite number"),
@@ -319,7 +320,7 @@ def raising(*_: object) -> dict[str, float]:
 # What a controller does at last, and how the status tells it.
 CONTROLLERS: dict[str, tuple[Callable[..., Any], str]] = {
     "raises": (raising, r"RuntimeError: lost its way \(.*test_simulation.py:\d+\)"),
-    "another name": (lambda *_: {"hipp": 1.0}, "no control 'hipp'; there are: hip_angle_deg, knee_torque_Nm$"),
+    "another name": (lambda *_: {"hip_angle_dg": 1.0}, r"no control 'hip_angle_dg'; did you mean hip_angle_deg\?$"),
     "another number": (lambda *_: [1.0], r"controls: got the shape \(1,\), allowed is \(2,\): hip_angle_deg, knee"),
     "no number": (lambda *_: {"hip_angle_deg": np.nan}, "hip_angle_deg: got nan, allowed is a finite number$"),
     "words": (lambda *_: "stop", r"controls: got the shape \(\), allowed is \(2,\)"),
@@ -330,9 +331,13 @@ CONTROLLERS: dict[str, tuple[Callable[..., Any], str]] = {
 def test_what_was_reached_is_kept_where_a_controller_fails(case: str) -> None:
     last, words = CONTROLLERS[case]
     controls = {"knee_torque_Nm": 0.1}
-    results = simulate(scenario_of(LEG), control=lambda t, _: last() if t > 0.0199 else controls, control_rate_Hz=100)
+    with pytest.raises(ControllerError) as caught:
+        simulate(scenario_of(LEG), control=lambda t, _: last() if t > 0.0199 else controls, control_rate_Hz=100)
+    results = caught.value.results
     assert results.status.code == "failed"
     assert re.match(f"the controller failed at 0.02 s: {words}", results.status.message)
+    assert str(caught.value) == results.status.message
+    assert type(caught.value.__cause__) is (RuntimeError if case == "raises" else ControlError)
     assert results.summary["status"] == "failed"
     undisturbed = Simulation(scenario_of(LEG))
     for _ in range(2):
@@ -344,6 +349,51 @@ def test_what_was_reached_is_kept_where_a_controller_fails(case: str) -> None:
 def test_a_rate_of_control_is_above_nothing(rate: Any) -> None:
     with pytest.raises(ControlError, match="control_rate_Hz"):
         simulate(scenario_of(LEG), control=lambda *_: {}, control_rate_Hz=rate)
+
+
+def test_a_simulation_raises_it_too_and_keeps_what_was_reached() -> None:
+    simulation = of("leg")
+    with pytest.raises(ControllerError, match="lost its way"):
+        simulation.run(lambda t, _: raising() if t > 0.0099 else {}, 100)
+    assert simulation.ended is not None
+    assert simulation.ended.code == "failed"
+    assert simulation.results()["time_s"][-1] == pytest.approx(0.01)
+    simulation.reset()
+    assert simulation.run(lambda *_: {}, 100).status.code != "failed"
+
+
+def test_its_exception_goes_to_another_process_with_the_results() -> None:
+    with pytest.raises(ControllerError) as caught:
+        simulate(scenario_of(LEG), control=raising)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value)
+    np.testing.assert_array_equal(again.results.table, caught.value.results.table)
+
+
+def test_of_many_names_the_nearest_is_told() -> None:
+    names = [f"leg_{i}_torque_Nm" for i in range(200)]
+    assert unknown_name("control", "leg_17_torqe_Nm", names).startswith(
+        "no control 'leg_17_torqe_Nm'; did you mean leg_17"
+    )
+    words = unknown_name("control", "hip", names)
+    assert words.endswith("leg_11_torque_Nm, and 188 more")
+    simulation = of("leg")
+    for holder, name in ((simulation.observe(), "hip_angel_deg"), (simulation.results(), "hip_angel_deg")):
+        with pytest.raises(KeyError, match=r"did you mean hip_angle_deg"):
+            holder[name]
+
+
+def test_wall_time_counts_what_the_controller_takes() -> None:
+    scenario = scenario_of(LEG, "solver.max_wall_s=0.3")
+    results = simulate(scenario, control=lambda *_: time.sleep(0.05), control_rate_Hz=1000)
+    assert results.status.code == "time_limit"
+    assert "solver.max_wall_s (0.3) is over" in results.status.message
+    assert 0.0 < results["time_s"][-1] < 0.01  # six or seven calls of 50 ms
+
+
+def test_a_rate_of_control_beyond_all_steps_is_refused() -> None:
+    with pytest.raises(ControlError, match=r"control_rate_Hz: got 1e\+12, allowed is at most"):
+        simulate(scenario_of(LEG), control=lambda *_: {}, control_rate_Hz=1e12)
 
 
 # ---- beginning anew ----

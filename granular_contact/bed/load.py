@@ -75,6 +75,8 @@ class GranularLoad:
         As of `GranularBed`, with its errors.
     """
 
+    building_s = 0.0  # wall time (s) that its shapes took to be made
+
     def __init__(
         self,
         medium: Law | Layer | Sequence[Law | Layer],

@@ -52,6 +52,11 @@ class Solve:
         return self.march.time
 
     @property
+    def spent(self) -> float:
+        """Wall time (s) so far."""
+        return self.seconds
+
+    @property
     def over(self) -> bool:
         """Whether there is nothing to come."""
         end = self.tree.scene.solver.end_time_s

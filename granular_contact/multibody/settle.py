@@ -85,7 +85,7 @@ class _Descent:
         self.turning = np.zeros_like(self.mass)  # of the forces of joints, see `Balance.turning`
         self.force, _ = self.balance.at(self.q, self.share)
         wall = scene.solver.max_wall_s
-        self.deadline = math.inf if wall is None else time.perf_counter() + wall
+        self.deadline = math.inf if wall is None else time.perf_counter() + wall - system.building_s
 
     def run(self) -> None:
         """Go on to rest, or as far as one gets."""

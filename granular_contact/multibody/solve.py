@@ -226,7 +226,7 @@ class Solve:
             recorder.control.until = math.inf if whole else until
         else:
             it.maxStepSize = (until - now) / max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
-        recorder.resume(self._conv, self.seconds)
+        recorder.resume(self._conv, self.spent)
 
     def _too_fast(self) -> str:
         if self.recorder.reason == "away":
@@ -237,6 +237,11 @@ class Solve:
     def time(self) -> float:
         """Time reached (s)."""
         return self.recorder.time
+
+    @property
+    def spent(self) -> float:
+        """Wall time (s) so far: of the solve, and of making what the medium meets."""
+        return self.seconds + self.system.building_s
 
     @property
     def over(self) -> bool:

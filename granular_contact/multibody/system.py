@@ -84,6 +84,11 @@ class System:
         """Arrays of what Python keeps of joints, each once; from the first forces on they stay where they are."""
         return [*([] if self.joints is None else [self.joints.state]), *self.turns]
 
+    @property
+    def building_s(self) -> float:
+        """Wall time (s) that what the medium meets took to be made."""
+        return 0.0 if self.bed is None else self.bed.load.building_s
+
     def senses(self) -> Senses:
         """What reads its state in the pauses of a solve."""
         from granular_contact.multibody.senses import Senses

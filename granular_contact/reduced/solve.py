@@ -70,6 +70,11 @@ class Solve:
         return self.march.time
 
     @property
+    def spent(self) -> float:
+        """Wall time (s) so far."""
+        return self.seconds
+
+    @property
     def over(self) -> bool:
         """Whether there is nothing to come."""
         stopped = self._code in (kernels.REST, kernels.FAILED, kernels.CHATTERING, OVERTIME)

@@ -15,13 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from granular_contact.errors import unknown_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -141,13 +142,11 @@ class Results:
     motion: Motion | None = None
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """Column `name` as an array (rows,); KeyError says which is meant, or lists the columns there are."""
+        """Column `name` as an array (rows,); KeyError says which are nearest, or what there is."""
         for i, column in enumerate(self.columns):
             if column.name == name:
                 return self.table[:, i]
-        near = get_close_matches(name, self.names, 1)
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(self.names)}"
-        raise KeyError(f"no column {name!r}; {hint}")
+        raise KeyError(unknown_name("column", name, self.names))
 
     @property
     def names(self) -> list[str]:

@@ -11,6 +11,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.errors import unknown_name
+
 Vector = NDArray[np.float64]
 Pair = tuple[Vector, Vector]
 DEGREES = math.degrees(1.0)
@@ -164,7 +166,7 @@ class Observations(Mapping[str, float]):
         return {key: held for key, held in vars(self.computed()).items() if key != "_instant"}
 
     def __getitem__(self, name: str) -> float:
-        """A number by its name; KeyError lists the names there are."""
+        """A number by its name; KeyError says which are nearest, or what there is."""
         place = self.seen.places.get(name)
         if place is None:
             return self._other(name)
@@ -180,7 +182,7 @@ class Observations(Mapping[str, float]):
         body = name.removesuffix("_contact")
         if body != name and body in self.seen.met:
             return float(self.depths[self.seen.met.index(body)] > 0.0)
-        raise KeyError(f"no observation {name!r}; there are: {', '.join(self)}")
+        raise KeyError(unknown_name("observation", name, self))
 
     def array(self, names: Iterable[str]) -> Vector:
         """Numbers of some names, in their order, (names,)."""

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granular_contact import Box, Capsule, Cone, Cylinder, Mesh, Plate, Sphere, load, preset
+from granular_contact import Box, Capsule, Cone, Cylinder, Mesh, Plate, Sphere, load, preset, simulate
 from granular_contact.bed.contact_lines import Body
-from granular_contact.bed.space import triangles
+from granular_contact.bed.space import elements, triangles
 from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.bed.space.triangles import MOST_FACETS
 from granular_contact.errors import SceneError
@@ -92,6 +92,19 @@ def test_all_shapes_of_a_bed_count(monkeypatch: Any) -> None:
         bed.add_shape(body, box)
     with pytest.raises(SceneError, match=r"got \d+ facets in all; allowed are 700"):
         bed.add_shape(body, box)
+
+
+def test_making_them_counts_as_wall_time(monkeypatch: Any) -> None:
+    made = elements.surface
+
+    def slow(*given: Any) -> Any:
+        time.sleep(0.5)
+        return made(*given)
+
+    monkeypatch.setattr(elements, "surface", slow)
+    results = simulate({**foot(type="sphere", diameter_m=0.1), "solver": {"end_time_s": 10, "max_wall_s": 0.5}})
+    assert results.status.code == "time_limit"
+    assert results["time_s"][-1] < 1.0
 
 
 # ---- sizes of bodies ----

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -108,6 +109,7 @@ class SpatialLoad(GranularLoad):
             No medium takes such a shape, it is not where a shape can be, or the list is closed.
         """
         self.check_open()
+        began = time.perf_counter()
         place, turn = elements.place_of(position), elements.turn_of(rotation)
         if facet_size is not None and not (np.isfinite(facet_size) and facet_size > 0.0):
             raise scene_error("bed", f"facet_size: got {facet_size}, allowed is a number above 0 (m)")
@@ -129,6 +131,7 @@ class SpatialLoad(GranularLoad):
             raise scene_error(FACET_SIZE, f"{words} fewer shapes in the sand (in_sand: false)")
         self.lines += [replace(one, again=i > 0) for i, one in enumerate(made)]
         self.table = self._new_table()
+        self.building_s += time.perf_counter() - began
 
     def _met_as(self, shape: Shape) -> list[str]:
         """As what the media meet a shape: surface, bar or ball."""
