@@ -54,7 +54,7 @@ def test_the_motion_is_a_film_that_a_notebook_shows(tmp_path: Path) -> None:
     assert film._repr_html_().startswith('<img alt="swing.gif" src="data:image/gif;base64,R0lGODlh')
     with pytest.raises(ResultsError, match=r"got the ending '\.png'; allowed are \.gif and \.mp4"):
         swung().animation(tmp_path / "swing.png")
-    blind = simulate("pendulum", most_frames=0, control=lambda *_: 1 / 0)
+    blind = simulate("pendulum", most_frames=0)
     with pytest.raises(ResultsError, match="had most_frames=0"):
         blind.animation(tmp_path / "none.gif")
 
@@ -125,7 +125,7 @@ def test_columns_by_name() -> None:
     results = swung()
     assert results["pivot_angle_deg"].shape == results["time_s"].shape
     assert "pivot_angle_deg" in results._ipython_key_completions_()
-    with pytest.raises(KeyError, match="did you mean 'pivot_angle_deg'"):
+    with pytest.raises(KeyError, match="did you mean pivot_angle_"):
         results["pivot_angle"]
     with pytest.raises(KeyError, match="there are: time_s"):
         results["q"]
