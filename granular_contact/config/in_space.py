@@ -10,7 +10,8 @@ from granular_contact.config.tree import Mapping, Node, Path, Scalar, find, rewr
 
 def scenario_class(root: Node) -> type[Scenario]:
     """Class of the scenario of a tree in which the model is resolved: that of space where it says so, or tries to."""
-    if find(root, ("model", "in_space"))[1]:
+    held, missing = find(root, ("model", "in_space"))
+    if missing or (isinstance(held, Scalar) and held.value is False):
         return Scenario
     from granular_contact.config.schema.space import SpatialScenario
 

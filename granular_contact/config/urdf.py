@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from granular_contact.config.messages import validated
 from granular_contact.config.schema.robot import RobotFile
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, made, merge
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, made, merge
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean, no_such
 
@@ -65,6 +65,9 @@ def _asked(node: Mapping, faults: list[Fault]) -> RobotFile | None:
         if key not in known:
             words = f"unknown key; {did_you_mean(key, known) or 'allowed are ' + ', '.join(known)}"
             faults.append(node.keys[key].fault(("model", key), words))
+    plane = node.nodes.get("in_space")
+    if isinstance(plane, Scalar) and plane.value is False:
+        faults.append(node.keys["in_space"].fault(("model", "in_space"), "got false, but a robot file is in space"))
     own_faults = list[Fault]()
     asked = validated(RobotFile, _part(node, RobotFile.model_fields), own_faults)
     faults += [replace(fault, key=f"model.{fault.key}".rstrip(".")) for fault in own_faults]

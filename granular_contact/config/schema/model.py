@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Literal
 
 from pydantic import Field
 
@@ -16,6 +17,8 @@ from granular_contact.values.strict import Faults, Strict, Text
 class Model(Strict):
     """A mechanism in the plane, x horizontal and y up, before it is placed and set in motion."""
 
+    in_space: Literal[False] = False
+    """true: a model in space, whose keys are others."""
     name: Text
     description: Text = ""
     bodies: dict[str, Body] = Field(default_factory=dict)

@@ -13,7 +13,7 @@ from granular_contact.config.schema.space.bodies import SpatialBody, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
 from granular_contact.config.schema.structure import mechanism_faults
-from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text, allow
 
 
 class SpatialChainLink(Strict):
@@ -71,7 +71,7 @@ class SpatialChain(Strict):
 class SpatialModel(Strict):
     """A mechanism in space, x ahead, y left and z up, before it is placed and set in motion."""
 
-    in_space: Literal[True]
+    in_space: Annotated[Literal[True], allow("true, or false for a model in the plane")]
     name: Text
     description: Text = ""
     bodies: dict[str, SpatialBody] = Field(default_factory=dict)
