@@ -3,6 +3,7 @@
 types                       what comes out: bodies, joints, medium and numbers, as frozen plain data
 build, again                Scenario -> Scene; the same for one that differs in its medium or its strike alone
 shapes, bodies              shapes -> lines, outlines and masses; masses merged into bodies
+extremes                    lowest and farthest points of arcs, wherever they are cut
 layout, start, loops        frames of bodies, initial states of joints, kinematic loops
 joints, joint_law           joints between bodies, and springs, stops and friction in them
 drives, controls            what moves joints; what is set from outside

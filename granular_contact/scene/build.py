@@ -15,6 +15,7 @@ from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives
+from granular_contact.scene.extremes import farthest, lowest
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import PlanarLoops, closed, redundant
@@ -29,6 +30,7 @@ from granular_contact.scene.types import (
     Reduced,
     RigidBody,
     Scene,
+    Shape,
     Vector,
     turned,
 )
@@ -270,11 +272,18 @@ class End:
 
 
 def ends_of(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> list[End]:
-    """Ends and corners of all parts that a medium may act on."""
-    met = [(body, shape.points, shape.drop) for body in rigid for shape in body.shapes if shape.in_sand]
-    found = [End(body.name, corner, body.motion.world(corner), drop) for body, points, drop in met for corner in points]
+    """Ends, corners and lowest points of all parts that a medium may act on."""
+    found = []
+    for body, shape in _met(rigid):
+        points = [*lowest(shape, body.motion), *shape.points]
+        found += [End(body.name, at, body.motion.world(at), shape.drop) for at in points]
     tips = [(link, np.array([x, 0.0])) for link in links for x in (0.0, link.length)]
     return found + [End(link.name, end, link.motion.world(end)) for link, end in tips]
+
+
+def _met(rigid: tuple[RigidBody, ...]) -> list[tuple[RigidBody, Shape]]:
+    """Shapes that a medium may act on, with their bodies."""
+    return [(body, shape) for body in rigid for shape in body.shapes if shape.in_sand]
 
 
 def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:
@@ -289,8 +298,10 @@ def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple
         lowest = min(end.lowest for end in ends)
         return next((e.body, e.point) for e in reversed(ends) if e.lowest <= lowest + 1e-12)
     root = point(on_ground[0].parent_point_m)
-    farthest = max(float(np.linalg.norm(end.world - root)) for end in ends)
-    return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world - root) >= farthest * (1 - 1e-12))
+    round_ones = [(body, at) for body, shape in _met(rigid) for at in farthest(shape, body.motion, root)]
+    ends = [*(End(body.name, at, body.motion.world(at)) for body, at in round_ones), *ends]
+    most = max(float(np.linalg.norm(end.world - root)) for end in ends)
+    return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world - root) >= most * (1 - 1e-12))
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
